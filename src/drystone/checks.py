@@ -18,7 +18,7 @@ from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
 from drystone.results import Residuals
 
-PRESSED = 1e-7
+_PRESSED = 1e-7
 """A corner that carries force overlaps by at least this share of the largest displacement at the
 blocks that meet there. Less is rounding, and a force there would be prestress. In the rest states
 and states of eq. 5.6 that were examined it is 8e-6 or more."""
@@ -153,7 +153,7 @@ def _residuals(
     length = np.minimum(largest[a], largest[b])
     safe = np.where(length > 0.0, length, 1.0)
     opening = np.maximum(0.0, moved[..., 0]) / safe
-    unpressed = np.clip(1.0 + moved[..., 0] / (PRESSED * safe), 0.0, 1.0)
+    unpressed = np.clip(1.0 + moved[..., 0] / (_PRESSED * safe), 0.0, 1.0)
     prestress = np.maximum(0.0, normal) / local * np.maximum(opening, unpressed)
     pulled = np.maximum(0.0, -normal) / local * (moved[..., 0] <= 0.0)
     slide = lengths(moved[..., 1:])

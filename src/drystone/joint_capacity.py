@@ -12,7 +12,7 @@ from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 
-PerInterface: TypeAlias = float | Sequence[float] | Floats
+_PerInterface: TypeAlias = float | Sequence[float] | Floats
 """One number for all interfaces, or one each."""
 
 NO_LIMIT = 1e30
@@ -78,10 +78,10 @@ class JointCapacity(OneLine):
         cls,
         contacts: Any,
         *,
-        tension: PerInterface | None = None,
-        cohesion: PerInterface | None = None,
-        shear: PerInterface | None = None,
-        moment: PerInterface | None = None,
+        tension: _PerInterface | None = None,
+        cohesion: _PerInterface | None = None,
+        shear: _PerInterface | None = None,
+        moment: _PerInterface | None = None,
     ) -> JointCapacity:
         """From forces, one for all interfaces or one each.
 
@@ -117,9 +117,9 @@ class JointCapacity(OneLine):
         cls,
         contacts: Any,
         *,
-        tension: PerInterface = 0.0,
-        cohesion: PerInterface | None = None,
-        shear: PerInterface | None = None,
+        tension: _PerInterface = 0.0,
+        cohesion: _PerInterface | None = None,
+        shear: _PerInterface | None = None,
     ) -> JointCapacity:
         """From stresses times the areas of the interfaces; see :meth:`of`.
 

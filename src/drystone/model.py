@@ -19,7 +19,7 @@ from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
 
-REPRESENTED = (1e-100, 1e100)
+_REPRESENTED = (1e-100, 1e100)
 """[N, N m], chosen: far from anything that is built, and products of forces fit a float."""
 
 
@@ -95,7 +95,7 @@ class Model(Card):
             )
         object.__setattr__(self, "load", LoadCase.of(self.assembly, self.load))
         size = np.abs(self.load.wrench).max(axis=1, initial=0.0)
-        odd = (size != 0.0) & ~((size >= REPRESENTED[0]) & (size <= REPRESENTED[1]))
+        odd = (size != 0.0) & ~((size >= _REPRESENTED[0]) & (size <= _REPRESENTED[1]))
         if odd.any():
             i = int(np.flatnonzero(odd)[0])
             raise InputError(

@@ -13,7 +13,7 @@ from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.parts import separate_parts
 
-MERGE = 1e-6
+_MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of
 single precision."""
 
@@ -24,7 +24,7 @@ def mended_block(
     name: str = "block",
     density: float = DEFAULT_DENSITY,
     *,
-    merge: float = MERGE,
+    merge: float = _MERGE,
 ) -> Block:
     """A block from faces that do not share their vertices, or lie twice in one place.
 

@@ -23,13 +23,13 @@ from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 
-FULL = 40_000
+_FULL = 40_000
 """Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
 sparse product takes longer than the product of a small matrix."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
-SPECK = 1e-4
+_SPECK = 1e-4
 """Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
 
 
@@ -167,7 +167,7 @@ class Statics:
     def full_transposed(self) -> Floats | None:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
         rows, columns = 3 * self.corner_count, 6 * self.free_count
-        return self.matrix_transposed.toarray() if rows * columns <= FULL else None
+        return self.matrix_transposed.toarray() if rows * columns <= _FULL else None
 
     @cached_property
     def normal_stiffness(self) -> Floats:
@@ -180,7 +180,7 @@ class Statics:
             return area
         count = np.bincount(self.interface)
         mean = np.bincount(self.interface, area) / np.maximum(count, 1)
-        return np.maximum(np.maximum(area, 0.05 * mean[self.interface]), SPECK * self.block_area)
+        return np.maximum(np.maximum(area, 0.05 * mean[self.interface]), _SPECK * self.block_area)
 
     @cached_property
     def corner_load(self) -> Floats:

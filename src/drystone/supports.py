@@ -14,15 +14,15 @@ from drystone.base.display import named
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
 
-LOWEST = 0.1
+_LOWEST = 0.1
 """Blocks whose lowest corner is within this share of the median block height of the lowest corner
 of all are the lowest blocks."""
-FOOT = 0.5
+_FOOT = 0.5
 """A foot is in the lower half of the model: what has nothing below it higher up hangs."""
-PRESSED = -np.sin(np.deg2rad(20.0))
+_PRESSED = -np.sin(np.deg2rad(20.0))
 """A joint presses a block down where the upward part of its normal is below this: friction of
 0.36 cannot hold the block there."""
-LEVEL = np.cos(np.deg2rad(5.0))
+_LEVEL = np.cos(np.deg2rad(5.0))
 """The underside of a foot is level within 5 degrees."""
 UP = (0.0, 0.0, 1.0)
 NAMED = 4
@@ -75,9 +75,9 @@ def select(
 
 
 def lowest(assembly: Assembly, up: Sequence[float] = UP) -> Bools:
-    """Mask (n,) of the lowest blocks; see :data:`LOWEST`."""
+    """Mask (n,) of the lowest blocks; see :data:`_LOWEST`."""
     bottom, top = heights(assembly, up)
-    out: Bools = bottom <= bottom.min() + LOWEST * np.median(top - bottom)
+    out: Bools = bottom <= bottom.min() + _LOWEST * np.median(top - bottom)
     return out
 
 
@@ -90,7 +90,7 @@ def feet(assembly: Assembly, joints: Joints | None, up: Sequence[float] = UP) ->
     bottom, top = heights(assembly, up)
     if joints is None:
         return np.zeros(len(assembly), dtype=bool)
-    low = bottom <= bottom.min() + FOOT * (top.max() - bottom.min())
+    low = bottom <= bottom.min() + _FOOT * (top.max() - bottom.min())
     found: Bools = low & hanging(assembly, joints, up) & _level(assembly, bottom, up)
     return found
 
@@ -102,7 +102,7 @@ def hanging(assembly: Assembly, joints: Joints, up: Sequence[float] = UP) -> Boo
     most = np.full(len(assembly), -np.inf)
     np.maximum.at(most, b, upward)
     np.maximum.at(most, a, -upward)
-    out: Bools = np.isfinite(most) & (most < PRESSED)
+    out: Bools = np.isfinite(most) & (most < _PRESSED)
     return out
 
 
@@ -160,7 +160,7 @@ def advice(assembly: Assembly, up: Sequence[float] = UP, joints: Joints | None =
     """What ``lowest`` and ``below:`` would fix, counted, as the remedy of an error."""
     low = lowest(assembly, up) | feet(assembly, joints, up)
     bottom, top = heights(assembly, up)
-    level = bottom.min() + LOWEST * (top.max() - bottom.min())
+    level = bottom.min() + _LOWEST * (top.max() - bottom.min())
     return (
         f"'lowest' would fix {_list(assembly, low)}; 'below:{level:.3g}' "
         f"{counted(int((bottom <= level).sum()), 'block')}; or give names"
@@ -221,7 +221,7 @@ def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
     area = faces.area_vectors
     direction = np.asarray(up, dtype=np.float64)
     size = np.linalg.norm(area, axis=1)
-    down = -(area @ direction) >= LEVEL * size
+    down = -(area @ direction) >= _LEVEL * size
     least = faces.corners.min(faces.point[faces.loop] @ direction)
     reach = np.array([block.size for block in assembly.blocks])
     down &= least <= bottom[faces.owner] + 1e-3 * reach[faces.owner]

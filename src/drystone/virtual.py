@@ -21,10 +21,10 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.geometry.plane.kern import Sections, kern, sections
 
-Choice = Sequence[int] | Ints | Bools | None
+_Choice = Sequence[int] | Ints | Bools | None
 """Interfaces by position or mask; all when None."""
 
-MERGED = 1e-12
+_MERGED = 1e-12
 """Corners closer than this share of the size of their interface are one."""
 
 
@@ -50,7 +50,7 @@ def section_centroids(contacts: Contacts) -> Floats:
     return origin + np.einsum("mi,mij->mj", made.centroid, contacts.frame[:, 1:])
 
 
-def shrink(contacts: Contacts, factor: float, interfaces: Choice = None) -> Contacts:
+def shrink(contacts: Contacts, factor: float, interfaces: _Choice = None) -> Contacts:
     """Interfaces scaled about their centroids.
 
     Parameters
@@ -71,7 +71,9 @@ def shrink(contacts: Contacts, factor: float, interfaces: Choice = None) -> Cont
     return _reshaped(contacts, centre + scale * (contacts.point - centre), interfaces)
 
 
-def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice = None) -> Contacts:
+def shift(
+    contacts: Contacts, direction: Any, factor: float, interfaces: _Choice = None
+) -> Contacts:
     """Interfaces compressed towards the side that lies farthest along a direction.
 
     Parameters
@@ -113,7 +115,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
 
 
 def towards_extrados(
-    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
+    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: _Choice = None
 ) -> Contacts:
     """Interfaces compressed towards the side far from an axis of curvature; see :func:`shift`.
 
@@ -131,23 +133,23 @@ def towards_extrados(
 
 
 def towards_intrados(
-    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
+    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: _Choice = None
 ) -> Contacts:
     """Interfaces compressed towards the side near an axis; see :func:`towards_extrados`."""
     return shift(contacts, -_outwards(contacts, centre, axis), factor, interfaces)
 
 
-def to_edge(contacts: Contacts, direction: Any, interfaces: Choice = None) -> Contacts:
+def to_edge(contacts: Contacts, direction: Any, interfaces: _Choice = None) -> Contacts:
     """Interfaces reduced to the edge that lies farthest along a direction; see :func:`shift`."""
     return shift(contacts, direction, 0.0, interfaces)
 
 
-def to_point(contacts: Contacts, interfaces: Choice = None) -> Contacts:
+def to_point(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
     """Interfaces reduced to their centroids."""
     return shrink(contacts, 0.0, interfaces)
 
 
-def to_kern(contacts: Contacts, interfaces: Choice = None) -> Contacts:
+def to_kern(contacts: Contacts, interfaces: _Choice = None) -> Contacts:
     """Interfaces reduced to their kerns: a force there puts the whole joint in compression."""
     mask = _mask(contacts, interfaces)
     origin, flat = local_corners(contacts)
@@ -170,7 +172,7 @@ def _factor(factor: float) -> float:
     return value
 
 
-def _mask(contacts: Contacts, interfaces: Choice) -> Bools:
+def _mask(contacts: Contacts, interfaces: _Choice) -> Bools:
     if interfaces is None:
         return np.ones(contacts.count, dtype=bool)
     mask = np.zeros(contacts.count, dtype=bool)
@@ -183,7 +185,7 @@ def _mask(contacts: Contacts, interfaces: Choice) -> Bools:
     return mask
 
 
-def _reshaped(contacts: Contacts, point: Floats, interfaces: Choice) -> Contacts:
+def _reshaped(contacts: Contacts, point: Floats, interfaces: _Choice) -> Contacts:
     """Contacts with moved corners of the chosen interfaces; coincident corners are merged."""
     mask = _mask(contacts, interfaces)
     kept = np.where(mask[contacts.interface, None], point, contacts.point)
@@ -194,7 +196,7 @@ def _reshaped(contacts: Contacts, point: Floats, interfaces: Choice) -> Contacts
     loops = []
     for i in range(contacts.count):
         part = slice(contacts.start[i], contacts.start[i + 1])
-        loops.append(_distinct(flat[part], MERGED * float(size[part].max())))
+        loops.append(_distinct(flat[part], _MERGED * float(size[part].max())))
     return _replaced(contacts, origin, loops)
 
 

@@ -20,11 +20,11 @@ DEFAULT_DENSITY = 2400.0
 """[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend
 on a common density."""
 
-FLAT = 1e-12
+_FLAT = 1e-12
 """A block whose volume is less than this share of its bounding box diagonal cubed is refused:
 rounding of its coordinates decides the sign."""
 
-SMALLEST = 1e-30
+_SMALLEST = 1e-30
 """[m], chosen: far below the size of any block."""
 
 
@@ -83,10 +83,10 @@ class Block(OneLine):
         vertices = frozen(surface.select(vertices))
         bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
         extent = math.dist(*bounds.tolist())
-        if 0.0 < extent < SMALLEST:
+        if 0.0 < extent < _SMALLEST:
             raise InputError(f"it is {extent:.3g} m across", where=where, remedy="give metres")
         volume, centroid = body_mass_properties(vertices, surface.fan)
-        if abs(volume) <= FLAT * extent**3:
+        if abs(volume) <= _FLAT * extent**3:
             raise InputError(
                 f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
             )

@@ -9,7 +9,7 @@ import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-LONGEST = 180
+_LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
 NAMED = 3
 """Names of equal things that are said; of more, how many there are."""
@@ -78,7 +78,7 @@ def draw_with(draw: Callable[[object], str]) -> None:
     _DRAWN_BY[:] = [draw]
 
 
-def shortened(text: str, longest: int = LONGEST, end: str = "...") -> str:
+def shortened(text: str, longest: int = _LONGEST, end: str = "...") -> str:
     """The text on one line; if it is too long, ``end`` replaces the rest."""
     line = " ".join(text.split())
     return line if len(line) <= longest else line[: longest - len(end)] + end

@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-LONGEST = 300
+_LONGEST = 300
 """Characters of one part of an error that quotes a file. Chosen: enough for a path and a name."""
 
 
@@ -58,7 +58,7 @@ def clean(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
 
 
-def printable(text: str, limit: int = LONGEST) -> str:
+def printable(text: str, limit: int = _LONGEST) -> str:
     r"""Text without line ends and control characters, cut in the middle when it is too long.
 
     Examples

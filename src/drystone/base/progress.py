@@ -41,7 +41,7 @@ Time [s] after which the calculation ends with the results so far.""",
 }
 """The four keywords and their documentation."""
 
-CALLED = ("progress", "stop", "check", "find", "executor")
+_CALLED = ("progress", "stop", "check", "find", "executor")
 """Arguments of public functions that must be functions, or executors."""
 
 
@@ -94,7 +94,7 @@ def check_keywords(named: Mapping[str, Any], may_be_none: Collection[str]) -> No
     InputError
         What should be a function cannot be called, or the time limit is below zero.
     """
-    for name in CALLED:
+    for name in _CALLED:
         if name not in named or (named[name] is None and name in may_be_none):
             continue
         value = named[name]

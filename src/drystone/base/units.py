@@ -15,7 +15,7 @@ MOMENTS = {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6}
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 MASSES = {"g": 1e-3, "kg": 1.0, "t": 1e3}
 ANGLES = ("deg", "°")
-PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 NUMBER = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*")
 
 
@@ -136,7 +136,7 @@ def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
     """
     if value == 0.0 or abs(value) <= negligible:
         return f"0 {unit}"
-    for factor, prefix in PREFIXES:
+    for factor, prefix in _PREFIXES:
         if abs(value) >= 0.9995 * factor:
             return f"{_three(value / factor)} {prefix}{unit}"
     return f"{value:.3g} {unit}"
@@ -163,7 +163,7 @@ def components(
     if largest <= negligible:
         values, largest = [0.0] * len(values), 0.0
     size = max(largest, column if column > negligible else 0.0)
-    factor, prefix = next((one for one in PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
+    factor, prefix = next((one for one in _PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
 
     def shown(value: float) -> str:

@@ -6,8 +6,8 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[1]
-RECORD = PACKAGE / "_commit.txt"
+_PACKAGE = Path(__file__).parents[1]
+RECORD = _PACKAGE / "_commit.txt"
 """Written into the package when it is built from a git checkout; see ``hatch_build.py``."""
 
 
@@ -16,7 +16,7 @@ def commit() -> str:
     """The short hash of the commit; empty where neither the package nor git can tell."""
     if RECORD.is_file():
         return RECORD.read_text(encoding="ascii").strip()
-    checkout = PACKAGE.parents[1]
+    checkout = _PACKAGE.parents[1]
     if not (checkout / ".git").exists():
         return ""
     try:

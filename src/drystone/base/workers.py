@@ -26,12 +26,12 @@ from drystone.base.errors import InputError, MissingDependency
 Item = TypeVar("Item")
 Found = TypeVar("Found")
 
-AHEAD = 64
+_AHEAD = 64
 """Items that are given to the workers before their answers are asked for: enough for some tens of
 workers, and few enough to be kept in memory."""
 LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
 """What an answer raises when its worker has died, or the scheduler or the network to it."""
-POLL_S = 0.1
+_POLL_S = 0.1
 """Time between two looks at the clock while an answer is waited for."""
 
 ExecutorFactory: TypeAlias = Callable[[], Executor]
@@ -139,7 +139,7 @@ class WorkerPool:
                     return
                 yield task(item)
             return
-        window = AHEAD
+        window = _AHEAD
         if ahead is not None:
             window = ahead * int(getattr(self.executor, "_max_workers", None) or 1)
         left = iter(items)
@@ -157,7 +157,7 @@ class WorkerPool:
                     future = futures[0]
                     while not future.done() and not late():
                         with suppress(TimeoutError):
-                            future.result(timeout=POLL_S)
+                            future.result(timeout=_POLL_S)
                     if not future.done():
                         return
                     answer = future.result()

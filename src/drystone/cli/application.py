@@ -39,15 +39,15 @@ from drystone.cli.files.models_command import demo, models
 from drystone.cli.files.reproduce_command import reproduce
 from drystone.cli.server_commands import live, mcp
 
-SHELLS = ("bash", "zsh", "fish")
+_SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""
 
 
-class Interrupted(Exception):
+class _Interrupted(Exception):
     """Ctrl-C ended a command before its answer; the message names what was written."""
 
 
-class Program(click.Group):
+class _Program(click.Group):
     """Commands by name; without one, the help."""
 
     examples: tuple[str, ...] = ()
@@ -58,7 +58,7 @@ class Program(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             work = UNDER_WAY.get()
-            raise Interrupted(NOTHING if work is None else work.left()) from error
+            raise _Interrupted(NOTHING if work is None else work.left()) from error
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """The command that is asked for; without one, the help and the exit code of bad input."""
@@ -82,8 +82,8 @@ class Program(click.Group):
         write_examples(self.examples, formatter)
 
 
-def _group(name: str, text: str, commands: Sequence[click.Command], *examples: str) -> Program:
-    made = Program(name, help=text, short_help=text, context_settings=SETTINGS)
+def _group(name: str, text: str, commands: Sequence[click.Command], *examples: str) -> _Program:
+    made = _Program(name, help=text, short_help=text, context_settings=SETTINGS)
     for one in commands:
         made.add_command(one)
     made.examples = examples
@@ -97,7 +97,7 @@ limit = _group(
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
 )
-COMMANDS: tuple[click.Command, ...] = (
+_COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     cut,
@@ -123,7 +123,7 @@ COMMANDS: tuple[click.Command, ...] = (
 app = _group(
     "drystone",
     "Does a structure of loose blocks stand by contact and friction alone?",
-    COMMANDS,
+    _COMMANDS,
     "drystone demo",
     "drystone check arch.json --html arch.html",
 )
@@ -156,7 +156,7 @@ app.params += [
     ),
     click.Option(
         ["--completion"],
-        type=kinds.one_of(SHELLS), is_eager=True, expose_value=False, callback=_completion,
+        type=kinds.one_of(_SHELLS), is_eager=True, expose_value=False, callback=_completion,
         help="Print what makes a shell complete commands and options, and exit.",
     ),
 ]  # fmt: skip
@@ -179,8 +179,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return output.fail(error, output.code_of(error), as_json)
     except click.UsageError as error:
         return output.fail(_in_our_words(error), output.BAD_INPUT, as_json)
-    except (Interrupted, KeyboardInterrupt, click.Abort) as error:
-        left = error if isinstance(error, Interrupted) else NOTHING
+    except (_Interrupted, KeyboardInterrupt, click.Abort) as error:
+        left = error if isinstance(error, _Interrupted) else NOTHING
         return output.fail(KeyboardInterrupt(f"interrupted; {left}"), INTERRUPTED, as_json)
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit

@@ -37,7 +37,7 @@ from drystone.stability import (
 
 _log = logging.getLogger(__name__)
 
-WIDEST_GAP = 0.25
+_WIDEST_GAP = 0.25
 """Largest gap of the contact search, relative to the block size, for any ``tmax``. Chosen: contacts
 must not reach through blocks."""
 
@@ -66,7 +66,7 @@ def assembly_interfaces_numpy(
     del nmax
     ours, nodes = blocks_of(assembly, 1.0)
     size = float(np.median(np.cbrt(ours.volume)))
-    gap = min(max(DetectionOptions().gap, float(tmax) / size), WIDEST_GAP)
+    gap = min(max(DetectionOptions().gap, float(tmax) / size), _WIDEST_GAP)
     contacts = find_contacts(ours, options=DetectionOptions(gap=gap)).contacts
     frame_type: Any = importlib.import_module("compas.geometry").Frame  # installed
     known = {frozenset(edge) for edge in assembly.graph.edges()}

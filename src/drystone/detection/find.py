@@ -33,7 +33,7 @@ from drystone.detection.search.planes import planes_between
 from drystone.geometry.mend.coincidence import duplicates
 from drystone.geometry.mend.parts import separate_parts
 
-SAME = 1e-6
+_SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are duplicates."""
 
 
@@ -265,7 +265,7 @@ def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tup
     a, b = pairs
     low, high = patches.boxes
     apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)
-    alike = apart <= SAME * patches.size[a]
+    alike = apart <= _SAME * patches.size[a]
     blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()
-    twins = duplicates([assembly.blocks[i].vertices for i in blocks], SAME)
+    twins = duplicates([assembly.blocks[i].vertices for i in blocks], _SAME)
     return tuple((blocks[i], blocks[j]) for i, j in twins)

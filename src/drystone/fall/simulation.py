@@ -26,12 +26,12 @@ from drystone.model import Model
 
 STEP = 0.002
 """[s] at the scale of the simulation; contacts have time constants of 0.01 s."""
-CONTACT = 0.01
+_CONTACT = 0.01
 """[s], time constant of contacts: with 0.005 s large models were thrown apart."""
 STILL, FOR = 0.03, 0.5
 """[m/s] and [s] at the scale of the simulation: slower for so long, everything lies. Before a
 first motion has led to a fall, blocks may only be slow: a wedge in its groove needs 2 s."""
-UNIT_TIME = 1.0 / np.sqrt(STANDARD_GRAVITY)
+_UNIT_TIME = 1.0 / np.sqrt(STANDARD_GRAVITY)
 """[s], in which a block of 1 m falls freely by half its size at 9.81 m/s2."""
 
 
@@ -93,7 +93,7 @@ def fall(
     pull = total / float(model.assembly.mass[free].sum())
     second = np.sqrt(length * STANDARD_GRAVITY / pull)
     scaled = _scaled(model, length)
-    spec = mujoco.MjSpec.from_string(mjcf_text(scaled, contact_s=CONTACT))
+    spec = mujoco.MjSpec.from_string(mjcf_text(scaled, contact_s=_CONTACT))
     spec.option.timestep = STEP
     spec.option.gravity = np.zeros(3)
     if chosen.ground:
@@ -107,7 +107,7 @@ def fall(
     data.xfrc_applied[1:] = np.where(model.assembly.fixed[:, None], 0.0, push)
     if motion is not None:
         _give_speed(simulator, data, motion, model.assembly, length, chosen.nudge)
-    every = max(round(UNIT_TIME / chosen.rate / STEP), 1)
+    every = max(round(_UNIT_TIME / chosen.rate / STEP), 1)
     last = int(np.ceil(chosen.duration * chosen.rate))
     quiet, lies, fallen = 0.0, False, motion is None or not np.any(motion[free])
     size = np.cbrt(scaled.assembly.volume)
@@ -196,7 +196,7 @@ def _give_speed(
     largest = float(np.abs(scaled).max(initial=0.0))
     if largest == 0.0:
         return
-    speed = scaled * (nudge * STANDARD_GRAVITY * UNIT_TIME / largest)
+    speed = scaled * (nudge * STANDARD_GRAVITY * _UNIT_TIME / largest)
     for number in assembly.free.tolist():
         at = int(simulator.jnt_dofadr[simulator.body_jntadr[number + 1]])
         data.qvel[at : at + 6] = speed[number]

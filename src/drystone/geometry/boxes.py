@@ -7,7 +7,7 @@ import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
 
-BATCH = 20_000
+_BATCH = 20_000
 """Boxes in one batch. Chosen: bounds the memory."""
 
 
@@ -68,8 +68,8 @@ def between(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> tup
     )
     tree = shapely.STRtree(diagonal_b)
     found = [np.zeros((2, 0), dtype=np.intp)]
-    for begin in range(0, len(diagonal_a), BATCH):
-        i, j = tree.query(diagonal_a[begin : begin + BATCH])
+    for begin in range(0, len(diagonal_a), _BATCH):
+        i, j = tree.query(diagonal_a[begin : begin + _BATCH])
         i = i + begin
         near = low_a[i, left_out] <= high_b[j, left_out]
         near &= low_b[j, left_out] <= high_a[i, left_out]

@@ -20,20 +20,20 @@ from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.parts import separate_parts
 from drystone.io.draft import Contents, Draft, DraftBlock
 
-LARGEST_COORDINATE = 1e9
+_LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
-LIKELY_EXTENT = (0.01, 1000.0)
-LIKELY_BLOCK = (0.002, 4.0)
-LIKELY_MASS = 1e10
+_LIKELY_EXTENT = (0.01, 1000.0)
+_LIKELY_BLOCK = (0.002, 4.0)
+_LIKELY_MASS = 1e10
 """[m, m, kg], chosen: range of the model size, range of the median block size, largest mass (the
 Great Pyramid has 6e9 kg). Outside them the model is accepted, with a remark on its unit."""
-USUAL_BLOCK = 0.5
-METRIC = ("mm", "cm", "m")
+_USUAL_BLOCK = 0.5
+_METRIC = ("mm", "cm", "m")
 """[m], chosen: the suggested unit is the metric unit that brings the median block nearest to this
 size."""
-SAME_PLACE = 1e-9
+_SAME_PLACE = 1e-9
 """Vertices nearer than this share of their block's size are the same point."""
-MANY = 5
+_MANY = 5
 """Names listed in one note."""
 
 
@@ -215,7 +215,7 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
     ]
     points = [_scaled(shapes[i], scale) for i in opened]
     loops = [shapes[i].faces for i in opened]
-    welded = coincidence.weld_each(points, loops, SAME_PLACE)
+    welded = coincidence.weld_each(points, loops, _SAME_PLACE)
     for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
         once = list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
         said = []
@@ -247,9 +247,9 @@ def _scaled(shape: DraftBlock, scale: float) -> Floats:
     if scale != 1.0:
         vertices = frozen_floats(vertices * scale, (None, 3), "vertices")
     far = np.abs(vertices).max(initial=0.0)
-    if far > LARGEST_COORDINATE:
+    if far > _LARGEST_COORDINATE:
         raise InputError(
-            f"a coordinate is {far:.3g} m", remedy=f"stay within {LARGEST_COORDINATE:g} m"
+            f"a coordinate is {far:.3g} m", remedy=f"stay within {_LARGEST_COORDINATE:g} m"
         )
     return vertices
 
@@ -298,7 +298,7 @@ def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputEr
 
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
     """A defect for each pair of duplicate blocks, and the second of each pair."""
-    pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
+    pairs = coincidence.duplicates([block.vertices for block in blocks], _SAME_PLACE)
     return [
         FormatError(
             f"blocks '{blocks[a].name}' and '{blocks[b].name}' are the same block twice,"
@@ -320,7 +320,7 @@ def _repair_notes(blocks: list[Block]) -> list[str]:
     notes = []
     for repair, repaired in names.items():
         many = "block" if len(repaired) == 1 else "blocks"
-        notes.append(f"{many} {named(repaired, MANY)}: {repair}")
+        notes.append(f"{many} {named(repaired, _MANY)}: {repair}")
     return notes
 
 
@@ -332,12 +332,12 @@ def _size_notes(blocks: list[Block], units: str | None) -> list[str]:
     extent = float((high - low).max())
     block = float(np.median([(one.bounds[1] - one.bounds[0]).max() for one in blocks]))
     weight = sum(one.mass for one in blocks)
-    usual = LIKELY_BLOCK[0] <= block <= LIKELY_BLOCK[1] and weight <= LIKELY_MASS
-    if usual and LIKELY_EXTENT[0] <= extent <= LIKELY_EXTENT[1]:
+    usual = _LIKELY_BLOCK[0] <= block <= _LIKELY_BLOCK[1] and weight <= _LIKELY_MASS
+    if usual and _LIKELY_EXTENT[0] <= extent <= _LIKELY_EXTENT[1]:
         return []
     read_in = f"read in {units}" if units else "no unit was given, metres assumed"
     now = UNITS[units or "m"]
-    likely = min(METRIC, key=lambda unit: abs(np.log(block * UNITS[unit] / now / USUAL_BLOCK)))
+    likely = min(_METRIC, key=lambda unit: abs(np.log(block * UNITS[unit] / now / _USUAL_BLOCK)))
     remedy = f"--units {likely}" if likely != (units or "m") else "--units"
     return [
         f"the model is {extent:.3g} m across, its median block {block:.3g} m, and weighs"

@@ -16,7 +16,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.base.files import decode
 
-LARGEST_WHOLE = 2**53
+_LARGEST_WHOLE = 2**53
 """Floats represent all whole numbers up to this one."""
 
 
@@ -147,7 +147,7 @@ class Field:
     def integer(self) -> int:
         """A whole number that a float can hold."""
         self._expect(int, "a whole number")
-        if abs(self.value) >= LARGEST_WHOLE:
+        if abs(self.value) >= _LARGEST_WHOLE:
             raise self.error("is too large a whole number")
         return int(self.value)
 
@@ -196,7 +196,7 @@ class Field:
     def integers(self, *shape: int | None) -> Ints:
         """Nested lists of whole numbers; see :meth:`floats`."""
         array = self.floats(*shape)
-        whole = np.abs(array) < LARGEST_WHOLE
+        whole = np.abs(array) < _LARGEST_WHOLE
         whole &= array == np.floor(array)
         if not whole.all():
             place = "".join(f"[{i}]" for i in np.argwhere(~whole)[0])

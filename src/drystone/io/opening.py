@@ -51,7 +51,7 @@ class How(TypedDict, total=False):
     max_size: float | None
 
 
-FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden", "max_size")
+_FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden", "max_size")
 """Arguments of :func:`read` that only a file has."""
 
 
@@ -215,14 +215,14 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     if isinstance(given, str | Path):
         return read(given, **how)
     if isinstance(given, Assembly):
-        _refuse(how, FILE_ONLY, "an assembly")
+        _refuse(how, _FILE_ONLY, "an assembly")
         return Model.of(given, **how)  # type: ignore[misc]
     if not isinstance(given, Model):
         raise InputError(
             f"{shortened(repr(given), 60)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file",
         )
-    _refuse(how, (*FILE_ONLY, "anyway", "detection", "density"), "a model")
+    _refuse(how, (*_FILE_ONLY, "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:
         model = model.with_supports(how["supports"])  # type: ignore[arg-type]

@@ -84,11 +84,11 @@ def _simulated(contents: Contents) -> Model:
     return made if load is None else made.with_load(load)
 
 
-LOADS = "loads and results"
-CONTACTS = f"contacts, {LOADS}"
-MATERIAL = f"supports, densities, metadata, {CONTACTS}"
-SIMULATED = "results, loads but for gravity"
-SINGLE = "digits beyond single precision, polygons that are not plane"
+_LOADS = "loads and results"
+_CONTACTS = f"contacts, {_LOADS}"
+_MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
+_SIMULATED = "results, loads but for gravity"
+_SINGLE = "digits beyond single precision, polygons that are not plane"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
     Format("drystone-npz", "drystone JSON with npz", (), None, drystone_json_write.write_beside),
@@ -98,7 +98,7 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_assembly,
-        f"friction, metadata, {LOADS} but for forces",
+        f"friction, metadata, {_LOADS} but for forces",
     ),
     Format(
         "compas-dem",
@@ -106,14 +106,14 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_block_model,
-        f"friction, metadata, {LOADS} but for forces",
+        f"friction, metadata, {_LOADS} but for forces",
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, MATERIAL, axes_unknown=True),
+    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, _MATERIAL, axes_unknown=True),
     Format(
-        "stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}", axes_unknown=True
+        "stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {_MATERIAL}", axes_unknown=True
     ),
-    Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS, axes_unknown=True),
-    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, CONTACTS, layers=True),
+    Format("ply", "PLY", (".ply",), ply.read, ply.write, _CONTACTS, axes_unknown=True),
+    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, _CONTACTS, layers=True),
     Format("bricks", "stud-and-tube bricks", (".bricks",), brick_list.read),
     Format(
         "mjcf",
@@ -121,11 +121,11 @@ FORMATS: tuple[Format, ...] = (
         (".xml",),
         None,
         _write_mjcf,
-        f"friction of single joints, {SIMULATED}",
+        f"friction of single joints, {_SIMULATED}",
     ),
     Format("urdf", "URDF, with meshes", (".urdf",), None, _write_urdf, "friction, loads, results"),
     Format(
-        "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
+        "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{_SINGLE}, {_CONTACTS}"
     ),
 )
 """In order of preference where several formats share a suffix."""

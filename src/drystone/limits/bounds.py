@@ -30,11 +30,11 @@ from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
 from drystone.statics import Statics, build_statics
 
-WIDEST = 3e-3
+_WIDEST = 3e-3
 """A limit from one program needs checked states within this share of it on both sides. Otherwise it
 is bisected."""
 
-STEPS = 100
+_STEPS = 100
 """Steps of one program. Those that end with an answer take about 40; very near the limit others end
 without one, whatever their number."""
 
@@ -50,7 +50,7 @@ def rbe(
 
 def _options(cone: FrictionCone) -> RBEOptions:
     options = RBEOptions.feasibility(cone)
-    return replace(options, conic=replace(options.conic, iteration_limit=STEPS))
+    return replace(options, conic=replace(options.conic, iteration_limit=_STEPS))
 
 
 def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Result | None:
@@ -166,7 +166,7 @@ def _confirmed(
             if verdict is True:
                 return Bracket(stands=end, standing=search.results[end])
         elif value >= start:
-            widest = max(width, WIDEST * (abs(value) + width))
+            widest = max(width, _WIDEST * (abs(value) + width))
             low = _nearest(search, value, -0.5 * width, widest, start, True)
             beyond = min(end, value + 0.5 * width)
             known = None if solution is None else _falls_by(family(beyond), cone, solution)

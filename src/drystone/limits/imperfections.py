@@ -30,13 +30,13 @@ from drystone.settlement.settling import SMALL
 if TYPE_CHECKING:
     import pandas
 
-FOLLOWED: Mapping[Outcome, Verdict] = {
+_FOLLOWED: Mapping[Outcome, Verdict] = {
     Outcome.RESTS: Verdict.STABLE,
     Outcome.DISPLACED: Verdict.UNSTABLE,
     Outcome.FALLS: Verdict.UNSTABLE,
 }
 """What following the blocks by steps says; everything else is undecided."""
-SIDE_BY_SIDE = 16
+_SIDE_BY_SIDE = 16
 """Draws of a small model that are followed together. Chosen: more are little faster, and a stop
 waits for them."""
 
@@ -235,7 +235,7 @@ def imperfections(
     model = as_model(given, **how)
     task = partial(_draws, model, kinds, check, orders)
     seeds = np.random.SeedSequence(seed).spawn(draws)
-    some = SIDE_BY_SIDE if orders and len(model.assembly.free) <= SMALL else 1
+    some = _SIDE_BY_SIDE if orders and len(model.assembly.free) <= SMALL else 1
     work = [seeds[at : at + some] for at in range(0, draws, some)]
     clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
@@ -288,7 +288,7 @@ def _draws(
         for order in orders
     ]
     outcomes = [one for draw in zip(*ended, strict=True) for one in draw]
-    return [FOLLOWED.get(one, Verdict.UNDECIDED) for one in outcomes], friction
+    return [_FOLLOWED.get(one, Verdict.UNDECIDED) for one in outcomes], friction
 
 
 def imperfect(

@@ -32,12 +32,12 @@ from drystone.results import Result, Verdict
 from drystone.stability.check import RestStates
 from drystone.statics import build_statics
 
-COARSE = 1.0 / 96.0
+_COARSE = 1.0 / 96.0
 """Default width for larger models, relative to the distance between the start and the limit of
 equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
 result of a scan of six steps, each halved four times."""
 
-CLOSING = 2.0
+_CLOSING = 2.0
 """Widths of that bracket between a value that stands and a proven fall at which it is the answer of
 larger models. Between them blocks would be followed very near to the limit of equilibrium, where it
 takes longest: 50 s for a cross vault of 188 blocks."""
@@ -203,8 +203,8 @@ def _in_two_steps(
     (start, last), scan = span, means.options.scan
     closing = 0.0
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
-        width = max(width, COARSE * abs(last - start))
-        closing = CLOSING * width
+        width = max(width, _COARSE * abs(last - start))
+        closing = _CLOSING * width
     uniformly, verdict_there = means.at_start
     search = means.search(family, one_stiffness, STANDS_OR_NOT, {start: uniformly})
     uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)

@@ -19,9 +19,9 @@ SEARCHED = 500
 :func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
 ones are made instead."""
 
-ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
+_ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
 
-UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
+_UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
 the quick level gives the same limits as the patient one in half of the time."""
 
@@ -29,8 +29,8 @@ the quick level gives the same limits as the patient one in half of the time."""
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     """Whether it stands with uniform contact stiffness: the fastest proof."""
     if model.contacts.corner_count > SEARCHED:
-        return stability.try_rest(model, screening=UNIFORM, stop=stop)
-    return stability.check(model, options=ONE_STIFFNESS, stop=stop)
+        return stability.try_rest(model, screening=_UNIFORM, stop=stop)
+    return stability.check(model, options=_ONE_STIFFNESS, stop=stop)
 
 
 def every_stiffness(

@@ -45,7 +45,7 @@ AXES = {
 """Axes by name."""
 
 
-WIDTH_DEG = 0.05
+_WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
 
 
@@ -101,7 +101,7 @@ def tilt_limit(family: Tilt, upper: float, settings: SearchSettings) -> Limit:
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
         raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
-    width = WIDTH_DEG if chosen.width is None else chosen.width
+    width = _WIDTH_DEG if chosen.width is None else chosen.width
     return searched(
         family,
         0.0,

@@ -17,7 +17,7 @@ from drystone.limits.limit_checks import STANDS, Check
 from drystone.limits.limit_families import Family
 from drystone.results import Result, Verdict
 
-GROWTH = 4.0
+_GROWTH = 4.0
 """Of a step from a guess to the next: less than the bisections that follow."""
 
 
@@ -195,7 +195,7 @@ class VerdictSearch:
         while self.stands(here) is not stands and here != towards:
             left = towards - here
             here = towards if abs(left) <= step else here + float(np.copysign(step, left))
-            step *= GROWTH
+            step *= _GROWTH
 
     def _run(
         self, start: float, end: float, width: float, scan: int, beyond: Bracket | None

@@ -19,12 +19,12 @@ from drystone.base.errors import InputError
 from drystone.live.computing.helper import Helper
 from drystone.mcp.folder import Folder
 
-URGENCY = {"read": 0, "quick": 0, "task": 1, "whole": 2, "cases": 3}
-OF_A_WISH = ("quick", "whole", "task")
+_URGENCY = {"read": 0, "quick": 0, "task": 1, "whole": 2, "cases": 3}
+_OF_A_WISH = ("quick", "whole", "task")
 """What a newer wish of the same window ends."""
-WINDOWS = 16
+_WINDOWS = 16
 """Windows that may be open at one time, chosen."""
-EVENTS = 256
+_EVENTS = 256
 """Events that wait for a window that does not read them, chosen; then the window is closed."""
 MODELS = 20
 """Models that are kept: that of the file, the one before, and mended ones. Chosen: one of 400
@@ -32,17 +32,17 @@ blocks takes 4 MB."""
 
 
 @dataclass(eq=False)
-class Window:
+class _Window:
     """A page that is open: its events on their way."""
 
     name: str
     events: queue.Queue[dict[str, Any] | None] = field(
-        default_factory=lambda: queue.Queue(maxsize=EVENTS)
+        default_factory=lambda: queue.Queue(maxsize=_EVENTS)
     )
 
 
 @dataclass(eq=False)
-class Kept:
+class _Kept:
     """A model that windows may ask about: pickled for the process, and encoded for the page."""
 
     blob: bytes
@@ -51,7 +51,7 @@ class Kept:
 
 
 @dataclass(eq=False)
-class Job:
+class _Job:
     """One thing to compute, for a window; for all of them where the name is empty."""
 
     window: str
@@ -63,7 +63,7 @@ class Job:
     @property
     def urgency(self) -> int:
         """Lower comes first."""
-        return URGENCY[self.do]
+        return _URGENCY[self.do]
 
 
 class Desk:
@@ -84,14 +84,14 @@ class Desk:
         self.folder = Folder.of(file.parent, largest_mib)
         self.given, self.file, self.how, self.seconds = given, file, dict(how), seconds
         self.helper = Helper()
-        self.windows: dict[str, Window] = {}
-        self.models: dict[int, Kept] = {}
+        self.windows: dict[str, _Window] = {}
+        self.models: dict[int, _Kept] = {}
         self.current = 0
         self.broken: dict[str, str] | None = None
         self.ever_open = False
         self._numbers = count(1)
-        self._pending: list[Job] = []
-        self._running: Job | None = None
+        self._pending: list[_Job] = []
+        self._running: _Job | None = None
         self._changed = threading.Condition()
         self._closed = False
         self._thread = threading.Thread(target=self._work, daemon=True, name="drystone-desk")
@@ -123,7 +123,7 @@ class Desk:
         self._thread.join()
 
     # -- windows --------------------------------------------------------------------------------
-    def enter(self, name: str) -> Window:
+    def enter(self, name: str) -> _Window:
         """A window opens its stream of events; an older stream of the same name ends.
 
         Raises
@@ -133,21 +133,21 @@ class Desk:
         """
         with self._changed:
             old = self.windows.pop(name, None)
-            if len(self.windows) >= WINDOWS:
-                raise InputError(f"{WINDOWS} windows are open", remedy="close one of them")
-            window = self.windows[name] = Window(name)
+            if len(self.windows) >= _WINDOWS:
+                raise InputError(f"{_WINDOWS} windows are open", remedy="close one of them")
+            window = self.windows[name] = _Window(name)
             self.ever_open = True
         if old is not None:
             _put(old, None)
         _put(window, self._state())
         return window
 
-    def leave(self, window: Window) -> None:
+    def leave(self, window: _Window) -> None:
         """A window was closed: nothing is computed for it any more."""
         with self._changed:
             if self.windows.get(window.name) is window:
                 del self.windows[window.name]
-                self._drop(window.name, tuple(URGENCY))
+                self._drop(window.name, tuple(_URGENCY))
         _put(window, None)
 
     def _state(self) -> dict[str, Any]:
@@ -158,7 +158,7 @@ class Desk:
     def read(self) -> None:
         """Read the file anew."""
         message = {"folder": self.folder, "name": self.file.name, "how": self.how}
-        self._add(Job("", "read", 0, {**message, "number": next(self._numbers)}, self.seconds))
+        self._add(_Job("", "read", 0, {**message, "number": next(self._numbers)}, self.seconds))
 
     def wish(self, window: str, number: int, model: int, wish: Any) -> None:
         """A load case: its quick verdict, then the whole one. Older wishes of the window end.
@@ -171,9 +171,9 @@ class Desk:
         self._require(window, model)
         message = {"model": model, "wish": wish, "seconds": self.seconds, "name": self.file.name}
         with self._changed:
-            self._drop(window, OF_A_WISH)
+            self._drop(window, _OF_A_WISH)
         for do in ("quick", "whole"):
-            self._add(Job(window, do, number, message, 1.5 * self.seconds))
+            self._add(_Job(window, do, number, message, 1.5 * self.seconds))
 
     def task(self, window: str, number: int, model: int, task: str, wish: Any, extra: Any) -> None:
         """Something that a person pressed a button for; an older task of the window ends.
@@ -191,12 +191,12 @@ class Desk:
             "model": model, "wish": wish, "seconds": self.seconds, "task": task, "extra": extra,
             "name": self.file.name, "number": next(self._numbers),
         }  # fmt: skip
-        self._add(Job(window, do, number, message, 1.5 * self.seconds))
+        self._add(_Job(window, do, number, message, 1.5 * self.seconds))
 
     def end(self, window: str) -> None:
         """Nothing more is wanted for a window for now."""
         with self._changed:
-            self._drop(window, tuple(URGENCY))
+            self._drop(window, tuple(_URGENCY))
 
     def _require(self, window: str, model: int) -> None:
         if window not in self.windows:
@@ -217,7 +217,7 @@ class Desk:
             self._running = None
             self.helper.cancel()
 
-    def _add(self, job: Job) -> None:
+    def _add(self, job: _Job) -> None:
         with self._changed:
             self._pending.append(job)
             running = self._running
@@ -242,7 +242,7 @@ class Desk:
             with self._changed:
                 self._running = None
 
-    def _let_run(self, job: Job, message: dict[str, Any]) -> None:
+    def _let_run(self, job: _Job, message: dict[str, Any]) -> None:
         self.helper.run(
             message,
             lambda event: self._hear(job, event),
@@ -250,7 +250,7 @@ class Desk:
             lambda: self._running is job,
         )
 
-    def _message(self, job: Job) -> dict[str, Any]:
+    def _message(self, job: _Job) -> dict[str, Any]:
         """What the process is told, with the model where it does not know it yet."""
         message = {**job.message, "do": job.do, "window": job.window}
         number = int(message.get("model", 0))
@@ -263,14 +263,14 @@ class Desk:
         self.helper.knows &= set(self.models)
         return message
 
-    def _hear(self, job: Job, event: dict[str, Any]) -> None:
+    def _hear(self, job: _Job, event: dict[str, Any]) -> None:
         """Pass an event on to the window that waits for it, or a new file to all of them."""
         with self._changed:
             if self._running is not job:
                 return
             if event["event"] == "model":
                 number = job.message["number"]
-                self.models[number] = Kept(event.pop("blob"), event.pop("scene"), event["facts"])
+                self.models[number] = _Kept(event.pop("blob"), event.pop("scene"), event["facts"])
                 self.helper.knows.add(number)
                 event["model"] = number
                 if job.do == "read":
@@ -293,7 +293,7 @@ class Desk:
                 self.leave(window)
 
 
-def _put(window: Window, event: dict[str, Any] | None) -> bool:
+def _put(window: _Window, event: dict[str, Any] | None) -> bool:
     """Whether there was room for an event; the end of a stream takes the place of others."""
     try:
         window.events.put_nowait(event)

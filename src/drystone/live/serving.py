@@ -19,26 +19,26 @@ from drystone.live.requests.guard import MIB
 from drystone.live.requests.web import WebServer
 from drystone.view.web.page import Addition, page_of_data
 
-PORT = 8377
+_PORT = 8377
 """Where the search for a free port begins; chosen, none of the registered ones."""
 
 PORTS = 20
 """Ports that are tried."""
 
-TIME_LIMIT = 60.0
+_TIME_LIMIT = 60.0
 """[s] for a verdict, a task, or a call of the JSON interface."""
 
-SIZE_LIMIT = 16.0
+_SIZE_LIMIT = 16.0
 """[MiB] of a model that is sent or read, as in :mod:`drystone.mcp`."""
 
-ALONE = 10.0
+_ALONE = 10.0
 """[s] after the last window was closed until the server ends. Chosen: a page that is loaded again
 is back by then, also on a slow machine."""
 
-PERIOD = 0.25
+_PERIOD = 0.25
 """[s] between two looks at a file. A file counts as saved once two looks see the same."""
 
-SCRIPTS = (
+_SCRIPTS = (
     "live-stream.js", "live-state.js", "live-picture.js", "live-push.js", "live-lists.js",
     "live-controls.js",
 )  # fmt: skip
@@ -71,10 +71,10 @@ class Live:
         self,
         model: str | Path,
         *,
-        port: int = PORT,
+        port: int = _PORT,
         how: Mapping[str, Any] | None = None,
-        time_limit: float = TIME_LIMIT,
-        size_limit: float = SIZE_LIMIT,
+        time_limit: float = _TIME_LIMIT,
+        size_limit: float = _SIZE_LIMIT,
     ) -> None:
         for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
             if not 0.0 < value < float("inf"):
@@ -134,7 +134,7 @@ class Live:
             self.close()
             raise
 
-    def wait(self, alone: float = ALONE) -> None:
+    def wait(self, alone: float = _ALONE) -> None:
         """Wait until the last window was closed for some time [s]; for ever if none is opened."""
         since = time.monotonic()
         while time.monotonic() - since < alone:
@@ -198,7 +198,7 @@ class Watch:
 
     def _look(self) -> None:
         told = last = self._state()
-        while not self._end.wait(PERIOD):
+        while not self._end.wait(_PERIOD):
             now = self._state()
             if now == last and now != told:
                 told = now
@@ -228,6 +228,6 @@ def _page_of(desk: Desk) -> str:
         begins = begins.replace(sign, f"\\u{ord(sign):04x}")
     begins = begins.replace("{{", "{\\u007b")  # a name, and no mark of the page
     controls = read("strip.html").replace("{{BEGINS}}", begins)
-    script = "\n".join(read(name) for name in SCRIPTS)
+    script = "\n".join(read(name) for name in _SCRIPTS)
     added = Addition(controls, read("live.css"), script, connects=True)
     return page_of_data(kept.scene, f"drystone live: {desk.file.name}", added=added)

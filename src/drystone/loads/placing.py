@@ -15,11 +15,11 @@ from drystone.geometry.body.solid import outside_distance
 from drystone.geometry.frames import unit
 from drystone.geometry.plane.triangulate import triangulate
 
-OFF_BLOCK = 1e-6
+_OFF_BLOCK = 1e-6
 """A point farther from a block than this share of the block's size lies outside it. Chosen: above
 the rounding of coordinates in model files."""
 
-FACING = np.cos(np.deg2rad(30.0))
+_FACING = np.cos(np.deg2rad(30.0))
 """A face faces a direction when its normal is within 30 degrees of it. Chosen: the inclined top of
 a voussoir still counts as its top."""
 
@@ -64,7 +64,7 @@ def off_block(block: Block, point: Floats) -> tuple[str, ...]:
     corner = faces.point[faces.loop]
     triangles = corner[triangulate(corner, faces.start)[0]]
     distance = float(outside_distance(point[None], triangles)[0])
-    if distance <= OFF_BLOCK * block.size:
+    if distance <= _OFF_BLOCK * block.size:
         return ()
     where = ", ".join(f"{x:g}" for x in point)
     return (f"the point {where} is {distance:.3g} m off block '{block.name}'",)
@@ -112,7 +112,7 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
         return np.arange(part.count, dtype=np.intp)
     area = part.area_vectors
     along = area @ unit(facing, "facing")
-    chosen = np.flatnonzero(along > (FACING - 1e-12) * np.linalg.norm(area, axis=1))
+    chosen = np.flatnonzero(along > (_FACING - 1e-12) * np.linalg.norm(area, axis=1))
     if len(chosen) == 0:
         raise InputError("no face has this direction", where=where, remedy="choose faces by number")
     return chosen

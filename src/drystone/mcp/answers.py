@@ -20,11 +20,11 @@ from drystone.results import Result
 from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.stability import check
 
-MOST = 20
+_MOST = 20
 """Entries of a list in an answer. Chosen."""
-DIGITS = 6
+_DIGITS = 6
 """Significant digits of a number in an answer."""
-SHARE = 0.8
+_SHARE = 0.8
 """Share of the time of a call after which an analysis ends. The rest is for reading and for its
 last step."""
 UP = "the time was up"
@@ -47,7 +47,7 @@ def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str,
     """
     began = time.monotonic()
     try:
-        told = TOOLS[tool](given, folder, began + SHARE * seconds)
+        told = TOOLS[tool](given, folder, began + _SHARE * seconds)
     except DrystoneError as error:
         return {"error": str(error), **error.parts()}
     return {**_short(told), "time_s": round(time.monotonic() - began, 2)}
@@ -78,8 +78,8 @@ def _inspect(given: Given, folder: Folder, _: float) -> dict[str, Any]:
         "lowest_corner_m": bounds[:, 0].min(axis=0).tolist() if blocks else None,
         "highest_corner_m": bounds[:, 1].max(axis=0).tolist() if blocks else None,
         "defects": _few([str(error) for error in built.defects]),
-        "contacts": contacts[:MOST],
-        "notes": list(built.notes)[:MOST],
+        "contacts": contacts[:_MOST],
+        "notes": list(built.notes)[:_MOST],
     }
 
 
@@ -103,7 +103,7 @@ def _told(result: Result) -> dict[str, Any]:
         "props": _props(result),
         "largest_force": _hardest(result, result.resultants.normal),
         "largest_friction_use": _hardest(result, result.utilisation),
-        "notes": list(result.model.notes)[:MOST],
+        "notes": list(result.model.notes)[:_MOST],
     }
 
 
@@ -111,7 +111,7 @@ def _props(result: Result) -> list[dict[str, Any]]:
     if result.prop is None:
         return []
     size = np.linalg.norm(result.prop[:, :3], axis=1)
-    neediest = sorted(result.falling, key=lambda block: -size[block])[:MOST]
+    neediest = sorted(result.falling, key=lambda block: -size[block])[:_MOST]
     return [
         {
             "block": result.assembly.names[block],
@@ -144,7 +144,7 @@ def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     return {
         "verdict": told["verdict"],
         "message": told["message"],
-        "sentences": told["sentences"][:MOST],
+        "sentences": told["sentences"][:_MOST],
         "friction_of_all_joints": told["friction_of_all"],
         "regions": [
             {
@@ -152,10 +152,10 @@ def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
                 "sentence": region["sentence"],
                 "needs": {key: region["needs"][key] for key in kept},
             }
-            for region in told["regions"][:MOST]
+            for region in told["regions"][:_MOST]
         ],
         "stopped": told["stopped"],
-        "notes": list(model.notes)[:MOST],
+        "notes": list(model.notes)[:_MOST],
     }
 
 
@@ -189,13 +189,13 @@ def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
         "stands_at": found.best.stands,
         "falls_at": found.best.falls,
         **{kind: told[kind] for kind in kinds},
-        "islands": told["islands"][:MOST],
+        "islands": told["islands"][:_MOST],
         "falling": _few(told["falling"]),
         "message": told["message"],
         "sensitive": found.is_sensitive,
         "remarks": told["remarks"],
         "stopped": UP if found.stopped else "",
-        "notes": list(notes)[:MOST],
+        "notes": list(notes)[:_MOST],
     }
 
 
@@ -214,7 +214,7 @@ def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
         "counts": found.counts,
         "steps": len(found.steps),
         "order": _few(found.order, 200),
-        "held_together": [row["blocks"] for row in told["steps"] if len(row["blocks"]) > 1][:MOST],
+        "held_together": [row["blocks"] for row in told["steps"] if len(row["blocks"]) > 1][:_MOST],
         "props": [
             {
                 "block": row["block"],
@@ -222,12 +222,12 @@ def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
                 "from_step": row["first_step"] + 1,
                 "to_step": row["last_step"] + 1,
             }
-            for row in told["props"][:MOST]
+            for row in told["props"][:_MOST]
         ],
-        "impossible": dict(list(impossible.items())[:MOST]),
+        "impossible": dict(list(impossible.items())[:_MOST]),
         "proved": found.proved,
         "stopped": found.stopped,
-        "notes": list(model.notes)[:MOST],
+        "notes": list(model.notes)[:_MOST],
     }
 
 
@@ -243,12 +243,12 @@ def _mend(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     return {
         "mends": [
             {"blocks": _few(one["blocks"]), **{key: one[key] for key in kept}}
-            for one in told["mends"][:MOST]
+            for one in told["mends"][:_MOST]
         ],
-        "tried": [{**one, "blocks": _few(one["blocks"])} for one in told["tried"][:MOST]],
+        "tried": [{**one, "blocks": _few(one["blocks"])} for one in told["tried"][:_MOST]],
         "message": told["mending"],
         "stopped": UP if late() else "",
-        "notes": list(model.notes)[:MOST],
+        "notes": list(model.notes)[:_MOST],
     }
 
 
@@ -268,7 +268,7 @@ def _left(end: float) -> float:
     return max(end - time.monotonic(), 1e-3)
 
 
-def _few(names: Sequence[str], most: int = MOST) -> dict[str, Any]:
+def _few(names: Sequence[str], most: int = _MOST) -> dict[str, Any]:
     """The number of entries, and the first of them."""
     return {"count": len(names), "first": list(names[:most])}
 
@@ -282,4 +282,4 @@ def _short(value: Any) -> Any:
     if isinstance(value, bool | int | str) or value is None:
         return value
     number = float(value)
-    return float(f"{number:.{DIGITS}g}") if math.isfinite(number) else None
+    return float(f"{number:.{_DIGITS}g}") if math.isfinite(number) else None

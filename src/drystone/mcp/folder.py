@@ -20,7 +20,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.supports import require_supports
 
-SUFFIXES = frozenset(suffix for known in FORMATS if known.read for suffix in known.suffixes)
+_SUFFIXES = frozenset(suffix for known in FORMATS if known.read for suffix in known.suffixes)
 MIB = 2**20
 
 
@@ -62,8 +62,8 @@ class Folder:
             The name leads out of the folder or over a symbolic link, or there is no such file.
         """
         file = self._file(name)
-        if file.suffix.lower() not in SUFFIXES:
-            known = ", ".join(sorted(SUFFIXES))
+        if file.suffix.lower() not in _SUFFIXES:
+            known = ", ".join(sorted(_SUFFIXES))
             raise InputError("is no model file", where=name, remedy=f"its suffix is one of {known}")
         if file.suffix.lower() == ".json" and b'"arrays"' in (data := file.read_bytes()):
             top = jsontext.parse(data, Path(name))
@@ -108,7 +108,7 @@ class Folder:
             folders[:] = sorted(name for name in folders if not name.startswith("."))
             for name in sorted(names):
                 file = Path(place) / name
-                if file.suffix.lower() in SUFFIXES and not file.is_symlink():
+                if file.suffix.lower() in _SUFFIXES and not file.is_symlink():
                     yield file.relative_to(self.path).as_posix(), file.stat().st_size
 
 

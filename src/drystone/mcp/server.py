@@ -8,14 +8,14 @@ from pathlib import Path
 from drystone.base.errors import InputError, MissingDependency
 from drystone.mcp.folder import Folder
 
-TIME_LIMIT = 50.0
+_TIME_LIMIT = 50.0
 """[s] for one call. Chosen: clients of the protocol often wait for 60 s."""
-SIZE_LIMIT = 16.0
+_SIZE_LIMIT = 16.0
 """[MiB] of one model. Chosen: about 50,000 blocks of six faces in our JSON."""
 
 
 def serve(
-    folder: str | Path, *, time_limit: float = TIME_LIMIT, size_limit: float = SIZE_LIMIT
+    folder: str | Path, *, time_limit: float = _TIME_LIMIT, size_limit: float = _SIZE_LIMIT
 ) -> None:
     """Answer the calls of one client over standard input and output until it disconnects.
 

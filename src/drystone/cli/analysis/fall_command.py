@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
     from drystone.fall import Film
 
-JAMS = (
+_JAMS = (
     "the simulator holds what falls: in it joints open while they slide, which jams a block "
     "between faces; 'drystone settle' follows its motion"
 )
@@ -85,7 +85,7 @@ def fall(
         wanted = FallOptions(duration=duration, ground=not no_ground)
         film = followed(model, motion, options=wanted, **common)
     if falls and not film.fell.any() and not film.stopped:
-        notes.append(JAMS)
+        notes.append(_JAMS)
     data = {"model": subject.model, **film.to_dict()}
     files = partial(_files, film, pictures, glb, subject.model)
     return Answer(data, partial(_show, data), 0 if film.lies else 1, notes, files)

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from drystone.model import Model
     from drystone.settlement import Settlement
 
-SHOWN = 12
+_SHOWN = 12
 """Blocks that are shown; chosen."""
-NO_TURN = 1e-12
+_NO_TURN = 1e-12
 """[rad], below which a rotation is rounding."""
 STYLE = {"comes to rest": "bold green", "falls": "bold red", "comes to rest far away": "bold red"}
 
@@ -74,14 +74,14 @@ def _show(data: Mapping[str, Any], screen: Screen) -> None:
                 _degrees([row[f"turn_{axis}"] for axis in "xyz"]),
                 f"{row['travel']:.2g}",
             )
-            for row in moved[:SHOWN]
+            for row in moved[:_SHOWN]
         ]
         screen.table(("block", "moves by", "turns by", "by its size"), rows)
-        if len(moved) > SHOWN:
-            screen.line(f"and {len(moved) - SHOWN} more, see --json")
+        if len(moved) > _SHOWN:
+            screen.line(f"and {len(moved) - _SHOWN} more, see --json")
 
 
 def _degrees(vector: list[float]) -> str:
     """The angle of a rotation vector [rad]."""
     size = sum(one * one for one in vector) ** 0.5
-    return f"{math.degrees(size):.2g} deg" if size > NO_TURN else "0 deg"
+    return f"{math.degrees(size):.2g} deg" if size > _NO_TURN else "0 deg"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
     from drystone.settlement import LargeDisplacement
 
-SHOWN = 12
+_SHOWN = 12
 """Rows of hinges and slides that are shown; chosen."""
 
 
@@ -87,8 +87,8 @@ def _show(found: LargeDisplacement, data: dict[str, Any], screen: Screen) -> Non
                 f"{row['block_a']} - {row['block_b']}",
                 "a hinge" if row["event"] == "hinge" else "sliding",
             )
-            for row in events[:SHOWN]
+            for row in events[:_SHOWN]
         ],
     )
-    if len(events) > SHOWN:
-        screen.line(f"and {len(events) - SHOWN} more, see --json")
+    if len(events) > _SHOWN:
+        screen.line(f"and {len(events) - _SHOWN} more, see --json")

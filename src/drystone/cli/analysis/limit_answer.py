@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
     from drystone.limits import Limit, TiltSweep
 
-TITLES = {
+_TITLES = {
     "equilibrium": "some forces balance the loads",
     "rest": "stands, as 'drystone check' tells",
     "robust": "stands for every contact stiffness tried",
     "uniform": "stands for uniform contact stiffness",
 }
-NOTHING: Mapping[str, float] = MappingProxyType({})
+_NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
 def safety_factor(found: Limit) -> dict[str, float]:
@@ -39,7 +39,7 @@ def answer(
     notes: Sequence[str],
     pictures: Pictures,
     waiting: Waiting,
-    more: Mapping[str, float] = NOTHING,
+    more: Mapping[str, float] = _NOTHING,
     about: str = "",
 ) -> Answer:
     """A limit and the pictures of its fall; exit code 1 if it does not stand at all.
@@ -84,7 +84,7 @@ def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> No
     screen.line(data["model"], f"limit of {data['parameter']}{unit}{about}")
     rows = [
         (title, _value(data[key]["stands"], "nowhere"), _value(data[key]["falls"], "-"))
-        for key, title in TITLES.items()
+        for key, title in _TITLES.items()
         if data[key] is not None and (key != "robust" or data["sensitive"])
     ]
     screen.table(("", "stands at", "falls at"), rows)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drystone.model import Model
 
 
-SIDEWAYS = "seismic:1,0"
+_SIDEWAYS = "seismic:1,0"
 
 
 def _axis(text: str) -> Any:
@@ -211,7 +211,7 @@ def push(
             "The load that grows: a load case of the file by name, seismic:KX,KY, or "
             "BLOCK:WHAT[@X,Y,Z] as for --load (seismic:1,0).",
         ),
-    ] = SIDEWAYS,
+    ] = _SIDEWAYS,
     to: Annotated[
         float | None,
         Option("Displacement at which it ends, m (the mean size of a block).", kind=kinds.POSITIVE),
@@ -234,7 +234,7 @@ def push(
     Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does
     not stand at the beginning.
     """
-    if lose_friction and (live != SIDEWAYS or to is not None):
+    if lose_friction and (live != _SIDEWAYS or to is not None):
         raise InputError(
             "--lose-friction and a load that grows contradict each other",
             remedy="leave out CASE and --to",

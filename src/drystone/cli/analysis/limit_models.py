@@ -44,8 +44,8 @@ def _pair(text: str) -> tuple[float, float]:
     return low, high
 
 
-ZERO_OR_MORE = kinds.number(least=0.0)
-ORDERS = ("at-once", "ramp", "turned")
+_ZERO_OR_MORE = kinds.number(least=0.0)
+_ORDERS = ("at-once", "ramp", "turned")
 
 
 @dataclass(frozen=True)
@@ -138,31 +138,31 @@ def imperfections(
     corner_loss: Annotated[
         float,
         Option(
-            "Probability that a corner of a joint is broken off.", kind=ZERO_OR_MORE, expert=True
+            "Probability that a corner of a joint is broken off.", kind=_ZERO_OR_MORE, expert=True
         ),
     ] = 0.0,
     offset: Annotated[
         float,
         Option(
             "Shift of joints in their plane by the root of their area.",
-            kind=ZERO_OR_MORE,
+            kind=_ZERO_OR_MORE,
             expert=True,
         ),
     ] = 0.0,
     turn: Annotated[
         float,
-        Option("Turn of joints out of their plane, degrees.", kind=ZERO_OR_MORE, expert=True),
+        Option("Turn of joints out of their plane, degrees.", kind=_ZERO_OR_MORE, expert=True),
     ] = 0.0,
     tolerance: Annotated[
         float,
-        Option("Tolerance of the joints in m: they are shifted and turned.", kind=ZERO_OR_MORE),
+        Option("Tolerance of the joints in m: they are shifted and turned.", kind=_ZERO_OR_MORE),
     ] = 0.0,
     order: Annotated[
         tuple[str, ...],
         Option(
             "Follow every draw by steps, the load put on at-once, as a ramp, or turned from "
             "upright, instead of the check. Can be given several times.",
-            kind=kinds.one_of(ORDERS),
+            kind=kinds.one_of(_ORDERS),
         ),
     ] = (),
     seismic: loading.Seismic = None,

@@ -15,14 +15,14 @@ from drystone.cli.base.answer import Answer, finish
 from drystone.cli.base.output import UsageFault
 from drystone.cli.base.waiting import Waiting
 
-GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
+_GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
 """Groups of options, in the order of the help."""
-MODEL, LOADS, CONTACTS, ANALYSIS, OUTPUT = GROUPS
-WIDTH = 100
+MODEL, LOADS, CONTACTS, ANALYSIS, OUTPUT = _GROUPS
+_WIDTH = 100
 """Largest width of the help [characters]."""
-SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": WIDTH}
+SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": _WIDTH}
 """Of every command."""
-KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
+_KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Argument:
     kind: kinds.OptionKind = kinds.TEXT
 
 
-class GroupedOption(click.Option):
+class _GroupedOption(click.Option):
     """An option that knows its group, and whether it is for experts."""
 
     def __init__(self, *names: Any, group: str = OUTPUT, expert: bool = False, **more: Any) -> None:
@@ -103,12 +103,12 @@ class Command(click.Command):
                 formatter.write_dl(arguments)
         everything = ctx.meta.get("drystone.everything", False)
         hidden = 0
-        for group in GROUPS:
+        for group in _GROUPS:
             rows = []
             for one in self.get_params(ctx):
                 if getattr(one, "group", OUTPUT) != group or isinstance(one, click.Argument):
                     continue
-                if isinstance(one, GroupedOption) and one.expert and not everything:
+                if isinstance(one, _GroupedOption) and one.expert and not everything:
                     hidden += 1
                     continue
                 rows += [row for row in [one.get_help_record(ctx)] if row is not None]
@@ -170,7 +170,7 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]],
                 for param in made_of:
                     hides = any(isinstance(mark, Experts) and param.name not in mark.but
                                 for mark in marks)  # fmt: skip
-                    if hides and isinstance(param, GroupedOption):
+                    if hides and isinstance(param, _GroupedOption):
                         param.expert = True
                 params += made_of
             else:
@@ -206,13 +206,13 @@ def _runner(function: Callable[..., Answer], groups: dict[str, type[Any]]) -> Ca
 
 def _common(params: list[click.Parameter]) -> list[click.Parameter]:
     more: list[click.Parameter] = [
-        GroupedOption(
+        _GroupedOption(
             ["--json", "as_json"], is_flag=True, help="Print one JSON object and nothing else."
         )
     ]
-    if any(isinstance(one, GroupedOption) and one.expert for one in params):
+    if any(isinstance(one, _GroupedOption) and one.expert for one in params):
         more.append(
-            GroupedOption(
+            _GroupedOption(
                 ["--help-all"],
                 is_flag=True,
                 is_eager=True,
@@ -242,15 +242,15 @@ def _param(name: str, hint: Any, default: Any) -> click.Parameter:
     flags = told.flags or (f"--{name.replace('_', '-')}",)
     names = [*flags, name]
     if base is bool:
-        return GroupedOption(
+        return _GroupedOption(
             names, group=told.group, expert=told.expert, help=told.help, is_flag=True, default=False
         )
-    return GroupedOption(
+    return _GroupedOption(
         names,
         group=told.group,
         expert=told.expert,
         help=told.help,
-        type=told.kind or KINDS.get(base, kinds.TEXT),
+        type=told.kind or _KINDS.get(base, kinds.TEXT),
         metavar=told.metavar,
         multiple=several,
         **({} if several else left_out),

@@ -21,7 +21,7 @@ PATIENCE = 1.0
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 NOTHING = "nothing was written"
-STOPPING = "stopping (Ctrl-C again ends at once)"
+_STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
 class Waiting:
@@ -87,7 +87,7 @@ class Waiting:
         def ask(*_: object) -> None:
             signal.signal(signal.SIGINT, signal.default_int_handler)
             self.interrupted = True
-            self(STOPPING, 0, 0)
+            self(_STOPPING, 0, 0)
 
         ours = (
             threading.current_thread() is threading.main_thread()
@@ -131,7 +131,7 @@ class Waiting:
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Progress of the running work; a total of zero means that it is not known."""
         if self.interrupted:
-            stage, done, total = STOPPING, 0, 0
+            stage, done, total = _STOPPING, 0, 0
         stage = clean(stage)  # file names may have control characters
         self._state = (stage, done, total)
         if self._bar is not None:

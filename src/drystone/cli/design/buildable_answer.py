@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from drystone.design import Buildable
     from drystone.shells import Layout, Shape, ShellBody
 
-SIZES = (1.0, 0.75, 1.25)
+_SIZES = (1.0, 0.75, 1.25)
 """Courses and widths that are tried, by those that are used otherwise. Chosen."""
 
 
 def _layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
     """The layout as it is, others of other sizes, and the first one without stagger."""
-    courses = SIZES if pattern.any_courses else (1.0,)
-    widths = SIZES if pattern.any_width else (1.0,)
+    courses = _SIZES if pattern.any_courses else (1.0,)
+    widths = _SIZES if pattern.any_width else (1.0,)
     found = []
     for share in courses:
         for width in widths:

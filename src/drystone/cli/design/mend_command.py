@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from drystone.model import Model
     from drystone.results import Result
 
-SHORT = 3
+_SHORT = 3
 """Regions that ``check`` prints; ``mend`` prints all."""
 
 
@@ -272,7 +272,7 @@ def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
         return None
     from drystone.design import DiagnosisOptions, diagnose  # as above
 
-    few = DiagnosisOptions(needs=False, regions=SHORT)
+    few = DiagnosisOptions(needs=False, regions=_SHORT)
     with waiting.stoppable() as stop:
         return diagnose(result.model, result=result, options=few, stop=stop).to_dict()
 

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
         ScaffoldOptions,
     )
 
-LISTED = 40
+_LISTED = 40
 """Rows shown of a table; --json has all."""
-REASONS = 3
+_REASONS = 3
 """Steps whose need of help is explained."""
-HANDS = 2
+_HANDS = 2
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
 
@@ -120,7 +120,7 @@ def plan(
     ] = "top",
     hands: Annotated[
         int, Option("Hands or robots: one places, others hold (2).", flags=("--hands", "--robots"))
-    ] = HANDS,
+    ] = _HANDS,
     robot: Annotated[
         tuple[Any, ...],  # of Robot, which is imported when needed
         Option("A robot: its base in m, its reach in m and its payload in kg; several times. Then "
@@ -318,7 +318,7 @@ def _rules(
 ) -> Rules:
     from drystone.sequence import Order, Rules
 
-    if robots and (hands != HANDS or payload != float("inf")):
+    if robots and (hands != _HANDS or payload != float("inf")):
         raise InputError("--robot contradicts --hands and --payload", remedy="give one of them")
     tried = {one.value: one for one in Order}.get(order)
     return Rules(
@@ -365,15 +365,17 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
             )
             for row in rows
         ],
-        listed=LISTED,
+        listed=_LISTED,
         styles=[STYLE.get(row["status"], "") for row in rows],
     )  # fmt: skip
     _show_impossible(data, screen)
     reasons = [(step["step"] + 1, step["why"]) for step in data["steps"] if step["why"]]
-    for number, why in reasons[:REASONS]:
+    for number, why in reasons[:_REASONS]:
         screen.line(why, f"step {number},", "bold", " ")
-    if len(reasons) > REASONS:
-        screen.dim(f"and {counted(len(reasons) - REASONS, 'more step')} with help (--json has why)")
+    if len(reasons) > _REASONS:
+        screen.dim(
+            f"and {counted(len(reasons) - _REASONS, 'more step')} with help (--json has why)"
+        )
     if data["scaffolding"] is not None:
         made = data["scaffolding"]
         fails = f"{counted(len(made['failed']), 'stage')} without a rest state or over the limit"
@@ -403,7 +405,7 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
 
 def _show_impossible(data: Mapping[str, Any], screen: Screen) -> None:
     rows = [block for block in data["blocks"] if block["status"] == "impossible"]
-    for row in rows[:LISTED]:
+    for row in rows[:_LISTED]:
         screen.line(f"{row['block']}: {row['why']}", "impossible:", "magenta", " ")
-    if len(rows) > LISTED:
-        screen.dim(f"and {len(rows) - LISTED} more (--json lists all)")
+    if len(rows) > _LISTED:
+        screen.dim(f"and {len(rows) - _LISTED} more (--json lists all)")

@@ -23,8 +23,8 @@ from drystone.cli.design.plan_command import (
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
-ORDERS = ("top", "course", "boundary", "fewest-props")
-FEW = 14
+_ORDERS = ("top", "course", "boundary", "fewest-props")
+_FEW = 14
 """Free blocks up to which the order with the fewest props is searched without being asked for."""
 
 
@@ -48,7 +48,7 @@ def scaffold(
         tuple[str, ...],
         Option(
             "Order of removal; several times (top, course; with few blocks also fewest-props).",
-            kind=kinds.one_of(ORDERS),
+            kind=kinds.one_of(_ORDERS),
         ),
     ] = (),
     hands: Annotated[int, Option("Hands or robots: one places, others hold (2).")] = 2,
@@ -72,7 +72,7 @@ def scaffold(
 
     refuse_strutless(with_, foot, length, flag="--")
     model = subject.prepared(waiting, finding)
-    few = len(model.assembly.free) <= FEW
+    few = len(model.assembly.free) <= _FEW
     orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))
     waiting.stage("plan", "planning")
     with waiting.keywords(time_limit) as common:

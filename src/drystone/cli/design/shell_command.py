@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from drystone.design import Tuned
     from drystone.shells import Shell
 
-BLOCK_FORMATS = ("obj", "stl", "ply", "glb", "3dm", "json")
+_BLOCK_FORMATS = ("obj", "stl", "ply", "glb", "3dm", "json")
 """Formats of the files of single blocks."""
 
 
@@ -67,7 +67,7 @@ def shell(
     ] = None,
     block_format: Annotated[
         str | None,
-        Option("Format of these files (obj).", OUTPUT, kind=kinds.one_of(BLOCK_FORMATS),
+        Option("Format of these files (obj).", OUTPUT, kind=kinds.one_of(_BLOCK_FORMATS),
         expert=True),
     ] = None,
     pictures: Pictures,

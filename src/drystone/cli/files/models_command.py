@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
 
 
-SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
+_SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
 
-DEMO = "drystone-demo"
+_DEMO = "drystone-demo"
 
 
 @command("drystone models", "drystone models arch --set voussoirs=12 --out arch.json")
@@ -39,7 +39,7 @@ def models(
         Option(
             "Write the model; its suffix determines the format.",
             OUTPUT,
-            kind=kinds.target(*SUFFIXES),
+            kind=kinds.target(*_SUFFIXES),
         ),
     ] = None,
     waiting: Waiting,
@@ -129,7 +129,7 @@ def demo(
     The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
     """
     model_path, page, figure = (
-        output_path(str(Path(folder) / f"{DEMO}{suffix}"), (suffix,))
+        output_path(str(Path(folder) / f"{_DEMO}{suffix}"), (suffix,))
         for suffix in (".json", ".html", ".png")
     )
     from drystone import io  # the program starts fast: work is imported when there is some

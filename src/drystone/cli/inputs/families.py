@@ -22,7 +22,7 @@ Settings: TypeAlias = Annotated[
         metavar="NAME=VALUE",
     ),
 ]
-SHELL = "-shell"
+_SHELL = "-shell"
 """What the name of a family of shells ends with, after the name of its surface."""
 
 Parameters: TypeAlias = Mapping[str, inspect.Parameter]
@@ -59,7 +59,7 @@ def family(name: str) -> tuple[Callable[..., Assembly], Parameters]:
 
 def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
     """The function of a family of shells, such as ``dome-shell``, and its parameters."""
-    surface = name.removesuffix(SHELL)
+    surface = name.removesuffix(_SHELL)
     if surface == name:
         return None
     from drystone.shells import shell_by_name

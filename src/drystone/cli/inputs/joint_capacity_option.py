@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from drystone.model import Model
 
 NAMES = ("tension", "cohesion", "shear")
-WHERE = "--joint-capacity"
-EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
+_WHERE = "--joint-capacity"
+_EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
 
 JointCapacities: TypeAlias = Annotated[
     str | None,
     Option(
         "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and "
-        f"bending moment in Nm, such as {EXAMPLE}; or a table "
+        f"bending moment in Nm, such as {_EXAMPLE}; or a table "
         "block_a,block_b,tension,cohesion,shear in N.",
         CONTACTS,
         metavar="WHAT|FILE.csv",
@@ -53,18 +53,18 @@ def _of_words(model: Model, text: str) -> JointCapacity:
     for part in text.split(","):
         name, equals, value = (one.strip() for one in part.partition("="))
         if not equals or name not in (*NAMES, "moment") or name in found:
-            raise InputError(f"'{part}' is no capacity", where=WHERE, remedy=f"write {EXAMPLE}")
+            raise InputError(f"'{part}' is no capacity", where=_WHERE, remedy=f"write {_EXAMPLE}")
         try:
             found[name] = units.measured(value, known[name == "moment"], what=name)
         except InputError as error:
-            raise error.located(WHERE) from error
+            raise error.located(_WHERE) from error
         stress[name] = value.endswith("Pa")
     area = model.contacts.area
     forces = {name: value * area if stress[name] else value for name, value in found.items()}
     try:
         return JointCapacity.of(model.contacts, **forces)
     except InputError as error:
-        raise error.located(WHERE) from error
+        raise error.located(_WHERE) from error
 
 
 def _of_table(model: Model, path: str) -> JointCapacity:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.loads import LoadCase
 
-Direction: TypeAlias = tuple[float, float, float]
+_Direction: TypeAlias = tuple[float, float, float]
 
 Loads: TypeAlias = Annotated[
     tuple[str, ...],
@@ -44,11 +44,11 @@ Moves: TypeAlias = Annotated[
         metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
     ),
 ]
-EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
+_EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
 def _parsed_load(
-    text: str, assembly: Assembly, where: str = "--load", gravity: Direction | None = None
+    text: str, assembly: Assembly, where: str = "--load", gravity: _Direction | None = None
 ) -> LoadCase:
     """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
 
@@ -74,7 +74,7 @@ def _parsed_load(
             moment = _components(what[2:], units.MOMENTS, "m=0,0,25")
             return LoadCase.moment(assembly, block, moment)
         if "," in what:
-            force = _components(what, units.FORCES, EXAMPLE)
+            force = _components(what, units.FORCES, _EXAMPLE)
             return LoadCase.point_load(assembly, block, force, at)
         if any(what.endswith(unit) for unit in units.FORCES):
             size = (
@@ -84,7 +84,7 @@ def _parsed_load(
         if any(what.endswith(unit) for unit in units.MASSES):
             mass = units.measured(what, units.MASSES, what="mass")
             return LoadCase.extra_mass(assembly, block, mass, at, direction=down)
-        raise InputError(f"'{what}' is not a load", remedy=f"write {EXAMPLE}")
+        raise InputError(f"'{what}' is not a load", remedy=f"write {_EXAMPLE}")
     except InputError as error:
         raise error.located(error.where or where) from error
 
@@ -140,7 +140,7 @@ def loaded(
     loads: Iterable[str] | None,
     seismic: str | None,
     moves: Iterable[str] | None = None,
-    gravity: Direction | None = None,
+    gravity: _Direction | None = None,
 ) -> LoadCase:
     """The base load plus the loads of the options."""
     total = base
@@ -180,7 +180,7 @@ def chosen_case(
     text: str,
     assembly: Assembly,
     cases: Iterable[LoadCase],
-    gravity: Direction | None = None,
+    gravity: _Direction | None = None,
 ) -> LoadCase:
     """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``.
 

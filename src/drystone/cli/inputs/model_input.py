@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from drystone.detection import ContactReport, DetectionOptions
     from drystone.model import Model
 
-PAIRS = 5
+_PAIRS = 5
 """Blocks or pairs named in a remark."""
 
 
@@ -253,8 +253,8 @@ def warnings_of(report: ContactReport) -> list[str]:
     names = report.names
     said = []
     if report.isolated:
-        shown = ", ".join(f"'{names[i]}'" for i in report.isolated[:PAIRS])
-        more = len(report.isolated) - PAIRS
+        shown = ", ".join(f"'{names[i]}'" for i in report.isolated[:_PAIRS])
+        more = len(report.isolated) - _PAIRS
         said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
         said += report.suggestions()
     return said

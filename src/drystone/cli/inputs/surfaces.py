@@ -15,12 +15,12 @@ from drystone.cli.base.command import MODEL, Argument, Option
 if TYPE_CHECKING:
     from drystone.shells import Patch, Shape, Side
 
-FOOT = 0.02
+_FOOT = 0.02
 """A side of a mesh is taken for its foot where none of it is higher above the lowest point, by the
 size of the mesh, chosen."""
 
 
-USED = {
+_USED = {
     "barrel": {"--span", "--length", "--rise"},
     "cross": {"--span"},
     "pavilion": {"--span", "--eye", "--keystone"},
@@ -144,7 +144,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
 
 def refuse_unused(wanted: SurfaceRequest) -> None:
     """Raise InputError where an option is given that the surface does not have."""
-    kind = wanted.surface if wanted.surface in USED else None
+    kind = wanted.surface if wanted.surface in _USED else None
     for option, value in (
         ("--span", wanted.span),
         ("--length", wanted.length),
@@ -158,9 +158,9 @@ def refuse_unused(wanted: SurfaceRequest) -> None:
 
 
 def _refuse(option: str, given: bool, kind: str | None) -> None:
-    if not given or option in USED[kind]:
+    if not given or option in _USED[kind]:
         return
-    users = [one or "mesh files" for one, used in USED.items() if option in used]
+    users = [one or "mesh files" for one, used in _USED.items() if option in used]
     what = "a mesh file" if kind is None else f"'{kind}'"
     raise InputError(f"is for {', '.join(users)}", where=option, remedy=f"leave it out for {what}")
 
@@ -188,7 +188,7 @@ def _foot(patch: Patch) -> list[Side]:
     along = np.linspace(0.0, 1.0, 33)
     height = {side: patch.border(side, along)[:, 2] for side in Side}
     lowest = min(float(z.min()) for z in height.values())
-    low = [side for side, z in height.items() if z.max() - lowest <= FOOT * patch.size]
+    low = [side for side, z in height.items() if z.max() - lowest <= _FOOT * patch.size]
     return low if Side.BOTTOM in low else [Side.BOTTOM, *low]
 
 

@@ -29,7 +29,7 @@ from drystone.sequence.stage.stage_checks import check_both
 from drystone.sequence.stage.structure import Structure
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 
-NONE = BuildNeeds(0, 0)
+_NONE = BuildNeeds(0, 0)
 
 
 @checked_call
@@ -128,7 +128,7 @@ class _WedgeSearch:
             tried[at] = replace(tried[at], deepened=found.needs)
             if best is None or _rank(found) < _rank(best):
                 best = found
-            if best.needs == NONE or self.late():
+            if best.needs == _NONE or self.late():
                 break
         assert best is not None
         return replace(best, tried=tuple(tried))
@@ -171,7 +171,7 @@ class _WedgeSearch:
         wedges = [ladder[0]] * int(course_of(shell).max())
         before = needs_of(first)
         best = shell, first, list(wedges)
-        if before != NONE:
+        if before != _NONE:
             wedges, shell = self.level_by_level(layout, wedges, shell)
             whole = None if wedges == best[2] else self.planned(shell)
             if whole is not None and needs_of(whole).cost < before.cost:
@@ -195,12 +195,12 @@ class _WedgeSearch:
             if now is None:
                 break
             lines = lines_below(shell, _helped_courses(shell, now))
-            if needs_of(now) == NONE or not lines:
+            if needs_of(now) == _NONE or not lines:
                 continue
             # the courses below change with the lines, and count from here on
             made = self.planned(shell, high - 1, high)
             for deeper in self.options.wedges[1:]:
-                if made is None or needs_of(made) == NONE or self.late():
+                if made is None or needs_of(made) == _NONE or self.late():
                     break
                 trial = [deeper if i in lines else one for i, one in enumerate(wedges)]
                 try:
@@ -218,7 +218,7 @@ class _WedgeSearch:
         """Lines deepened where the plan of the whole still needs help, the lowest course first."""
         ladder = self.options.wedges
         done: set[int] = set()
-        while needs_of(made) != NONE and not self.late():
+        while needs_of(made) != _NONE and not self.late():
             lines = [one for one in lines_below(shell, _helped_courses(shell, made))
                      if one not in done]  # fmt: skip
             if not lines:

@@ -26,7 +26,7 @@ from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.sequence import Plan, PlanOptions, check_once, plan
 
-Need: TypeAlias = tuple[bool, int, int, int, int]
+_Need: TypeAlias = tuple[bool, int, int, int, int]
 """What a plan needs: whether there is none, blocks that cannot be put in, props, blocks placed
 together with another one."""
 
@@ -198,7 +198,7 @@ def _ended(
     return Recut(model, best, tuple(changes), tried, message)
 
 
-def _need(found: Plan) -> Need:
+def _need(found: Plan) -> _Need:
     return not found.steps, len(found.impossible), *found.help
 
 

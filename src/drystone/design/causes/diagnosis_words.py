@@ -17,14 +17,14 @@ from drystone.results import Result
 NAMED = 4
 """Number of blocks of a region that are named. Chosen. The others are counted."""
 
-UPRIGHT = 0.1
+_UPRIGHT = 0.1
 """A joint is neither upper nor lower if the vertical component of its normal is below this: 6
 degrees."""
 
-PLUMB = 0.995
+_PLUMB = 0.995
 """A force is upward or downward if the vertical component of its direction is larger: 6 degrees."""
 
-STEEP = 0.5
+_STEEP = 0.5
 """A motion is downwards or upwards if the vertical component of its direction is larger than
 this."""
 
@@ -48,7 +48,7 @@ def _force_words(force: Floats) -> str:
     size = float(np.linalg.norm(force))
     way = force / size
     for name, z in (("an upward", 1.0), ("a downward", -1.0)):
-        if z * way[2] > PLUMB:
+        if z * way[2] > _PLUMB:
             return f"{name} force of {newtons(size)}"
     told = ", ".join(f"{round(float(x), 2) + 0.0:g}" for x in way)
     return f"a force of {newtons(size)} in the direction ({told})"
@@ -103,7 +103,7 @@ def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
     if a in blocks and b in blocks:
         return f"the joint of {names_of(model, [a, b])}"
     own, other = (a, b) if a in blocks else (b, a)
-    if abs(contacts.frame[interface, 0, 2]) < UPRIGHT:
+    if abs(contacts.frame[interface, 0, 2]) < _UPRIGHT:
         return f"the joint with {names_of(model, [other])}"
     above = contacts.centroid[interface][2] > model.assembly.centroid[own][2]
     return f"the {'upper' if above else 'lower'} joint, with {names_of(model, [other])},"
@@ -146,7 +146,7 @@ def _motion(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState])
         verb = kind.value if one else _plural(kind)
         if kind is JointMotion.SLIDES:
             vertical = float(np.mean([j.direction[2] for j in mine]))
-            way = "down " if vertical < -STEEP else "up " if vertical > STEEP else ""
+            way = "down " if vertical < -_STEEP else "up " if vertical > _STEEP else ""
             verb = verb.replace(" along", f" {way}along")
         others = list(dict.fromkeys(j.neighbour for j in outer))
         if len(others) > 1:

@@ -20,7 +20,7 @@ STILL = 1e-2
 """A corner is at rest, or a gap stays closed, if the motion there is below this share of the larger
 motion of the two blocks. Chosen: half a degree of direction."""
 
-FULL = 1e-3
+_FULL = 1e-3
 """Friction is at its limit, and a joint is a hinge, within this share of the limit. Chosen: above
 the error due to weak ground springs."""
 
@@ -119,8 +119,8 @@ def joint_states(
                 float(resultants.normal[i]),
                 0.0 if idle else float(use[i]),
                 idle,
-                not idle and bool(use[i] >= 1.0 - FULL),
-                not idle and bool(rim[i] >= 1.0 - FULL),
+                not idle and bool(use[i] >= 1.0 - _FULL),
+                not idle and bool(rim[i] >= 1.0 - _FULL),
             )
         )
     return tuple(states)

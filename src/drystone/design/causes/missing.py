@@ -35,7 +35,7 @@ FRICTION = 0.01
 """Width at which the search for a friction coefficient ends. Chosen: friction is hardly ever known
 better."""
 
-CLOSE = 0.01
+_CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
 SEARCHED = 12
@@ -155,12 +155,12 @@ def least(
     """The least value at which ``stands`` is true, between ``low`` and ``high``.
 
     It is false at ``low``. The returned value was tried; ``None`` if it is false at ``high``. The
-    search ends at a width, or at :data:`CLOSE` of the value when left out. With a width it goes by
+    search ends at a width, or at :data:`_CLOSE` of the value when left out. With a width it goes by
     whole widths from ``low``: searches with the same width give the same value.
     """
     if not stands(high):
         return None
-    while high - low > (1.0 + 1e-9) * (width or CLOSE * high):
+    while high - low > (1.0 + 1e-9) * (width or _CLOSE * high):
         middle = 0.5 * (low + high)
         if width:
             middle = low + width * max(1, round((middle - low) / width))

@@ -24,10 +24,10 @@ from drystone.stability.problem import Problem
 from drystone.stability.programs.rbe import BALANCE_TOLERANCE
 from drystone.stability.proofs import FALLING_SHARE
 
-AS_IT_LIES = PenaltyOptions(search=False)
+_AS_IT_LIES = PenaltyOptions(search=False)
 """Joints are as stiff as they are: what shims could hold needs help all the same."""
 
-UNIQUE = 1e-8
+_UNIQUE = 1e-8
 """Cost of the forces of the joints, by that of the wrenches: of many that balance the load it takes
 those spread evenly, and changes the wrenches by less than the tolerance of a balance."""
 
@@ -51,7 +51,7 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
         return answer
     model = answer.model
     if model.contacts.dry.all():
-        return solve_cra_penalty(model, options=AS_IT_LIES, stop=stop, time_limit_s=left_s)
+        return solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
     found = _least_wrenches(model, stop)
     if found is None:
         return answer
@@ -89,7 +89,7 @@ def _least_wrenches(
     statics = problem.statics
     count = 6 * statics.free_count
     program = ProgramBuilder()
-    forces = add_corner_forces(program, statics, quadratic=UNIQUE)
+    forces = add_corner_forces(program, statics, quadratic=_UNIQUE)
     held = program.variable("wrench", count, quadratic=1.0)
     program.equal(
         "equilibrium",
@@ -113,7 +113,7 @@ def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
     already pull or cohere that of RBE beyond what they carry.
     """
     if local.contacts.dry.all():
-        return solve_cra_penalty(local, options=AS_IT_LIES, stop=stop)
+        return solve_cra_penalty(local, options=_AS_IT_LIES, stop=stop)
     answer = check(local, options=QUICK, stop=stop)
     if answer.stable or stop():
         return answer

@@ -25,11 +25,11 @@ from drystone.stability.screening import stage_screening
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
 
-AGAINST = 0.2
+_AGAINST = 0.2
 """A prop is possible where a face moves towards it with at least this share of its speed. Chosen:
 12 degrees between motion and face."""
 
-NEAR = 0.01
+_NEAR = 0.01
 """A joint lies on a face when its distance and its angle are below this share (of the size of the
 block). Chosen: above the tolerance of the contact search."""
 
@@ -190,7 +190,7 @@ def seats(
         size = float(np.linalg.norm(area))
         middle = corner.mean(axis=0)
         speed = motion[:3] + np.cross(motion[3:], middle - body.centroid)
-        if area @ speed <= AGAINST * size * float(np.linalg.norm(speed)):
+        if area @ speed <= _AGAINST * size * float(np.linalg.norm(speed)):
             continue
         frame = frames_from_normals(-area[None] / size)[0]
         bare = _bare(model, block, corner, frame)
@@ -198,7 +198,7 @@ def seats(
             continue
         down = frame[1:] @ np.array([0.0, 0.0, -1.0])
         steep = float(np.linalg.norm(down))
-        along = down / steep if steep > AGAINST else np.array([1.0, 0.0])
+        along = down / steep if steep > _AGAINST else np.array([1.0, 0.0])
         centre = np.array(bare.centroid.coords[0])
         reach = (np.array(bare.exterior.coords) - centre) @ along
         for share in shares:
@@ -213,10 +213,10 @@ def _bare(model: Model, block: int, corner: Floats, frame: Floats) -> shapely.Po
     """The largest part of a face that no joint covers, in the plane of its frame."""
     contacts = model.contacts
     left = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
-    near = NEAR * model.assembly.size[block]
+    near = _NEAR * model.assembly.size[block]
     for i in np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block)):
         joint = contacts.polygon(int(i)) - corner[0]
-        flat = abs(float(contacts.frame[i, 0] @ frame[0])) > 1.0 - NEAR
+        flat = abs(float(contacts.frame[i, 0] @ frame[0])) > 1.0 - _NEAR
         if len(joint) > 2 and flat and np.abs(joint @ frame[0]).max() < near:
             left = shapely.difference(left, shapely.Polygon(joint @ frame[1:].T).buffer(near))
     parts = [part for part in shapely.get_parts(left) if part.geom_type == "Polygon"]

@@ -28,10 +28,10 @@ from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
 
-STRUTS = 6
+_STRUTS = 6
 """Number of struts of one block that are tried, the shortest first."""
 
-TIES = 6
+_TIES = 6
 """Number of pairs of blocks between which a tie is tried, those that move apart fastest first."""
 
 POINT = 0.01
@@ -46,7 +46,7 @@ def support_mends(bench: Bench) -> Iterator[MendCandidate]:
     number = 0
     for i in bench.own:
         whole = bench.region.blocks[i]
-        for strut in struts(bench.model, whole, bench.motion[whole])[:STRUTS]:
+        for strut in struts(bench.model, whole, bench.motion[whole])[:_STRUTS]:
             number += 1
 
             make = partial(with_block, strut.body)
@@ -158,7 +158,7 @@ def tie_mends(bench: Bench) -> Iterator[MendCandidate]:
             other = np.zeros(3) if fixed[j] else velocity[j]
             rate = float((other - velocity[i]) @ along / np.linalg.norm(along))
             apart.append((rate, i, j))
-    fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:TIES]
+    fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:_TIES]
     tried: list[Change] = []
     for _, i, j in fastest:
 

@@ -31,7 +31,7 @@ ALL = LARGE_REGION
 is held by several props. Chosen: a cut takes a twentieth of a second, and each prop is checked."""
 
 
-Near: TypeAlias = list[dict[int, Floats]] | None
+_Near: TypeAlias = list[dict[int, Floats]] | None
 """Rest states of the last model that stood, in each case of the margin."""
 
 
@@ -134,11 +134,11 @@ class Bench:
             and np.array_equal(before.assembly.centroid, self.local.assembly.centroid)
         )
 
-    def nearby(self) -> Near:
+    def nearby(self) -> _Near:
         """Rest states for a search over one value; none in a small region."""
         return [] if len(self.own) > ALL else None
 
-    def stands(self, make: Change, near: Near = None) -> bool:
+    def stands(self, make: Change, near: _Near = None) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
             changed = self.changed(make)
@@ -146,7 +146,7 @@ class Bench:
             return False
         return self.keeps_margin(changed, quick=True, near=near)
 
-    def keeps_margin(self, model: Model, *, quick: bool = False, near: Near = None) -> bool:
+    def keeps_margin(self, model: Model, *, quick: bool = False, near: _Near = None) -> bool:
         """Whether a model stands at the margin; ``near`` as for :meth:`DesignMargin.stands`.
 
         Raises

@@ -17,18 +17,18 @@ from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.model import Model
 
-SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
+_SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
 """[degrees] Wedges that are tried before the least one is searched. A very small wedge locks rigid
 blocks, but not real ones, so none below the first value is tried."""
 
-DEPTHS = (0.1, 0.25, 0.5, 1.0)
+_DEPTHS = (0.1, 0.25, 0.5, 1.0)
 """The same for blocks that are let into each other, relative to the width of the joint; none below
 the first value, for the same reason."""
 
-THICKER = (0.1, 0.3, 1.0)
+_THICKER = (0.1, 0.3, 1.0)
 """The same for the increase of thickness, relative to that of the block."""
 
-GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
+_GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 """Strengths of glue that are tried before the least one is searched, by the largest one."""
 
 
@@ -107,8 +107,8 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
             continue
         steps, close = {
             "turn": (TURNS, TURNED),
-            "wedge": (SHARPNESSES, 0.25),
-            "let-in": (tuple(share * width for share in DEPTHS), 0.01 * width),
+            "wedge": (_SHARPNESSES, 0.25),
+            "let-in": (tuple(share * width for share in _DEPTHS), 0.01 * width),
         }[kind]
         low = steps[0] if kind != "turn" else 0.0
         hopeless = False
@@ -155,14 +155,16 @@ def thicker_mends(bench: Bench) -> Iterator[MendCandidate]:
 
         return thick
 
-    value = bench.least(make, THICKER, 0.02)
+    value = bench.least(make, _THICKER, 0.02)
     if value is None:
-        bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness", make(THICKER[-1]))
+        bench.fail(
+            "thicker", f"up to {100.0 * _THICKER[-1]:g} % more thickness", make(_THICKER[-1])
+        )
         return
     them = names_of(bench.model, bench.region.blocks)
     yield MendCandidate(
         "thicker", lambda x: f"{them} thicker by {100.0 * x:.0f} %", value, make,
-        most=THICKER[-1], close=0.02,
+        most=_THICKER[-1], close=0.02,
     )  # fmt: skip
 
 
@@ -246,7 +248,7 @@ def glue_mends(bench: Bench) -> Iterator[MendCandidate]:
 
 def _least_glue(bench: Bench, trial: GlueTrial) -> float | None:
     """The least strength with which the region stands at the margin."""
-    low, steps = 0.0, tuple(share * trial.most for share in GLUE_SHARES)
+    low, steps = 0.0, tuple(share * trial.most for share in _GLUE_SHARES)
     if bench.as_diagnosed and len(bench.own) <= ALL:
         # the least one without a margin is known
         joints = set(bench.interfaces[list(trial.interfaces)].tolist())

@@ -24,7 +24,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
 
-ROUNDS = 20
+_ROUNDS = 20
 """Largest number of mends of :func:`mend`. Chosen."""
 
 
@@ -123,7 +123,7 @@ def _mended(
         if stands:
             log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))
             break
-        if len(steps) == ROUNDS or clock.late():
+        if len(steps) == _ROUNDS or clock.late():
             falls = f": {named(result.falling_names)} would still fall" if result.falling else ""
             why = clock.reason or f"ended after {counted(len(steps), 'mend')}"
             log.append(f"{why}{falls}")

@@ -16,7 +16,7 @@ from drystone.model import Model
 SIDES = {"intrados": 1.0, "extrados": -1.0}
 """Sides by whether their faces look to the middle of the supports, or away from it."""
 
-NEAR = 1e-6
+_NEAR = 1e-6
 """A joint is on a face when its distance and its angle are below this share: rounding."""
 
 
@@ -48,11 +48,11 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
             corner = block.vertices[list(loop)]
             area = area_vector(corner)
             normal = area / np.linalg.norm(area)
-            if along is not None and abs(normal[axis_of(along)]) > 1.0 - NEAR:
+            if along is not None and abs(normal[axis_of(along)]) > 1.0 - _NEAR:
                 continue
-            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - NEAR
+            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - _NEAR
             away = np.abs((contacts.centroid[own] - corner[0]) @ normal)
-            if (flat & (away < NEAR * block.size)).any():
+            if (flat & (away < _NEAR * block.size)).any():
                 continue
             if SIDES[side] * float(normal @ (middle - corner.mean(axis=0))) > 0.0:
                 found[int(start[i]) + np.array(loop)] = True

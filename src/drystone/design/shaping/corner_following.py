@@ -17,11 +17,11 @@ from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
 
-NEAR = 6e-3
+_NEAR = 6e-3
 """A corner is at a vertex, or on an edge, that is nearer than this share of the size of the smaller
 block; chosen above the gap of 5e-3 within which contacts are found."""
 
-SLANT = 0.05
+_SLANT = 0.05
 """Two edges cross where they differ by this sine or more, chosen."""
 
 
@@ -76,7 +76,7 @@ class Corners:
             own = np.arange(contacts.start[i], contacts.start[i + 1])
             following[own], preceding[own] = np.roll(own, -1), np.roll(own, 1)
             pair = int(contacts.block_a[i]), int(contacts.block_b[i])
-            near = NEAR * float(model.assembly.size[list(pair)].min())
+            near = _NEAR * float(model.assembly.size[list(pair)].min())
             for k in own.tolist():
                 point = contacts.point[k]
                 for side, block in enumerate(pair):
@@ -201,7 +201,7 @@ def _crossing(
     found = [list(_edges_at(bodies, block, point, normal, near)) for block in pair]
     for one, along in found[0]:
         for other, across in found[1]:
-            if float(np.linalg.norm(np.cross(along, across))) > SLANT:
+            if float(np.linalg.norm(np.cross(along, across))) > _SLANT:
                 return one, other
     return None
 
@@ -217,5 +217,5 @@ def _edges_at(
         along = (q - p) / length
         t = float((point - p) @ along)
         off = float(np.linalg.norm(point - p - t * along))
-        if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < SLANT:
+        if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < _SLANT:
             yield np.array([start + i, start + j]), along

@@ -26,7 +26,7 @@ from drystone.design.shaping.vertex_places import (
 )
 from drystone.model import Model
 
-LISTED = 6
+_LISTED = 6
 """Blocks that a message names."""
 
 
@@ -195,8 +195,8 @@ def _moves(
     matrix = places.matrix(ways, still)
     if not matrix.shape[1]:
         names = [model.assembly.names[i] for i in np.flatnonzero(kept)]
-        stay = f": the blocks {', '.join(names[:LISTED])} stay" if names else ""
-        more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
+        stay = f": the blocks {', '.join(names[:_LISTED])} stay" if names else ""
+        more = f", and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
         raise InputError(
             f"no vertex may move{stay}{more}",
             remedy="keep fewer blocks, or allow more directions",

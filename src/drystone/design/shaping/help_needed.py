@@ -46,7 +46,7 @@ from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.statics import Statics
 
-GLUE = 0.02
+_GLUE = 0.02
 """Stiffness of the glue, by that of the joint, divided by the stiffness of the ground. Chosen: an
 arch of 100 voussoirs that falls is not found to stand with 1, and is with 0.02; an
 overhang of four bricks ends 0.6 % short of its limit with 0.01."""
@@ -55,7 +55,7 @@ GROUND = 1e-6
 """Stiffness of the ground, chosen: of arches of 12 blocks that stand it carries 1.5e-5 of the load
 at most, of one that is 5 % too thin 0.019."""
 
-LIGHT = 1e-12
+_LIGHT = 1e-12
 """Share of the mean square load of all blocks that is added to that of each: some have no load."""
 
 
@@ -98,9 +98,9 @@ class Form:
 
     @classmethod
     def of(
-        cls, model: Model, ground: float = GROUND, glue: float = GLUE, *, each: bool = True
+        cls, model: Model, ground: float = GROUND, glue: float = _GLUE, *, each: bool = True
     ) -> Form:
-        """The form of a model with plane joints; ``glue`` as :data:`GLUE`.
+        """The form of a model with plane joints; ``glue`` as :data:`_GLUE`.
 
         Raises
         ------
@@ -162,7 +162,7 @@ class Form:
         count = len(carried)
         mean = whole / count
         square = (statics.load**2).sum(axis=1, keepdims=True) if self.each else mean
-        own = count * (square + LIGHT * mean)
+        own = count * (square + _LIGHT * mean)
         props = (carried**2).sum(axis=1, keepdims=True) / own
         value = float(props.sum()) + pulled
         by_corner = np.zeros((statics.corner_count, 3))
@@ -174,7 +174,7 @@ class Form:
         gradient += self._work_gradient(vertex, statics, by_corner + turned, state.motion)
         shares = props / own
         of_mean = float(shares.sum())
-        by_square = count * shares + LIGHT * of_mean if self.each else (1.0 + LIGHT) * of_mean
+        by_square = count * shares + _LIGHT * of_mean if self.each else (1.0 + _LIGHT) * of_mean
         by_load = adjoint - 2.0 * (by_square + pulled / whole) * statics.load
         return value, gradient + self._load_gradient(vertex, by_load)
 

@@ -17,25 +17,25 @@ from drystone.design.shaping.shape_values import ShapeValues
 from drystone.design.shaping.variables import ShapeVariables
 from drystone.model import Model
 
-HELPED = 1e-4
+_HELPED = 1e-4
 """Share of the load on the ground up to which a shape is taken to stand in the first round; at
 least four times that of the last shape that stands. Chosen: of three stacked bricks it leads within
 0.1 % of the largest overhang. Both are reduced where a target falls. The check decides."""
 
-CLOSE = 2.0**-7
+_CLOSE = 2.0**-7
 """Share of a step to which the last shape that stands is bisected."""
 
 
-DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
+_DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
 """Shares of the way by which a target that falls is drawn back, chosen."""
 
 
-SOFT = 1e-2
+_SOFT = 1e-2
 """Stiffness of the ground with which a structure that falls is shaped at first, chosen: the help
 that it needs then changes smoothly with the shape. It is reduced where that leads no further."""
 
 
-AT_END = 0.999
+_AT_END = 0.999
 """A variable is at the end of its range from this share of its largest move on."""
 
 KEPT = 0.1
@@ -68,11 +68,11 @@ class ShapeSearch(ShapeValues):
         rests = options.aim is ShapeAim.STAND and options.help is HelpMeasure.REST
         if not rests or start is not None:
             return self.followed(start, GROUND)
-        best = self.followed(None, SOFT)
+        best = self.followed(None, _SOFT)
         grounds = [GROUND]
         if self.crossed and self.least_edge == 0.0:
             self.least_edge = KEPT * self.shortest(self.bodies.vertex)
-            grounds = [SOFT, GROUND]
+            grounds = [_SOFT, GROUND]
         for ground in grounds:
             if best.stands or self.late():
                 break
@@ -155,7 +155,7 @@ class ShapeSearch(ShapeValues):
         states are not enough.
         """
         margin, inner = self.options.margin, self.firmest[1]
-        for share in (0.0, *DRAWN):
+        for share in (0.0, *_DRAWN):
             place = x + share * (inner - x)
             model = self.made(place) if share else now
             if model is not None and margin.meets(margin.holds(model)):
@@ -194,7 +194,7 @@ class ShapeSearch(ShapeValues):
 
         rows: list[Any] = []
         if slack is not None and self.options.aim is not ShapeAim.STAND:
-            allowed = max(slack * HELPED, (1.0 + 3.0 * slack) * self.help_at(x)[0])
+            allowed = max(slack * _HELPED, (1.0 + 3.0 * slack) * self.help_at(x)[0])
             rows += [
                 {
                     "type": "ineq",
@@ -247,7 +247,7 @@ class ShapeSearch(ShapeValues):
         if whole is not None:
             return 1.0, target, whole
         inner = self.firmest[1]
-        for share in () if stand_only else DRAWN:
+        for share in () if stand_only else _DRAWN:
             place = target + share * (inner - target)
             if self.objective(place)[0] >= before:
                 break
@@ -255,7 +255,7 @@ class ShapeSearch(ShapeValues):
             if found is not None:
                 return 1.0 - share, place, found
         low, high, found = 0.0, 1.0, None
-        while high - low > (0.25 if stand_only else CLOSE):
+        while high - low > (0.25 if stand_only else _CLOSE):
             middle = 0.5 * (low + high)
             tried = kept(x + middle * (target - x))
             if tried is not None:
@@ -285,7 +285,7 @@ class ShapeSearch(ShapeValues):
         self.late = late
         if not stands:
             words += ": it does not stand"
-            ends = int((np.abs(x) > AT_END * self.moves.most).sum())
+            ends = int((np.abs(x) > _AT_END * self.moves.most).sum())
             if ends:
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
                 words += "larger ones may help"

@@ -18,7 +18,7 @@ from drystone.design.surgery.changed_model import changed
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
 
-ROUNDING = 1e-6
+_ROUNDING = 1e-6
 """Share by which an edge may be shorter than the least: the optimiser keeps bounds to rounding."""
 
 
@@ -165,7 +165,7 @@ class ShapeValues:
         """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
         try:
             vertex = self.moves.moved(self.bodies.vertex, x)
-            if self.shortest(vertex) < (1.0 - ROUNDING) * self.least_edge:
+            if self.shortest(vertex) < (1.0 - _ROUNDING) * self.least_edge:
                 return None
             try:
                 assembly = self.bodies.assembly_at(vertex)

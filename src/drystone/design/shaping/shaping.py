@@ -18,13 +18,13 @@ from drystone.design.shaping.vertex_measures import vertices_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 
-OF_THE_MODEL = 1e-9
+_OF_THE_MODEL = 1e-9
 """Vertices with variables of zero are those of the model to this share of its size: rounding."""
 
 FIRST, CLOSE = 1.0, 0.1
 """[degrees] The first step of the tilt, and the smallest one; chosen."""
 
-STEEPEST = 89.0
+_STEEPEST = 89.0
 """[degrees] Largest tilt that is asked for."""
 
 
@@ -83,7 +83,7 @@ def shape(
     variables = moves(model) if callable(moves) else moves
     vertex = vertices_of(model.assembly)
     here = variables.moved(vertex, np.zeros(variables.count))
-    if np.abs(here - vertex).max() > OF_THE_MODEL * float(np.ptp(vertex, axis=0).max()):
+    if np.abs(here - vertex).max() > _OF_THE_MODEL * float(np.ptp(vertex, axis=0).max()):
         raise InputError(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",
@@ -122,15 +122,15 @@ def _raise_tilt(search: ShapeSearch) -> Shaped:
         if search.late():
             words = "it was stopped"
             break
-        wanted = min(tilt + step, STEEPEST)
+        wanted = min(tilt + step, _STEEPEST)
         found = _at(search, wanted).run(x)
         rounds += found.rounds
         if not found.stands:
             step *= 0.5
             continue
         x, now, tilt = found.x, found.model, wanted
-        if tilt == STEEPEST:
-            words = f"stands at {STEEPEST:g} degrees, and no more was tried"
+        if tilt == _STEEPEST:
+            words = f"stands at {_STEEPEST:g} degrees, and no more was tried"
             break
         step *= 2.0
     margin = replace(search.options.margin, tilt=tilt)
@@ -154,9 +154,9 @@ def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:
 def _largest(search: ShapeSearch, model: Model) -> float:
     """The largest tilt [degrees] to each side at which a model stands, to :data:`CLOSE`."""
     low, high = 0.0, FIRST
-    while high < STEEPEST and _stands(search, model, high):
+    while high < _STEEPEST and _stands(search, model, high):
         low, high = high, 2.0 * high
-    high = min(high, STEEPEST)
+    high = min(high, _STEEPEST)
     while high - low > CLOSE:
         middle = 0.5 * (low + high)
         if _stands(search, model, middle):

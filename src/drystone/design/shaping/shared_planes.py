@@ -36,17 +36,17 @@ GAP = 6e-3
 """A face is in the plane of a joint when it is nearer than this share of the size of its block;
 chosen above the gap of 5e-3 within which contacts are found."""
 
-RANK = 1e-9
+_RANK = 1e-9
 """Singular values below this, or this share of the largest one, are zero: constraints that hold in
 any case, or follow from others, up to rounding."""
 
-CLOSE = 1e-13
+_CLOSE = 1e-13
 """Distance from a plane, by the size of the model, at which it is reached: rounding."""
 
-TRIAL = 1e-3
+_TRIAL = 1e-3
 """Share of the largest moves with which it is tried whether joints stay plane, chosen."""
 
-STEPS = 30
+_STEPS = 30
 """Newton steps at most, chosen: they converge in 3 to 6 where they converge."""
 
 
@@ -147,7 +147,7 @@ class PlaneMoves(OneLine):
         """
         slope = planes.slopes(vertex, matrix)
         size, way = np.linalg.svd(slope, full_matrices=False)[1:]
-        bending = way[size > RANK * size.max(initial=1.0)].T
+        bending = way[size > _RANK * size.max(initial=1.0)].T
         if bending.shape[1] == len(most):
             raise InputError(
                 "every move would bend a joint",
@@ -156,7 +156,7 @@ class PlaneMoves(OneLine):
         made = cls(matrix, most, planes, vertex, bending)
         try:
             made.moved(
-                vertex, TRIAL * most * np.random.default_rng(0).uniform(-1.0, 1.0, len(most))
+                vertex, _TRIAL * most * np.random.default_rng(0).uniform(-1.0, 1.0, len(most))
             )
         except InputError as error:
             raise InputError(
@@ -193,19 +193,19 @@ class PlaneMoves(OneLine):
     def matrix_at(self, x: Floats) -> sparse.csr_matrix:
         """Derivative (3 v, p) of the vertices by the variables."""
         slope = self._slope(self._plane(x))
-        follow = self.bending @ np.linalg.lstsq(slope @ self.bending, slope, rcond=RANK)[0]
+        follow = self.bending @ np.linalg.lstsq(slope @ self.bending, slope, rcond=_RANK)[0]
         return sparse.csr_matrix(self.matrix - sparse.csr_matrix(self.matrix @ follow))
 
     def _plane(self, x: Floats) -> Floats:
         """The moves u (p,) that keep joints plane, for variables (p,)."""
         moves = np.array(x, dtype=np.float64)
         goal = self.planes.distances(self.vertex)
-        close = CLOSE * float(np.ptp(self.vertex, axis=0).max())
-        for _ in range(STEPS):
+        close = _CLOSE * float(np.ptp(self.vertex, axis=0).max())
+        for _ in range(_STEPS):
             off = self.planes.distances(self._vertices(moves)) - goal
             if float(np.abs(off).max(initial=0.0)) <= close:
                 return moves
-            step = np.linalg.lstsq(self._slope(moves) @ self.bending, off, rcond=RANK)[0]
+            step = np.linalg.lstsq(self._slope(moves) @ self.bending, off, rcond=_RANK)[0]
             moves = moves - self.bending @ step
         raise InputError(
             "joints do not stay plane with moves of this size", remedy="allow smaller moves"

@@ -19,7 +19,7 @@ from drystone.model import Model
 TOGETHER = 1e-6
 """Vertices are at the same place when they are nearer than this share of the size of the model."""
 
-OFF = 1e-6
+_OFF = 1e-6
 """A direction of which symmetries and other directions leave less than this share adds nothing."""
 
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -106,7 +106,7 @@ class Places:
         for move in ways @ own.T:
             rest = move - sum((one * float(one @ move) for one in found), np.zeros(3))
             size = float(np.linalg.norm(rest))
-            if size > OFF:
+            if size > _OFF:
                 found.append(rest / size)
         return np.array(found).reshape(-1, 3)
 

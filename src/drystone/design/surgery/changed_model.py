@@ -19,7 +19,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result
 
-AT_CENTROID = 1e-6
+_AT_CENTROID = 1e-6
 """An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
 
 
@@ -205,7 +205,7 @@ def ties_of(model: Model) -> Bools:
     out = np.zeros(contacts.count, dtype=bool)
     for block in (contacts.block_a, contacts.block_b):
         away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
-        out |= away < AT_CENTROID * assembly.size[block]
+        out |= away < _AT_CENTROID * assembly.size[block]
     return out
 
 

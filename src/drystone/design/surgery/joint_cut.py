@@ -31,7 +31,7 @@ from drystone.model import Model
 KEPT = 1e-9
 """Volumes below this share of the block are rounding."""
 
-REMEMBERED = 128
+_REMEMBERED = 128
 """Changes whose blocks are kept. The same change is tried in a diagnosis, in a region and in the
 whole: of 124 changes in the mends of a shelf 41 are repeated."""
 
@@ -168,7 +168,7 @@ class _Exchange:
     to_b: tuple[Cell, ...] = field(compare=False)
 
 
-@lru_cache(REMEMBERED)
+@lru_cache(_REMEMBERED)
 def _exchanged(asked: _Exchange) -> tuple[Block, Block]:
     """The two blocks after the exchange."""
     joint, where = asked.joint, asked.where

@@ -16,7 +16,7 @@ from drystone.geometry.body.split import Piece
 from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
-WHOLE = 0.999
+_WHOLE = 0.999
 """A block ends at a joint when the joint covers at least this share of its face, chosen."""
 
 ON = 1e-4
@@ -84,7 +84,7 @@ def joint_plane(model: Model, interface: int, first: int | None = None) -> Joint
         raise InputError("has no area", where=where, remedy="choose a joint of two faces")
     flat = (found.corners - contacts.centroid[interface]) @ frame[1:].T
     hull = shapely.MultiPoint(flat).convex_hull
-    if hull.area > found.area / WHOLE:
+    if hull.area > found.area / _WHOLE:
         raise InputError("is not convex", where=where, remedy="cut one of the blocks first")
     ring = np.array(shapely.geometry.polygon.orient(hull).exterior.coords)[:-1]
     return JointPlane(int(interface), a, b, frame, contacts.centroid[interface], frozen(ring))
@@ -129,7 +129,7 @@ def ends_of(model: Model, joint: JointPlane) -> tuple[bool, bool]:
 def covers_face(body: Piece, joint: JointPlane) -> bool:
     """Whether the joint covers the whole face of a body."""
     own = sum(_area(body[0][list(face)]) for face in faces_at(body, joint))
-    return bool(shapely.Polygon(joint.outline).area >= WHOLE * own)
+    return bool(shapely.Polygon(joint.outline).area >= _WHOLE * own)
 
 
 def _area(corner: Floats) -> float:

@@ -20,21 +20,21 @@ from drystone.geometry.frames import frames_from_normals, rotation_about
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
 
-LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
+_LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
 """[degrees] Tried inclinations of a strut from the normal of the face. Chosen."""
 
-WITHIN = 0.9
+_WITHIN = 0.9
 """Largest inclination of a strut at both ends, as a share of the friction angle. Chosen: it does
 not slide under any force."""
 
-LONGEST = 2.0
+_LONGEST = 2.0
 """Longest strut relative to the size of the block. Chosen."""
 
-PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
+_PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
 
 
 @dataclass(frozen=True, eq=False)
-class StrutBlock(OneLine):
+class _StrutBlock(OneLine):
     """A block that supports another one.
 
     Attributes
@@ -53,7 +53,7 @@ class StrutBlock(OneLine):
     length: float
 
 
-def struts(model: Model, block: int, motion: Floats) -> list[StrutBlock]:
+def struts(model: Model, block: int, motion: Floats) -> list[_StrutBlock]:
     """Struts that fit against a block, the shortest first.
 
     A strut goes from a free face that moves forward to the next block, with an inclination below
@@ -70,18 +70,18 @@ def struts(model: Model, block: int, motion: Floats) -> list[StrutBlock]:
     return sorted(found, key=lambda strut: strut.length)
 
 
-def _all(model: Model, block: int, motion: Floats) -> Iterator[StrutBlock | None]:
-    limit = WITHIN * np.arctan(usual_friction(model))
+def _all(model: Model, block: int, motion: Floats) -> Iterator[_StrutBlock | None]:
+    limit = _WITHIN * np.arctan(usual_friction(model))
     body = model.assembly.blocks[block]
     triangles, owner = _triangles(model)
-    for seat in seats(model, block, motion, PLACES):
+    for seat in seats(model, block, motion, _PLACES):
         frame = frames_from_normals(-np.asarray(seat.normal)[None])[0]
         point = seat.outline.mean(axis=0)
-        for lean in LEANS:
+        for lean in _LEANS:
             if abs(np.deg2rad(lean)) > limit:
                 continue
             along = rotation_about(frame[1], lean) @ frame[0]
-            hit = _first_hit(triangles, owner, block, point, along, LONGEST * body.size)
+            hit = _first_hit(triangles, owner, block, point, along, _LONGEST * body.size)
             if hit is None:
                 continue
             on, length, normal = hit
@@ -125,7 +125,7 @@ def _fitted(
     length: float,
     seat: Floats,
     landing: Floats,
-) -> StrutBlock | None:
+) -> _StrutBlock | None:
     """A bar between two faces, cut to them; ``None`` if another block is between them.
 
     Parameters
@@ -162,7 +162,7 @@ def _fitted(
         made = Block(piece[0], tuple(piece[1]), fresh_name(model, "strut"), body.density)
     except (InputError, ValueError):
         return None
-    return None if _in_the_way(model, made) else StrutBlock(block, on, made, length)
+    return None if _in_the_way(model, made) else _StrutBlock(block, on, made, length)
 
 
 def _in_the_way(model: Model, body: Block) -> bool:

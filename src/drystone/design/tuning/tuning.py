@@ -21,7 +21,7 @@ from drystone.design.mends.margin import DesignMargin
 from drystone.design.tuning.tune_goals import MEASURES, PLANNED, Outcome, TuneGoals, outcome_of
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
 
-STUDY = "drystone"
+_STUDY = "drystone"
 SETTINGS = "settings"
 FALLS = "falls"
 
@@ -179,7 +179,7 @@ class _ValueSearch:
                 ) from error
         study = optuna.create_study(
             storage=storage,
-            study_name=STUDY,
+            study_name=_STUDY,
             sampler=self.sampler(self.options.seed),
             load_if_exists=True,
             directions=["maximize" if goal.startswith("-") else "minimize" for goal in self.goals],

@@ -22,10 +22,10 @@ from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.stability.programs.penalty import glued_state
 
-SHARED = 1e-9
+_SHARED = 1e-9
 """The sum of the volumes of the blocks changes by less than this share: rounding."""
 
-REMEMBERED = 512
+_REMEMBERED = 512
 """Blocks with wedges that are kept for the next model, chosen: some for every joint of an arch."""
 
 
@@ -89,7 +89,7 @@ class PlaneJoints(OneLine):
             float(assembly.volume[touched].sum()),
             sum(block.volume for block in blocks.values()),
         )
-        if abs(after - before) > SHARED * before:
+        if abs(after - before) > _SHARED * before:
             raise InputError(
                 "two wedges would take the same part of a block", remedy="make them less sharp"
             )
@@ -100,7 +100,7 @@ class PlaneJoints(OneLine):
         """A block with wedges in some of its joints."""
         blocks, contacts = self.model.assembly.blocks, self.model.contacts
 
-        @lru_cache(maxsize=REMEMBERED)
+        @lru_cache(maxsize=_REMEMBERED)
         def made(i: int, wedges: tuple[tuple[int, float], ...]) -> Block:
             pieces = [self._body(i)]
             for k, sharpness in wedges:
@@ -117,7 +117,7 @@ class PlaneJoints(OneLine):
     def _exchange(self) -> Callable[[int, float], tuple[JointCut, list[Piece], list[Piece]]]:
         """The cut of one joint, and what block a and block b take at it from each other."""
 
-        @lru_cache(maxsize=REMEMBERED)
+        @lru_cache(maxsize=_REMEMBERED)
         def exchange(k: int, sharpness: float) -> tuple[JointCut, list[Piece], list[Piece]]:
             joint = joint_plane(self.model, k)
             one, other = self._body(joint.block_a), self._body(joint.block_b)
@@ -135,7 +135,7 @@ class PlaneJoints(OneLine):
         """The body of a block as it was, its joints exactly plane."""
         contacts = self.model.contacts
 
-        @lru_cache(maxsize=REMEMBERED)
+        @lru_cache(maxsize=_REMEMBERED)
         def body(i: int) -> Piece:
             found = body_of(self.model.assembly.blocks[i])
             own = self.usable & ((contacts.block_a == i) | (contacts.block_b == i))

@@ -25,7 +25,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.stability import CheckOptions, check
 
-TENSE = 0.01
+_TENSE = 0.01
 """A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
 stretches puts a trace of tension into every hinge."""
 
@@ -238,7 +238,7 @@ class _Sharpening:
         for case in (model, *margin.cases(model)):
             if not margin.meets(check(case, options=options)):
                 tension = self.joints.tension(case)
-                shows: Bools = tension > TENSE * tension.max(initial=0.0)
+                shows: Bools = tension > _TENSE * tension.max(initial=0.0)
                 return shows
         return np.zeros(self.joints.model.contacts.count, dtype=bool)
 

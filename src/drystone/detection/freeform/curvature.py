@@ -12,10 +12,10 @@ from drystone.geometry.body.polyhedron import Faces
 SMOOTH = np.deg2rad(35.0)
 """[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of
 eleven strips or more."""
-FACETED = np.deg2rad(50.0)
+_FACETED = np.deg2rad(50.0)
 """[rad] The same for triangles, whose edges cross the curve in any direction. Chosen: above the 42
 degrees between the faces of an icosahedron."""
-TURNS = np.deg2rad(0.1)
+_TURNS = np.deg2rad(0.1)
 """[rad] A smaller angle does not show whether a surface is convex or concave. Chosen: above the
 noise of coordinates stored in single precision."""
 
@@ -66,7 +66,7 @@ def curvature(
     if triangle[here].any():
         _turn_to_corners(bend, faces, edges, curved, group, triangle)
     for turned, sign in ((bulges, 1.0), (hollow, -1.0)):
-        turns = sign * turn[smooth] > TURNS
+        turns = sign * turn[smooth] > _TURNS
         turned[here[turns]] = True
         turned[here[turned[there]]] = True  # extended to the neighbours
     return sag, bend, bulges, hollow
@@ -75,7 +75,7 @@ def curvature(
 def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools) -> Bools:
     """Whether each half-edge (h,) lies on a smooth surface and not at a crease."""
     three = triangle[group[edges.face]] & triangle[group[edges.face[edges.twin]]]
-    smooth: Bools = (edges.twin >= 0) & (np.abs(turn) < np.where(three, FACETED, SMOOTH))
+    smooth: Bools = (edges.twin >= 0) & (np.abs(turn) < np.where(three, _FACETED, SMOOTH))
     return smooth
 
 

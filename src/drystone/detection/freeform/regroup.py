@@ -17,7 +17,7 @@ from drystone.geometry.plane import facets as geometry
 from drystone.geometry.plane.facets import Facet
 from drystone.geometry.plane.polygon import area_vectors
 
-UNEVEN = 0.5
+_UNEVEN = 0.5
 """The pieces of a pair are examined when one is narrower than this share of another. Chosen above
 any sensible share, to skip ordinary joints quickly."""
 
@@ -42,7 +42,7 @@ def merge_slivers(found: Interfaces, share: float) -> Interfaces:
         piece = found.take(mine)
         facets = geometry.facets_of(piece.point, piece.start)
         width = np.array([facet.width for facet in facets])
-        if width.min() >= min(share, UNEVEN) * width.max():
+        if width.min() >= min(share, _UNEVEN) * width.max():
             continue
         merged = geometry.merge_slivers(facets, share, float(piece.size[0]))
         whole[mine] = False

@@ -14,7 +14,7 @@ from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
 
-WORTH = 0.02
+_WORTH = 0.02
 """Share of the area of a joint that may be missing without a report."""
 
 
@@ -74,7 +74,7 @@ def shortfalls(
     )
     gap, angle = _needed(planes, shared, checked, options)
     result = []
-    for i in np.flatnonzero((joint > 0.0) & (missing > WORTH * (joint + missing))).tolist():
+    for i in np.flatnonzero((joint > 0.0) & (missing > _WORTH * (joint + missing))).tolist():
         mine = (pair == i) & (lost > 1e-3 * lost[pair == i].max())
         a, b = divmod(int(keys[i]), len(patches.size))
         share = float(missing[i] / (joint[i] + missing[i]))

@@ -16,7 +16,7 @@ from drystone.detection.search.candidates import Pairs
 from drystone.detection.search.patches import Patches
 from drystone.geometry.body.shared_volume import shared_volumes
 
-REFUSED = 0.1
+_REFUSED = 0.1
 """Models with blocks that share more than this part of the smaller one are refused. Chosen: far
 above the overlaps that rounded coordinates and warped faces cause."""
 
@@ -91,7 +91,7 @@ def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
     InputError
         There are such blocks; the pair with the largest share is named.
     """
-    refused = [pair for pair in overlaps if pair.share > REFUSED]
+    refused = [pair for pair in overlaps if pair.share > _REFUSED]
     if not refused:
         return
     worst = max(refused, key=lambda pair: (pair.share, pair.depth))

@@ -19,7 +19,7 @@ from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
 from drystone.detection.report.reasons import SHOWN, Missed, Reason, millimetres
 
-KINDS = {3: "area", 2: "line", 1: "point"}
+_KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""
 
 
@@ -229,7 +229,7 @@ class ContactReport(Card):
             "block_b": [self.names[b] for b in self.block_b],
             "face_a": [_face(face) for face in self.face_a],
             "face_b": [_face(face) for face in self.face_b],
-            "kind": [KINDS[kind] for kind in self.kind.tolist()],
+            "kind": [_KINDS[kind] for kind in self.kind.tolist()],
             "area": self.area,
             "gap": self.gap,
             "warp": self.warp,
@@ -253,7 +253,7 @@ class ContactReport(Card):
                 {
                     "blocks": [name[a], name[b]],
                     "faces": [_face(self.face_a[i]), _face(self.face_b[i])],
-                    "kind": KINDS[int(self.kind[i])],
+                    "kind": _KINDS[int(self.kind[i])],
                     "area": float(self.area[i]),
                     "gap": float(self.gap[i]),
                     "warp": float(self.warp[i]),

@@ -10,12 +10,12 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.patches import Patches
 from drystone.geometry import boxes
 
-MISSED_ANGLE = np.deg2rad(10.0)
+_MISSED_ANGLE = np.deg2rad(10.0)
 """[rad] Patches that exceed the angle tolerance by less are reported as near misses."""
-WIDEST_ANGLE = np.deg2rad(50.0)
+_WIDEST_ANGLE = np.deg2rad(50.0)
 """[rad] Patches with a larger angle between them never touch, however curved they are. Chosen:
 below the 60 degrees between the sides of a tetrahedral notch."""
-MANY = 4096
+_MANY = 4096
 """Patch pairs of two blocks above which a grid finds the near ones."""
 
 Pairs = tuple[Ints, Ints]
@@ -86,10 +86,10 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
     other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
     f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])
-    limit = np.deg2rad(options.angle) + MISSED_ANGLE + granted_to(patches, f, g, options)[1]
-    limit[fits(patches, f, g)] = WIDEST_ANGLE  # to report the missing area of curved joints
+    limit = np.deg2rad(options.angle) + _MISSED_ANGLE + granted_to(patches, f, g, options)[1]
+    limit[fits(patches, f, g)] = _WIDEST_ANGLE  # to report the missing area of curved joints
     cosine = -dot(patches.normal[f], patches.normal[g])
-    keep = cosine >= np.cos(np.minimum(limit, WIDEST_ANGLE))
+    keep = cosine >= np.cos(np.minimum(limit, _WIDEST_ANGLE))
     f, g = f[keep], g[keep]
     smaller = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
     margin = (reach(options) * smaller + granted[f] + granted[g])[:, None]
@@ -132,7 +132,7 @@ def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Fl
     begin = np.searchsorted(pair_g, np.arange(count + 1))
     per_pair = np.diff(begin)
     product = np.bincount(pair_f, minlength=count) * per_pair
-    large = product > MANY
+    large = product > _MANY
     small = np.flatnonzero(~large[pair_f])
     source, place = expand(begin[pair_f[small]], per_pair[pair_f[small]])
     found_f, found_g = [f[small][source]], [g[place]]

@@ -10,10 +10,10 @@ from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors
 
-FLAT = np.deg2rad(0.1)
+_FLAT = np.deg2rad(0.1)
 """[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the
 noise of coordinates stored in single precision."""
-PLANAR = 1e-4
+_PLANAR = 1e-4
 """They are one polygon when no corner lies farther from its plane than this share of the block
 size. Chosen: a finely meshed curve is not flattened."""
 STRAIGHT = 1e-9
@@ -23,7 +23,7 @@ removed."""
 
 def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
     """Group (f,) of each face, numbered by first face: coplanar neighbours share one."""
-    flat = (edges.twin >= 0) & (np.abs(turn) < FLAT)
+    flat = (edges.twin >= 0) & (np.abs(turn) < _FLAT)
     if not flat.any():
         return np.arange(faces.count, dtype=np.intp)
     group = joined_faces(edges, flat, faces.count)
@@ -38,7 +38,7 @@ def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) 
     height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
     worst = np.zeros(len(share))
     np.maximum.at(worst, corner_group, height)
-    keep = many & (worst[group] <= PLANAR * size[faces.owner])
+    keep = many & (worst[group] <= _PLANAR * size[faces.owner])
     apart = np.where(keep, group, len(share) + np.arange(faces.count))
     _, first, label = np.unique(apart, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.intp)

@@ -21,12 +21,12 @@ from drystone.geometry.body.polyhedron import edges_of
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import planar
 
-INSIDE = 1e-6
+_INSIDE = 1e-6
 """A contact lies inside a face when it is farther than this share of the block size from the
 outline. Nearer to it, edge meets edge, and the contact has no defined normal."""
-SHORT = 1e-3
+_SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
-PARALLEL = 0.05
+_PARALLEL = 0.05
 """Edges cross when the sine of their angle is larger, about 3 degrees; chosen."""
 
 
@@ -194,7 +194,7 @@ class _EdgeSearch:
         """Points (2, 3) or (1, 3) and gap of the contacts with one face."""
         region = self._region(patch)
         outline = shapely.boundary(region)
-        inside = INSIDE * size
+        inside = _INSIDE * size
         found: list[tuple[Floats, float]] = []
         meets = False
         covered = np.zeros(len(height), dtype=bool)
@@ -202,7 +202,7 @@ class _EdgeSearch:
             ends = self._flat(wire.point[[i, j]], patch)
             shared = shapely.intersection(shapely.linestrings(ends), region)
             for part in shapely.get_parts(shared):
-                if shapely.length(part) <= SHORT * size:
+                if shapely.length(part) <= _SHORT * size:
                     continue
                 middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
                 covered[[i, j]] = True
@@ -241,7 +241,7 @@ class _EdgeSearch:
             for direction in (normal, -normal):
                 below = (one.point[_around(one, i)] - p) @ direction
                 above = (two.point[_around(two, j)] - q) @ direction
-                if below.max() <= INSIDE * size and above.min() >= -INSIDE * size:
+                if below.max() <= _INSIDE * size and above.min() >= -_INSIDE * size:
                     gap = float((q - p) @ direction)
                     touches.append(_Touch(0.5 * (p + q)[None], direction, -1, -1, gap))
                     break
@@ -270,10 +270,10 @@ def _crossings(
     d = (along[:, None] * between).sum(axis=2)
     e = (run[None] * between).sum(axis=2)
     square = a * c - b * b
-    crosses = square > PARALLEL**2 * a * c
+    crosses = square > _PARALLEL**2 * a * c
     safe = np.where(crosses, square, 1.0)
     s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
-    crosses &= (s > INSIDE) & (s < 1.0 - INSIDE) & (t > INSIDE) & (t < 1.0 - INSIDE)
+    crosses &= (s > _INSIDE) & (s < 1.0 - _INSIDE) & (t > _INSIDE) & (t < 1.0 - _INSIDE)
     for i, j in np.argwhere(crosses).tolist():
         p, q = start[i] + s[i, j] * along[i], begin[j] + t[i, j] * run[j]
         if (p - q) @ (p - q) <= distance**2:

@@ -16,10 +16,10 @@ from drystone.geometry.plane import clip, planar
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise. Chosen:
 areas are kept to 2 %."""
-BATCH = 400_000
+_BATCH = 400_000
 """Corners of padded polygons in one batch. Chosen: bounds the memory to some 100 MB."""
 
-Rings: TypeAlias = tuple[Floats, Ints, Ints]
+_Rings: TypeAlias = tuple[Floats, Ints, Ints]
 """Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""
 
 
@@ -34,7 +34,7 @@ def overlaps(patches: Patches, planes: Planes) -> Pieces:
     return tidy(_shared(one, other, convex), planes)
 
 
-def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) -> Rings:
+def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) -> _Rings:
     """Rings of one patch per plane, in the plane, outlines counter-clockwise."""
     rings = np.diff(patches.first_ring)[patch]
     row, ring = expand(patches.first_ring[patch], rings)
@@ -46,7 +46,7 @@ def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) 
     return planes.flat(patches.corner[corner], row[of_corner]), start, row
 
 
-def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
+def _shared(one: _Rings, other: _Rings, convex: Bools) -> Pieces:
     """Intersections of regions, row by row; ``convex`` where both are one convex ring."""
     parts = []
     for size in _size_classes(one, other, convex):
@@ -61,7 +61,7 @@ def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
     return merged(parts)
 
 
-def _size_classes(one: Rings, other: Rings, convex: Bools) -> list[Ints]:
+def _size_classes(one: _Rings, other: _Rings, convex: Bools) -> list[Ints]:
     """Rows of convex pairs with similar numbers of corners, so that padding stays small."""
     rows = np.flatnonzero(convex)
     if len(rows) == 0:
@@ -71,22 +71,22 @@ def _size_classes(one: Rings, other: Rings, convex: Bools) -> list[Ints]:
     classes = []
     for each in np.unique(grade):
         mine = rows[grade == each]
-        step = max(BATCH // 2 ** int(each), 1)
+        step = max(_BATCH // 2 ** int(each), 1)
         classes += [mine[i : i + step] for i in range(0, len(mine), step)]
     return classes
 
 
-def _corner_count(rings: Rings, rows: Ints) -> Ints:
+def _corner_count(rings: _Rings, rows: Ints) -> Ints:
     return np.diff(rings[1])[np.searchsorted(rings[2], rows)]
 
 
-def _padded(rings: Rings, rows: Ints) -> clip.Padded:
+def _padded(rings: _Rings, rows: Ints) -> clip.Padded:
     corner, start, row = rings
     ring = np.searchsorted(row, rows)
     return clip.pad(corner, start[ring], np.diff(start)[ring])
 
 
-def _regions(rings: Rings, rows: Ints) -> planar.Regions:
+def _regions(rings: _Rings, rows: Ints) -> planar.Regions:
     """Shapely regions of some rows."""
     corner, start, row = rings
     first, last = np.searchsorted(row, rows), np.searchsorted(row, rows, side="right")
@@ -146,7 +146,7 @@ def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:
     return tidy(merged([pieces.select(~beyond), inside]), planes)
 
 
-def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
+def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> _Rings:
     """A rectangle per polygon that covers all its points with a gap within the tolerance."""
     slope = planes.slope[pieces.row]
     steep = np.hypot(slope[:, 0], slope[:, 1])

@@ -67,7 +67,7 @@ class Interfaces:
         """Some of the interfaces in a given order."""
         length = np.diff(self.start)[order]
         corner = expand(self.start[order], length)[1]
-        values = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name not in OWN}
+        values = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name not in _OWN}
         start = Ragged.from_counts(length).start
         return Interfaces(point=self.point[corner], start=start, **values)
 
@@ -89,7 +89,7 @@ class Interfaces:
         )
 
 
-OWN = ("point", "start")
+_OWN = ("point", "start")
 """Fields of :class:`Interfaces` with a row per corner instead of a row per interface."""
 
 

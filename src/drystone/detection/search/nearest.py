@@ -11,10 +11,10 @@ from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy
 from drystone.geometry.plane import planar
 
-EXACT = 1e-4
+_EXACT = 1e-4
 """Gaps below this share of the block size have no block between them. Chosen: thinner than any
 block."""
-BEHIND = 0.01
+_BEHIND = 0.01
 """An interface is cut where another lies in front of it, if their common area is wider than this
 share of the block size. Chosen: above the overlap of neighbouring strips on a curve."""
 
@@ -29,7 +29,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     """
     hidden = np.zeros(len(planes.f), dtype=bool)
     gap = np.abs(gaps(planes, pieces))
-    loose = gap > EXACT * planes.size[pieces.row]
+    loose = gap > _EXACT * planes.size[pieces.row]
     if not loose.any():
         return pieces, hidden
     behind, front = _sharing(planes, pieces, loose, gap)
@@ -43,7 +43,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     common = planar.overlay(shapely.intersection, regions[behind], shade)
     around = shapely.length(common)
     width = 2.0 * shapely.area(common) / np.where(around > 0.0, around, 1.0)
-    wide = width > BEHIND * planes.size[pieces.row[behind]]
+    wide = width > _BEHIND * planes.size[pieces.row[behind]]
     if not wide.any():
         return pieces, hidden
     cut = np.unique(behind[wide])
@@ -55,7 +55,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     whole = np.ones(pieces.count, dtype=bool)
     whole[cut] = False
     left = tidy(Pieces(corner, start, pieces.row[cut][source]), planes)
-    left = left.select(left.width > BEHIND * planes.size[left.row])
+    left = left.select(left.width > _BEHIND * planes.size[left.row])
     return merged([pieces.select(whole), left]), hidden
 
 

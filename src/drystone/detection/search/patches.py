@@ -23,13 +23,13 @@ from drystone.geometry.body.halfedge import HalfEdges, half_edges, turn_angles
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors
 
-REENTRANT = np.deg2rad(0.5)
+_REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more. Chosen: above the noise of warped
 faces."""
-COARSE = 1e-3
+_COARSE = 1e-3
 """Largest rounding of coordinates, relative to the block size. Chosen: a fifth of the gap within
 which faces touch."""
-FOLDED = 1e-12
+_FOLDED = 1e-12
 """A face with a smaller area vector, relative to the surface of its block, has no area."""
 
 
@@ -175,7 +175,7 @@ def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
 def _refuse_rounded(assembly: Assembly, origin: Floats) -> None:
     """Raise for a block so far from the origin that rounding changes its shape."""
     reach = np.maximum(np.abs(assembly.bounds).max(axis=(1, 2)), np.abs(origin).max())
-    lost = np.flatnonzero(np.spacing(reach) > COARSE * assembly.size)
+    lost = np.flatnonzero(np.spacing(reach) > _COARSE * assembly.size)
     if len(lost):
         block = int(lost[0])
         raise InputError(
@@ -191,12 +191,12 @@ def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floa
 
     It has no area, but its corners are not on one line.
     """
-    flat = np.flatnonzero(area <= FOLDED * surface[faces.owner])
+    flat = np.flatnonzero(area <= _FOLDED * surface[faces.owner])
     for face in flat.tolist():
         corner = faces.point[faces.loop[faces.start[face] : faces.start[face + 1]]]
         local = corner - corner.mean(axis=0)
         spread = np.linalg.norm(np.cross(local, np.roll(local, -1, axis=0)), axis=1).sum()
-        if spread > 1e3 * FOLDED * surface[faces.owner[face]]:
+        if spread > 1e3 * _FOLDED * surface[faces.owner[face]]:
             block = int(faces.owner[face])
             number = face - int(np.searchsorted(faces.owner, block))
             raise InputError(
@@ -220,7 +220,7 @@ def _refuse_flattened(assembly: Assembly, owner: Ints, ring_patch: Ints) -> None
 
 def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> tuple[Bools, Bools]:
     """Which blocks are convex, and which surfaces are connected without handles."""
-    reentrant = np.bincount(faces.owner[edges.face], turn < -REENTRANT, minlength=count)
+    reentrant = np.bincount(faces.owner[edges.face], turn < -_REENTRANT, minlength=count)
     half = np.bincount(faces.owner[edges.face], minlength=count)
     face = np.bincount(faces.owner, minlength=count)
     vertex_owner = np.zeros(len(faces.point), dtype=np.intp)

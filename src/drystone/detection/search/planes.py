@@ -13,11 +13,11 @@ from drystone.detection.search.patches import Patches
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip
 
-CLEAN = 1e-6
+_CLEAN = 1e-6
 """Corners of an overlap this near to each other, or to the line between their neighbours, are
 removed; relative to the block size. Chosen: above the rounding of coordinates far from the
 origin."""
-TOUCH = 1e-6
+_TOUCH = 1e-6
 """Overlaps narrower than this share of the block size count as edge contacts."""
 
 
@@ -140,7 +140,7 @@ def merged(parts: list[Pieces]) -> Pieces:
 def tidy(pieces: Pieces, planes: Planes) -> Pieces:
     """The polygons without corners on straight lines, and without polygons of zero width."""
     size = planes.size[pieces.row]
-    corner, start = clip.cleaned(pieces.corner, pieces.start, CLEAN * size)
+    corner, start = clip.cleaned(pieces.corner, pieces.start, _CLEAN * size)
     filled = np.diff(start) > 0
     result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
-    return result.select(result.width > TOUCH * planes.size[result.row])
+    return result.select(result.width > _TOUCH * planes.size[result.row])

@@ -14,17 +14,17 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.plane.triangulate import triangulate
 
-CONVEX = 1e-6
+_CONVEX = 1e-6
 """A piece is convex when its hull is larger by less than this share of the hull's volume."""
 SLIVER = 1e-6
 """Pieces below this share of the body's volume come from rounding of the cuts and are dropped."""
-KERF = 1e-7
+_KERF = 1e-7
 """Half the width of a cut, relative to the size of the body. A cut without width would leave faces
 in its plane on the parts, as sheets without thickness."""
 
 
 @dataclass(frozen=True, eq=False)
-class ConvexPiece:
+class _ConvexPiece:
     """A convex part of a body.
 
     Attributes
@@ -42,7 +42,7 @@ class ConvexPiece:
     offset: Floats
 
     @classmethod
-    def around(cls, point: Floats) -> ConvexPiece:
+    def around(cls, point: Floats) -> _ConvexPiece:
         """The convex hull of some points (p, 3) [m] that do not lie in one plane."""
         hull = ConvexHull(point)
         plane = np.unique(np.round(hull.equations, 9), axis=0)
@@ -75,7 +75,7 @@ def solid_of(vertices: Floats, faces: Sequence[Loop]) -> manifold3d.Manifold:
     return manifold3d.Manifold(manifold3d.Mesh64(np.array(vertices), triangle.astype(np.uint64)))
 
 
-def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[ConvexPiece]:
+def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[_ConvexPiece]:
     """Convex pieces that fill a body and share no volume.
 
     A body is cut along the plane of a face beside its longest concave edge. The parts are cut in
@@ -102,8 +102,8 @@ def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[ConvexPiece]:
         hull = part.hull()
         if part.volume() <= least:
             continue
-        if hull.volume() - part.volume() <= CONVEX * hull.volume():
-            found.append(ConvexPiece.around(_mesh(hull)[0]))
+        if hull.volume() - part.volume() <= _CONVEX * hull.volume():
+            found.append(_ConvexPiece.around(_mesh(hull)[0]))
             continue
         connected = part.decompose()
         waiting += connected if len(connected) > 1 else _cut(part)
@@ -119,7 +119,7 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
     """
     point, triangle = _mesh(part)
     normal, size = _normals(point[triangle])
-    kerf = KERF * float(np.linalg.norm(np.ptp(point, axis=0)))
+    kerf = _KERF * float(np.linalg.norm(np.ptp(point, axis=0)))
     length, planes = _concave_edges(point, triangle)
     bent = [planes[edge] for edge in np.argsort(-length)]
     high = (

@@ -10,16 +10,16 @@ from drystone.base.arrays import Bools, Floats, unit
 from drystone.base.ragged import expand
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 
-CONVEX = 1e-9
+_CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""
-MANY_PAIRS = 2_000_000
+_MANY_PAIRS = 2_000_000
 """Pairs of a vertex and a face in one batch. Chosen: at most some hundred MB."""
 
 
 def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
     """Whether each body is convex.
 
-    No vertex may lie above the plane of a face by more than :data:`CONVEX`. A body with very many
+    No vertex may lie above the plane of a face by more than :data:`_CONVEX`. A body with very many
     faces counts as concave: the test would cost more time than it saves.
 
     Parameters
@@ -31,8 +31,8 @@ def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     """
     convex = np.zeros(len(vertices), dtype=bool)
     pairs = np.array([len(v) * len(f) for v, f in zip(vertices, faces, strict=True)])
-    small = np.flatnonzero(pairs <= MANY_PAIRS)
-    batch = np.cumsum(pairs[small]) // MANY_PAIRS
+    small = np.flatnonzero(pairs <= _MANY_PAIRS)
+    batch = np.cumsum(pairs[small]) // _MANY_PAIRS
     for bodies in np.split(small, np.flatnonzero(np.diff(batch)) + 1):
         if len(bodies):
             part = bodies.tolist()
@@ -50,7 +50,7 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
     highest = np.zeros(len(vertices))
     np.maximum.at(highest, stacked.owner[face], height)
-    return highest <= CONVEX
+    return highest <= _CONVEX
 
 
 def planes(faces: Faces) -> tuple[Floats, Floats]:

@@ -24,7 +24,7 @@ from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.planar import overlay, valid
 from drystone.geometry.plane.polygon import area_vector, area_vectors
 
-TOUCH = 1e-8
+_TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times
 the difference between pieces of one cut."""
 
@@ -59,13 +59,13 @@ def glue(pieces: Sequence[Piece]) -> list[Piece]:
     extent = float(np.ptp(points, axis=0).max())
     loops = [vertices[list(face)] for vertices, faces in pieces for face in faces]
     owner = [number for number, (_, faces) in enumerate(pieces) for _ in faces]
-    left = _uncovered(loops, owner, TOUCH * extent)
+    left = _uncovered(loops, owner, _TOUCH * extent)
     if not left:
         return []
     found = []
     for vertices, faces in _bodies(left, extent):
-        own = merge_coplanar([vertices], [faces], 10.0 * TOUCH)[0]
-        found.append(_straightened(vertices, own, TOUCH * extent))
+        own = merge_coplanar([vertices], [faces], 10.0 * _TOUCH)[0]
+        found.append(_straightened(vertices, own, _TOUCH * extent))
     return found
 
 
@@ -97,14 +97,14 @@ def _cut(piece: Piece, normal: Floats, offset: float) -> tuple[list[Piece], list
     vertices, faces = np.array(piece[0]), piece[1]
     extent = float(np.ptp(vertices, axis=0).max())
     height = vertices @ normal - offset
-    on = np.abs(height) <= TOUCH * extent
+    on = np.abs(height) <= _TOUCH * extent
     vertices[on] -= height[on, None] * normal
     height[on] = 0.0
     if height.max() <= 0.0:
         return [piece], []
     if height.min() >= 0.0:
         return [], [piece]
-    simple = halved(vertices, faces, height, TOUCH * extent)
+    simple = halved(vertices, faces, height, _TOUCH * extent)
     if simple is not None:
         return [simple[0]], [simple[1]]
     below: list[Floats] = []
@@ -156,7 +156,7 @@ def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Float
     return [
         corner[0] + ring @ frame[1:]
         for part in parts_of(shape, "Polygon")
-        for ring in rings_of(part, TOUCH * extent * part.length)
+        for ring in rings_of(part, _TOUCH * extent * part.length)
     ]
 
 
@@ -165,7 +165,7 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     if not loops:
         return []
     corners = np.concatenate(loops)
-    kept, number = distinct(corners, TOUCH * extent)
+    kept, number = distinct(corners, _TOUCH * extent)
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     open_edges: set[tuple[int, int]] = set()
     for part in np.split(number, ends):
@@ -184,7 +184,7 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     return [
         offset * normal + ring @ frame[1:]
         for part in parts_of(section, "Polygon")
-        for ring in rings_of(part, TOUCH * extent * part.length)
+        for ring in rings_of(part, _TOUCH * extent * part.length)
     ]
 
 
@@ -198,7 +198,7 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
     """
     if not loops:
         return []
-    near = TOUCH * extent
+    near = _TOUCH * extent
     corners = np.concatenate(loops)
     kept, number = distinct(corners, near)
     vertices = corners[kept]

@@ -15,19 +15,19 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.body.convexity import convex_bodies, planes
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 
-TOUCH = 1e-9
+_TOUCH = 1e-9
 """Distance, relative to the size of a body, at which parts of its surface touch."""
-SIDE = 2.0
+_SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
-BATCH = 500
+_BATCH = 500
 """Edges or vertices in one batch, compared with all faces near them. Chosen: bounds the memory."""
 
-MOST_PAIRS = 20_000_000
+_MOST_PAIRS = 20_000_000
 """The search stops after this many pairs of overlapping boxes. Chosen: some seconds. A body whose
 parts all overlap is not searched to the end."""
 
-Finding = tuple[int, str]
+_Finding = tuple[int, str]
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class _Surface:
         return np.asarray(shapely.points(flat))
 
 
-def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> list[Finding]:
+def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> list[_Finding]:
     """The first self-contact of each closed polyhedron that has one.
 
     Parameters
@@ -88,7 +88,7 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     if not concave:
         return []
     surface = _surface([vertices[i] for i in concave], [faces[i] for i in concave])
-    searches: tuple[Callable[[_Surface], Iterator[Finding]], ...] = (
+    searches: tuple[Callable[[_Surface], Iterator[_Finding]], ...] = (
         _crossed_outlines,
         _pierced_faces,
         _touching_vertices,
@@ -132,7 +132,7 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
     )
 
 
-def _crossed_outlines(surface: _Surface) -> Iterator[Finding]:
+def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
     """Faces whose outline crosses or touches itself."""
     for face in np.flatnonzero(~shapely.is_valid(surface.outline)).tolist():
         body = int(surface.faces.owner[face])
@@ -143,22 +143,22 @@ def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[
     """Pairs of axis-aligned boxes that overlap, in batches: position, position among others."""
     tree = shapely.STRtree(_boxes(*others))
     looked_at = 0
-    for start in range(0, len(low), BATCH):
-        part = slice(start, start + BATCH)
+    for start in range(0, len(low), _BATCH):
+        part = slice(start, start + _BATCH)
         one, other = tree.query(_boxes(low[part], high[part]))
         looked_at += len(one)
-        if looked_at > MOST_PAIRS:
+        if looked_at > _MOST_PAIRS:
             return
         one = one + start
-        meet = (low[one, 2] <= others[1][other, 2] + TOUCH) & (
-            high[one, 2] >= others[0][other, 2] - TOUCH
+        meet = (low[one, 2] <= others[1][other, 2] + _TOUCH) & (
+            high[one, 2] >= others[0][other, 2] - _TOUCH
         )
         yield one[meet], other[meet]
 
 
 def _boxes(low: Floats, high: Floats) -> NDArray[Any]:
     """Plan view of boxes, grown by the touching distance."""
-    grown = (low[:, 0] - TOUCH, low[:, 1] - TOUCH, high[:, 0] + TOUCH, high[:, 1] + TOUCH)
+    grown = (low[:, 0] - _TOUCH, low[:, 1] - _TOUCH, high[:, 0] + _TOUCH, high[:, 1] + _TOUCH)
     return np.asarray(shapely.box(*grown))
 
 
@@ -172,11 +172,11 @@ def _edge_boxes(surface: _Surface) -> tuple[Floats, Floats]:
     return np.minimum(one, other), np.maximum(one, other)
 
 
-def _pierced_faces(surface: _Surface) -> Iterator[Finding]:
+def _pierced_faces(surface: _Surface) -> Iterator[_Finding]:
     """Edges that go through a face."""
     one, other = surface.ends()
     for edge, face in _near(*_edge_boxes(surface), _face_boxes(surface)):
-        margin = SIDE * surface.warp[face] + TOUCH
+        margin = _SIDE * surface.warp[face] + _TOUCH
         from_one = surface.height(one[edge], face)
         from_other = surface.height(other[edge], face)
         through = (np.minimum(np.abs(from_one), np.abs(from_other)) > margin) & (
@@ -205,7 +205,7 @@ def _inside(surface: _Surface, point: Floats, face: Ints, margin: Floats) -> Boo
     return out
 
 
-def _touching_vertices(surface: _Surface) -> Iterator[Finding]:
+def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
     """Vertices that lie on a plane face without being one of its corners."""
     point = surface.faces.point
     count = surface.faces.count
@@ -214,13 +214,13 @@ def _touching_vertices(surface: _Surface) -> Iterator[Finding]:
     joined = {tuple(pair) for pair in surface.edge.tolist()}
     for vertex, face in _near(point, point, _face_boxes(surface)):
         on = (
-            (np.abs(surface.height(point[vertex], face)) <= TOUCH)
-            & (surface.warp[face] <= TOUCH)
+            (np.abs(surface.height(point[vertex], face)) <= _TOUCH)
+            & (surface.warp[face] <= _TOUCH)
             & ~np.isin(vertex * count + face, corner)
         )
         vertex, face = vertex[on], face[on]
         flat = surface.in_plane(point[vertex], face)
-        on = shapely.distance(surface.outline[face], flat) <= TOUCH
+        on = shapely.distance(surface.outline[face], flat) <= _TOUCH
         for v, f in zip(vertex[on].tolist(), face[on].tolist(), strict=True):
             if not _short_edge(surface, v, f, joined):
                 body = int(surface.faces.owner[f])
@@ -237,11 +237,11 @@ def _short_edge(surface: _Surface, vertex: int, face: int, joined: set[tuple[int
     """Whether a vertex is near a face only because a very short edge connects them."""
     loop = surface.faces.loop[surface.faces.start[face] : surface.faces.start[face + 1]]
     gap = np.linalg.norm(surface.faces.point[loop] - surface.faces.point[vertex], axis=1)
-    close = loop[gap <= 2.0 * TOUCH].tolist()
+    close = loop[gap <= 2.0 * _TOUCH].tolist()
     return any((min(vertex, c), max(vertex, c)) in joined for c in close)
 
 
-def _touching_edges(surface: _Surface) -> Iterator[Finding]:
+def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
     """Edges that cross each other away from their ends.
 
     Nearest points of two lines a + s d, b + t e; Source: Ericson 2005, section 5.1.9.
@@ -260,11 +260,11 @@ def _touching_edges(surface: _Surface) -> Iterator[Finding]:
         s = (np.cross(between, e) * cross).sum(axis=1) / safe
         t = (np.cross(between, d) * cross).sum(axis=1) / safe
         gap = np.abs((between * cross).sum(axis=1)) / np.sqrt(safe)
-        margin_s = TOUCH / np.maximum(np.linalg.norm(d, axis=1), TOUCH)
-        margin_t = TOUCH / np.maximum(np.linalg.norm(e, axis=1), TOUCH)
+        margin_s = _TOUCH / np.maximum(np.linalg.norm(d, axis=1), _TOUCH)
+        margin_t = _TOUCH / np.maximum(np.linalg.norm(e, axis=1), _TOUCH)
         hit = (
             oblique
-            & (gap <= TOUCH)
+            & (gap <= _TOUCH)
             & (s > margin_s)
             & (s < 1.0 - margin_s)
             & (t > margin_t)

@@ -18,17 +18,17 @@ from drystone.geometry.body.solid import squared_distance
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
 
-BATCH = 500_000
+_BATCH = 500_000
 """Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB."""
 CROSS = 1e-6
 """Unit directions whose cross product is shorter than this are parallel."""
-COPY = 0.5
+_COPY = 0.5
 """Bodies whose surfaces agree within the tolerance are copies when they share more than this part
 of the larger volume. Chosen: any value between 0 and 1 gives the same answer."""
 
 
 @dataclass(frozen=True, eq=False)
-class SharedVolume(OneLine):
+class _SharedVolume(OneLine):
     """Pairs of bodies that share volume.
 
     Attributes
@@ -49,7 +49,7 @@ class SharedVolume(OneLine):
 
 def shared_volumes(
     faces: Faces, a: Ints, b: Ints, tolerance: Floats, convex: Bools
-) -> SharedVolume:
+) -> _SharedVolume:
     """The pairs of bodies that overlap deeper than the tolerance.
 
     Pairs that a plane separates, up to the tolerance, are removed first. The planes tried are
@@ -83,7 +83,7 @@ def shared_volumes(
     """
     row = np.arange(len(a), dtype=np.intp)
     if len(row) == 0:
-        return SharedVolume(row, np.zeros(0), np.zeros(0))
+        return _SharedVolume(row, np.zeros(0), np.zeros(0))
     bodies = _Bodies.of(faces, a, b)
     convex = convex[bodies.number]
     a, b = (np.searchsorted(bodies.number, body) for body in (a, b))
@@ -91,7 +91,7 @@ def shared_volumes(
         near = sieve(bodies, a, b, tolerance[row], convex)
         row, a, b = row[near], a[near], b[near]
         if len(row) == 0:
-            return SharedVolume(row, np.zeros(0), np.zeros(0))
+            return _SharedVolume(row, np.zeros(0), np.zeros(0))
     commons = [
         bodies.solid(i) ^ bodies.solid(j) for i, j in zip(a.tolist(), b.tolist(), strict=True)
     ]
@@ -109,10 +109,10 @@ def shared_volumes(
     whole = np.array(
         [[bodies.solid(i).volume() for i in pair] for pair in np.stack([a, b], axis=1)]
     ).reshape(-1, 2)
-    for i in np.flatnonzero((depth <= tolerance[row]) & (volume > COPY * whole.max(axis=1))):
+    for i in np.flatnonzero((depth <= tolerance[row]) & (volume > _COPY * whole.max(axis=1))):
         depth[i] = 6.0 * volume[i] / commons[i].surface_area()
     deep = depth > tolerance[row]
-    return SharedVolume(row[deep], depth[deep], volume[deep])
+    return _SharedVolume(row[deep], depth[deep], volume[deep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +245,7 @@ def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:
     of_pair, face = bodies.faces.take(a)
     other = of_pair.spread(b)
     depth = np.zeros(len(face))
-    for part in Ragged.from_counts(bodies.corners.counts[other]).batches(BATCH):
+    for part in Ragged.from_counts(bodies.corners.counts[other]).batches(_BATCH):
         each, corner = bodies.corners.take(other[part])
         mine = each.spread(face[part])
         along = dot(bodies.point[corner] - bodies.middle[mine], bodies.normal[mine])
@@ -274,7 +274,7 @@ def _deepest(
     commons: Sequence[manifold3d.Manifold],
     tolerance: Floats,
 ) -> Floats:
-    """Depth (p,) [m] of the common solids of bodies; see :class:`SharedVolume`.
+    """Depth (p,) [m] of the common solids of bodies; see :class:`_SharedVolume`.
 
     The depth is measured at the corners of their triangles and at the middles of edges and
     triangles.
@@ -291,7 +291,7 @@ def _deepest(
     place = np.concatenate([np.zeros((0, 3)), *tried])
     depth = np.zeros(points.rows)
     for body in (points.spread(a), points.spread(b)):
-        for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(BATCH):
+        for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(_BATCH):
             away = _away(bodies, body[part], place[part], points.spread(tolerance)[part])
             depth[part] = np.maximum(depth[part], away)
     return points.max(depth)

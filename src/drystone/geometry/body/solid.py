@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, dot
 
-BATCH = 1_000_000
+_BATCH = 1_000_000
 """Pairs of a point and a triangle in one batch. Chosen: bounds the memory to some 200 MB."""
 
 
@@ -42,7 +42,7 @@ def winding_number(points: Floats, triangles: Floats) -> Floats:
     triangles : (t, 3, 3) [m]
     """
     turns = np.zeros(len(points))
-    step = max(BATCH // max(len(triangles), 1), 1)
+    step = max(_BATCH // max(len(triangles), 1), 1)
     for i in range(0, len(points), step):
         turns[i : i + step] = solid_angles(points[i : i + step, None], triangles).sum(axis=1)
     return turns / (4.0 * np.pi)
@@ -64,7 +64,7 @@ def outside_distance(points: Floats, triangles: Floats) -> Floats:
 def distance(points: Floats, triangles: Floats) -> Floats:
     """Distance (p,) [m] of points (p, 3) from the nearest of the triangles (t, 3, 3)."""
     nearest = np.full(len(points), np.inf)
-    step = max(BATCH // max(len(triangles), 1), 1)
+    step = max(_BATCH // max(len(triangles), 1), 1)
     for i in range(0, len(points), step):
         part = points[i : i + step, None]
         square = squared_distance(part, triangles[None])

@@ -17,7 +17,7 @@ from drystone.geometry.mend.holes import faces_with_holes
 from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.polygon import area_vector
 
-SAME = 1e-9
+_SAME = 1e-9
 """Points closer than this share of the body's extent are one point. The value is above the rounding
 of intersections and below the length of any edge."""
 
@@ -75,7 +75,7 @@ def split(
             slope, height = frame[1:] @ normal, float((corner[0] - point) @ normal)
             line = half_plane(slope, height, 4.0 * extent)
             if line is None:
-                if abs(height) < SAME * extent:
+                if abs(height) < _SAME * extent:
                     raise InputError("a plane of the cut lies on a face", remedy="move the cut")
                 if height < 0.0:
                     region = shapely.Polygon()
@@ -91,7 +91,7 @@ def split(
             target += [
                 corner[0] + ring @ frame[1:]
                 for part in parts_of(piece, "Polygon")
-                for ring in rings_of(part, SAME * extent**2)
+                for ring in rings_of(part, _SAME * extent**2)
             ]
     for number, (normal, point) in enumerate(zip(normals, points, strict=True)):
         caps = _caps(chords[number], normal, point, np.delete(normals, number, 0),
@@ -104,7 +104,7 @@ def split(
 def half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
     """The region ``slope . x + height >= 0`` up to ``reach``; first edge on the line."""
     size = float(np.linalg.norm(slope))
-    if size < SAME:
+    if size < _SAME:
         return None
     across = slope / size
     along = np.array([-across[1], across[0]])
@@ -129,7 +129,7 @@ def _caps(
         return []
     frame = frames_from_normals(normal[None])[0]
     ends = np.concatenate(chords)
-    kept, number = distinct(ends, SAME * extent)
+    kept, number = distinct(ends, _SAME * extent)
     places = (ends[kept] - point) @ frame[1:].T
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
     lines = [shapely.LineString(places[pair]) for pair in pairs if pair[0] != pair[1]]
@@ -144,7 +144,7 @@ def _caps(
     return [
         point + ring @ frame[1:]
         for part in parts_of(section, "Polygon")
-        for ring in rings_of(part, SAME * extent**2)
+        for ring in rings_of(part, _SAME * extent**2)
     ]
 
 
@@ -176,7 +176,7 @@ def _pieces(loops: Sequence[Floats], extent: float) -> list[Piece]:
     if not loops:
         return []
     corners = np.concatenate(loops)
-    kept, number = distinct(corners, SAME * extent)
+    kept, number = distinct(corners, _SAME * extent)
     vertices = corners[kept]
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(number, ends)]

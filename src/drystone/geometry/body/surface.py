@@ -16,13 +16,13 @@ SHARED_FACES = 64
 """Longest face list in the cache, and number of lists in it. Chosen: some MB at most. Copies of one
 body share their face list. A longer list belongs to a scan or a freeform body and does not occur
 twice."""
-SHARED_LISTS = 1024
-SHOWN = 4
+_SHARED_LISTS = 1024
+_SHOWN = 4
 """Edges or faces named in an error."""
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceTopology:
+class _SurfaceTopology:
     """A closed, oriented 2-manifold without coordinates.
 
     Attributes
@@ -46,12 +46,12 @@ class SurfaceTopology:
         """The used ones of the vertices (v, 3)."""
         return vertices if self.used is None else vertices[list(self.used)]
 
-    def turned(self) -> SurfaceTopology:
+    def turned(self) -> _SurfaceTopology:
         """The same surface, inside out, with a note."""
         return _inside_out(self) if len(self.loops) <= SHARED_FACES else _turned(self)
 
 
-def closed_surface(faces: Iterable[Sequence[int]], count: int) -> SurfaceTopology:
+def closed_surface(faces: Iterable[Sequence[int]], count: int) -> _SurfaceTopology:
     """The surface of faces over ``count`` vertices.
 
     Raises
@@ -73,7 +73,7 @@ def _integers(faces: Iterable[Sequence[int]]) -> tuple[Loop, ...]:
     return tuple(loops)
 
 
-def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
+def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
     _check_loops(faces, count)
     used = sorted({i for loop in faces for i in loop})
     notes: list[str] = []
@@ -94,7 +94,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
         at = polyhedron.open_faces(faces)
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
-            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], SHOWN)}",
+            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], _SHOWN)}",
             remedy="close the holes or merge coincident vertices",
             kind=DefectKind.OPEN,
         )
@@ -111,19 +111,19 @@ def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
             remedy="separate the parts there, or split it into two blocks",
         )
     kept = tuple(used) if len(used) < count else None
-    return SurfaceTopology(faces, Fan.of(faces), kept, tuple(notes))
+    return _SurfaceTopology(faces, Fan.of(faces), kept, tuple(notes))
 
 
-_shared = lru_cache(SHARED_LISTS)(_surface)
+_shared = lru_cache(_SHARED_LISTS)(_surface)
 
 
-def _turned(surface: SurfaceTopology) -> SurfaceTopology:
+def _turned(surface: _SurfaceTopology) -> _SurfaceTopology:
     loops = tuple(loop[::-1] for loop in surface.loops)
     notes = (*surface.notes, "inside out: all faces turned")
-    return SurfaceTopology(loops, Fan.of(loops), surface.used, notes)
+    return _SurfaceTopology(loops, Fan.of(loops), surface.used, notes)
 
 
-_inside_out = lru_cache(SHARED_LISTS)(_turned)
+_inside_out = lru_cache(_SHARED_LISTS)(_turned)
 
 
 def _check_loops(loops: Sequence[Loop], count: int) -> None:
@@ -146,4 +146,4 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
 
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     """The first edges, with the caller's vertex numbers."""
-    return named([f"{number[a]}-{number[b]}" for a, b in edges], SHOWN)
+    return named([f"{number[a]}-{number[b]}" for a, b in edges], _SHOWN)

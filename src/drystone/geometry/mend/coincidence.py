@@ -11,11 +11,11 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 
-PAIRED = 48
+_PAIRED = 48
 """Up to so many points all pairs are compared first: faster than the grids, measured."""
-ROUNDING = 1e-6
+_ROUNDING = 1e-6
 """By which a cell is taken to be wider, so that rounding decides nothing."""
-FEW = 200
+_FEW = 200
 """Below so many rows a dictionary finds equal ones faster than sorting does, measured."""
 
 
@@ -43,7 +43,7 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
     same = _first_alike([owner, *points.T])
     kept = np.flatnonzero(same == np.arange(count))
     cell = 2.0 * np.broadcast_to(np.asarray(distance, dtype=np.float64), (count,))[kept]
-    if not (cell > 0.0).any() or (len(kept) <= PAIRED and not _any_near(points[kept], cell)):
+    if not (cell > 0.0).any() or (len(kept) <= _PAIRED and not _any_near(points[kept], cell)):
         return same
     first = kept[_joined(points[kept], cell, owner[kept])]
     whole = np.arange(count, dtype=np.intp)
@@ -53,7 +53,7 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
 
 def _any_near(points: Floats, cell: Floats) -> bool:
     """Whether two of few points are so near in every coordinate that they could share a cell."""
-    near = (np.abs(points[:, None] - points) <= (1.0 + ROUNDING) * cell.max()).all(axis=2)
+    near = (np.abs(points[:, None] - points) <= (1.0 + _ROUNDING) * cell.max()).all(axis=2)
     return int(near.sum()) > len(points)
 
 
@@ -106,7 +106,7 @@ def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
 
 def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
     """For each row the first row that equals it in every column."""
-    if len(columns[0]) < FEW:
+    if len(columns[0]) < _FEW:
         first: dict[tuple[float, ...], int] = {}
         rows = zip(*(column.tolist() for column in columns), strict=True)
         alike = [first.setdefault(row, i) for i, row in enumerate(rows)]

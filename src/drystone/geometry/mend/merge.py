@@ -12,7 +12,7 @@ from drystone.base.ragged import sum_by_owner
 from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
 from drystone.geometry.body.polyhedron import Loop, stack_faces
 
-TURN = 1e-3
+_TURN = 1e-3
 """[rad] Neighbours with a smaller angle between them are candidates for merging. Chosen. They are
 merged if their distance from one plane is small enough."""
 
@@ -49,7 +49,7 @@ def merge_coplanar(
     vectors = stacked.area_vectors
     normal, length = unit(vectors)
     edges = half_edges(stacked)
-    flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < TURN)
+    flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < _TURN)
     flat &= (length > 0.0)[edges.face] & (length > 0.0)[edges.face[edges.twin]]
     group = joined_faces(edges, flat, stacked.count)
     count = np.array([len(v) for v in vertices])

@@ -20,7 +20,7 @@ from drystone.geometry.body.polyhedron import (
 from drystone.geometry.body.solid import winding_number
 from drystone.geometry.frames import frames_from_normals
 
-SAME_ANGLE = 1e-6
+_SAME_ANGLE = 1e-6
 """[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
 rounding of coordinates, far below the angle of any real wedge."""
 
@@ -194,7 +194,7 @@ def _in_turn(angle: Floats, ends: Bools) -> Ints:
     gap = np.diff(np.concatenate([turned, turned[:1] + 2.0 * np.pi]))
     widest = int(gap.argmax()) + 1
     order, gap = np.roll(order, -widest), np.roll(gap, -widest)
-    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > SAME_ANGLE)])
+    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > _SAME_ANGLE)])
     rank: Ints = np.lexsort([~ends[order], cluster])
     return order[rank]
 

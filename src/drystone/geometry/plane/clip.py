@@ -13,7 +13,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 
 Padded = tuple[Floats, Ints]
-Flat = tuple[Floats, Ints]
+_Flat = tuple[Floats, Ints]
 
 
 def pad(corner: Floats, first: Ints, count: Ints, *, reverse: bool = False) -> Padded:
@@ -31,7 +31,7 @@ def pad(corner: Floats, first: Ints, count: Ints, *, reverse: bool = False) -> P
     return corner[place], count
 
 
-def flatten(polygons: Padded) -> Flat:
+def flatten(polygons: Padded) -> _Flat:
     """Flat corners of padded ones."""
     corner, count = polygons
     keep = np.arange(corner.shape[1]) < count[:, None]
@@ -127,7 +127,7 @@ def perimeters(corner: Floats, start: Ints) -> Floats:
     return loops.sum(np.hypot(edge[:, 0], edge[:, 1]))
 
 
-def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
+def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> _Flat:
     """Polygons without repeated corners and corners on a straight line.
 
     Parameters

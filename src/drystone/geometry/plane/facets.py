@@ -21,22 +21,22 @@ from drystone.geometry.plane.polygon import area_vectors
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of their areas by less
 than this share."""
-CREASE = np.cos(np.deg2rad(35.0))
+_CREASE = np.cos(np.deg2rad(35.0))
 """Facets with a larger angle at their common edge are a corner of the joint, not a curve."""
-CLOSE = 2e-3
+_CLOSE = 2e-3
 """Distance, relative to the block size, between the edges of neighbouring facets. Chosen: above the
 difference between chords of one curve in their two planes."""
-ALONG = 0.2
+_ALONG = 0.2
 """Neighbours share at least this part of the outline of the smaller one. Chosen: facets that only
 meet at a corner are not neighbours."""
 
 STRAIGHT = 1e-6
 """Corners nearer to each other, or to the line between their neighbours, are removed; relative to
 the size of a facet."""
-BATCH = 20_000
+_BATCH = 20_000
 """Pairs of facets in one batch. Chosen: bounds the memory to some 100 MB."""
 
-Joining = Callable[["Facet", "Facet"], float | None]
+_Joining = Callable[["Facet", "Facet"], float | None]
 """The cost of joining two neighbours; ``None`` where they must stay separate."""
 
 
@@ -83,8 +83,8 @@ def facets_of(point: Floats, start: Ints) -> list[Facet]:
 
 def neighbours(facets: Sequence[Facet], size: float) -> dict[tuple[int, int], float]:
     """Length [m] of the common edge of each pair of neighbours (i < j)."""
-    low = np.array([f.point.min(axis=0) for f in facets]) - CLOSE * size
-    high = np.array([f.point.max(axis=0) for f in facets]) + CLOSE * size
+    low = np.array([f.point.min(axis=0) for f in facets]) - _CLOSE * size
+    high = np.array([f.point.max(axis=0) for f in facets]) + _CLOSE * size
     one, other = boxes.overlapping(low, high)
     length = common_edges(facets, one, other, size)
     found = np.flatnonzero(length > 0.0)
@@ -102,9 +102,9 @@ def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -
     corner = np.concatenate([np.zeros((0, 3)), *(facet.point for facet in facets)])
     count = np.array([len(facet.point) for facet in facets], dtype=np.intp)
     start = np.cumsum(count) - count
-    smooth = np.flatnonzero(dot(normal[one], normal[other]) >= CREASE)
-    for begin in range(0, len(smooth), BATCH):
-        pair = smooth[begin : begin + BATCH]
+    smooth = np.flatnonzero(dot(normal[one], normal[other]) >= _CREASE)
+    for begin in range(0, len(smooth), _BATCH):
+        pair = smooth[begin : begin + _BATCH]
         i, j = one[pair], other[pair]
         mean = normal[i] + normal[j]
         frame = frames_from_normals(mean / np.sqrt(dot(mean, mean))[:, None])
@@ -112,12 +112,12 @@ def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -
         first, second = (_seen(corner, start[each], count[each], origin, frame) for each in (i, j))
         shared = np.full(len(pair), np.inf)
         for mine, theirs in ((first, second), (second, first)):
-            near = shapely.buffer(theirs, CLOSE * size, join_style="mitre")
+            near = shapely.buffer(theirs, _CLOSE * size, join_style="mitre")
             common = planar.overlay(shapely.intersection, shapely.boundary(mine), near)
             shared = np.minimum(shared, shapely.length(common))
         shortest = np.minimum(shapely.length(first), shapely.length(second))
-        shared -= 2.0 * CLOSE * size  # the ends of the neighbouring edges
-        length[pair] = np.where(shared > ALONG * shortest, shared, 0.0)
+        shared -= 2.0 * _CLOSE * size  # the ends of the neighbouring edges
+        length[pair] = np.where(shared > _ALONG * shortest, shared, 0.0)
     return length
 
 
@@ -149,10 +149,10 @@ def _united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Fac
     middle = np.sum([given[m].area * given[m].point.mean(axis=0) for m in members], axis=0) / area
     frame = frames_from_normals(normal[None])[0]
     flat = [_flat(given[m].point, middle, frame) for m in members]
-    grown = shapely.buffer(flat, CLOSE * size, join_style="mitre")
-    closed = shapely.buffer(shapely.union_all(grown), -CLOSE * size, join_style="mitre")
+    grown = shapely.buffer(flat, _CLOSE * size, join_style="mitre")
+    closed = shapely.buffer(shapely.union_all(grown), -_CLOSE * size, join_style="mitre")
     corner, start, _ = planar.pieces_of(planar.valid(np.array([closed], dtype=object)))
-    corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, 0.1 * CLOSE * size))
+    corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, 0.1 * _CLOSE * size))
     if len(start) != 2 or len(corner) < 3:
         return None
     if abs(float(clip.areas(corner, start)[0]) - area) > KEPT * area:
@@ -160,7 +160,7 @@ def _united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Fac
     return Facet(middle + corner @ frame[1:], normal, area, members)
 
 
-def join(facets: Sequence[Facet], price: Joining, size: float, *, until: int = 1) -> list[Facet]:
+def join(facets: Sequence[Facet], price: _Joining, size: float, *, until: int = 1) -> list[Facet]:
     """Neighbouring facets joined, lowest cost first, while ``price`` returns a number.
 
     Parameters

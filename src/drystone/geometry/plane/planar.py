@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats, Ints
 
 Regions: TypeAlias = NDArray[Any]
 """(q,) shapely polygons."""
-Overlay: TypeAlias = Callable[..., Any]
+_Overlay: TypeAlias = Callable[..., Any]
 
 
 def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
@@ -57,7 +57,7 @@ def valid(shapes: Regions) -> Regions:
     return mended
 
 
-def overlay(operation: Overlay, one: Any, other: Any) -> Any:
+def overlay(operation: _Overlay, one: Any, other: Any) -> Any:
     """``shapely.intersection`` or ``shapely.difference``, repeated on a fine grid where it fails.
 
     The exact overlay can fail for shapes whose outlines nearly coincide. On a grid of 1e-10 of

@@ -17,14 +17,14 @@ from drystone.geometry.plane.kern import Sections, edge_ratio, sections
 
 EDGE = 1e-7
 """A force closer to the rim than this share of the distance from the centroid acts on the rim."""
-CONVERGED = 1e-16
+_CONVERGED = 1e-16
 """Newton decrement divided by the function's value: the pressure then has about eight correct
 digits."""
-ROUNDING = 1e-14
+_ROUNDING = 1e-14
 """Relative error of the function's value."""
-DESCENT = 1e-4
+_DESCENT = 1e-4
 """Share of the predicted decrease that a step must reach (Nocedal, Wright 2006, eq. 3.4)."""
-MOST_STEPS = 200
+_MOST_STEPS = 200
 """Largest number of steps. A force at the distance ``EDGE`` from the rim takes about 60."""
 
 
@@ -109,13 +109,13 @@ def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
     plane = np.column_stack([1.0 + dot(slope, away), slope])
     state = _state(local, loops, plane)
     share = np.ones(len(plane))
-    for _ in range(MOST_STEPS):
-        active = inside & (state.decrement > CONVERGED * np.abs(state.value))
+    for _ in range(_MOST_STEPS):
+        active = inside & (state.decrement > _CONVERGED * np.abs(state.value))
         if not active.any():
             break
         moved = plane + np.where(active, share, 0.0)[:, None] * state.step
         trial = _state(local, loops, moved)
-        allowed = ROUNDING * np.abs(state.value) - DESCENT * share * state.decrement
+        allowed = _ROUNDING * np.abs(state.value) - _DESCENT * share * state.decrement
         good = active & (trial.value <= state.value + allowed)
         plane = np.where(good[:, None], moved, plane)
         state = _State(

@@ -10,11 +10,11 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 
-FLAT_TURN = 1e-9
+_FLAT_TURN = 1e-9
 """A corner that turns inwards by less than this share of the area of the face counts as straight.
 Chosen: well above the rounding of coordinates."""
 
-THIN = 1e-3
+_THIN = 1e-3
 """A fan about the first corner with a triangle below this share of the face is rejected. Chosen.
 Where a face is warped, slivers cross other faces."""
 
@@ -80,7 +80,7 @@ def _convex(flat: Floats, start: Ints) -> Bools:
     edge = flat[after] - flat
     turn = _cross(edge, edge[after])
     area = 0.5 * loops.sum(_cross(flat, flat[after]))
-    return ~loops.any(turn < -FLAT_TURN * loops.spread(np.abs(area)))
+    return ~loops.any(turn < -_FLAT_TURN * loops.spread(np.abs(area)))
 
 
 def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
@@ -88,7 +88,7 @@ def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
     a, b, c = (flat[triangle[:, i]] for i in range(3))
     double = _cross(b - a, c - a)
     polygons = Ragged(first)
-    return (polygons.min(double) < THIN * polygons.sum(double)) & (polygons.counts > 1)
+    return (polygons.min(double) < _THIN * polygons.sum(double)) & (polygons.counts > 1)
 
 
 def _fans(start: Ints) -> Ints:

@@ -28,7 +28,7 @@ from drystone.io.jsontext import Field, parse
 from drystone.io.mesh.face_soup import FaceSoup, moved, named_apart, shapes_of
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
-SUPPORT_LAYERS = ("support", "supports")
+_SUPPORT_LAYERS = ("support", "supports")
 YES, NO = ("true", "yes", "1"), ("false", "no", "0")
 TEXT = "drystone"
 """User text for data that a mesh of Rhino cannot hold."""
@@ -148,7 +148,7 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
         )
         if kind == "drawn":
             notes.append(f"'{name}' is curved: its render mesh was read")
-    fixed = layer.lower() in SUPPORT_LAYERS if told.fixed is None else told.fixed
+    fixed = layer.lower() in _SUPPORT_LAYERS if told.fixed is None else told.fixed
     placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
     metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
     shapes = []

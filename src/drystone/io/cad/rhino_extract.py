@@ -10,9 +10,9 @@ import json
 import sys
 from typing import Any
 
-MEMORY = 2 * 2**30
+_MEMORY = 2 * 2**30
 """[bytes], chosen: enough for large models. It also stops files that announce a wrong size."""
-DEPTH = 16
+_DEPTH = 16
 """Nesting of block definitions, chosen."""
 PICTURE = "drystone-picture"
 """User text of what drystone drew of a result: forces, joints, a motion. It is no block."""
@@ -25,7 +25,7 @@ def limit(cpu_s: int) -> None:
     except ImportError:  # Windows: only the caller's timeout
         return
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
 
 
 def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
@@ -104,7 +104,7 @@ class _Found:
 
     def _instance(self, reference: Any, placed: Any, depth: int) -> None:
         definition = self.file.InstanceDefinitions.FindId(reference.ParentIdefId)
-        if definition is None or depth >= DEPTH:
+        if definition is None or depth >= _DEPTH:
             self._skip("InstanceReference")
             return
         here = reference.Xform if placed is None else placed * reference.Xform

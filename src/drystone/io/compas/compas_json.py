@@ -22,7 +22,7 @@ from drystone.io.draft import Draft, DraftBlock
 from drystone.io.jsontext import Field
 from drystone.io.mesh.face_soup import moved
 
-MESHES = ("Mesh", "Block", "Polyhedron")
+_MESHES = ("Mesh", "Block", "Polyhedron")
 
 
 def is_compas(top: Field) -> bool:
@@ -41,7 +41,7 @@ def read(top: Field) -> Draft:
         return _assembly(_data(top))
     if kind.endswith("Model"):
         return _model(_data(top))
-    if kind in MESHES:
+    if kind in _MESHES:
         return Draft((_mesh(top, top.get("name", "block").text()),))
     raise top.error(
         f"is a COMPAS '{kind[:40]}'",
@@ -53,7 +53,7 @@ def _meshes(top: Field) -> Draft:
     """A list of meshes: blocks with the names of their meshes, or their places in the list."""
     shapes = []
     for place, mesh in enumerate(top.elements()):
-        if "dtype" in mesh.object().value and _class(mesh) not in MESHES:
+        if "dtype" in mesh.object().value and _class(mesh) not in _MESHES:
             raise mesh.error(f"is a COMPAS '{_class(mesh)[:40]}'", "a list may hold meshes only")
         shapes.append(_mesh(mesh, f"block-{place}"))
     given = Counter(shape.metadata.get("label") for shape in shapes)

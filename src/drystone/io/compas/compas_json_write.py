@@ -21,7 +21,7 @@ from drystone.contacts import Contacts
 from drystone.io.draft import Contents
 from drystone.results import Result
 
-NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
+_NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
 """Namespace of the identifiers that COMPAS needs. They are made from names, so the same model gives
 the same file."""
 
@@ -119,7 +119,7 @@ def block_model_content(model: Contents) -> dict[str, Any]:
 
 
 def _guid(*parts: str) -> str:
-    return str(uuid.uuid5(NAMESPACE, "/".join(parts)))
+    return str(uuid.uuid5(_NAMESPACE, "/".join(parts)))
 
 
 def _object(dtype: str, data: dict[str, Any], name: str) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from drystone.geometry.mend.merge import merge_coplanar
 from drystone.geometry.mend.soup import split_solids, without_slivers
 from drystone.io.draft import DraftBlock
 
-MANY = 5
+_MANY = 5
 """Names in one note."""
 
 
@@ -211,7 +211,7 @@ def named_apart(shapes: Sequence[DraftBlock]) -> tuple[list[DraftBlock], list[st
         else:
             named.append(shape)
     often = [name for name, times in count.items() if times > 1]
-    notes = [f"{count[name]} blocks are called '{name}': numbered" for name in often[:MANY]]
-    if len(often) > MANY:
-        notes.append(f"and {len(often) - MANY} more names that several blocks have")
+    notes = [f"{count[name]} blocks are called '{name}': numbered" for name in often[:_MANY]]
+    if len(often) > _MANY:
+        notes.append(f"and {len(often) - _MANY} more names that several blocks have")
     return named, notes

@@ -24,15 +24,15 @@ from drystone.io.mesh.face_soup import FaceSoup, in_double, moved, named_apart, 
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6
-INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
+_INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from y up to z up."""
-MOST_NODES = 100_000
-MOST_TRIANGLES = 1_000_000
+_MOST_NODES = 100_000
+_MOST_TRIANGLES = 1_000_000
 """Largest number of triangles of all nodes together. Chosen. Nodes may share a mesh, so a small
 file can have many triangles."""
-LARGEST_STRIDE = 252
+_LARGEST_STRIDE = 252
 """[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
 SINGLE = 1e-6
 """Distance of coincident points, relative to the extent, in single precision."""
@@ -63,8 +63,8 @@ def read(data: bytes, path: Path) -> Draft:
             known[index] = _geometry(top, binary, mesh)
         vertices, faces = known[index]
         triangles += len(faces)
-        if triangles > MOST_TRIANGLES:
-            raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
+        if triangles > _MOST_TRIANGLES:
+            raise node.error(f"brings the scene over {_MOST_TRIANGLES:,} triangles")
         vertices, mirrored = moved(vertices, matrix)
         if mirrored:
             faces = faces[:, ::-1]
@@ -145,7 +145,7 @@ def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
         index, above = waiting.pop()
         node = _item(top, "nodes", index)
         seen += 1
-        if index.integer() in visited or seen > MOST_NODES:
+        if index.integer() in visited or seen > _MOST_NODES:
             raise index.error("is used twice, or is its own parent")
         visited.add(index.integer())
         with np.errstate(all="ignore"):  # overflow is found with the vertices
@@ -184,7 +184,7 @@ def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
         points = in_double(_accessor(top, binary, accessor, 3, {FLOAT: "<f4"}))
         if part.has("indices"):
             accessor = _item(top, "accessors", part["indices"])
-            index = _accessor(top, binary, accessor, 1, INDEX_TYPES).ravel().astype(np.intp)
+            index = _accessor(top, binary, accessor, 1, _INDEX_TYPES).ravel().astype(np.intp)
             if len(index) and index.max() >= len(points):
                 raise accessor.error(f"has vertex {index.max()} of {len(points)}")
         else:
@@ -234,7 +234,7 @@ def _accessor(
     last = start + stride * (count - 1) + row
     if (
         count < 0
-        or not row <= stride <= LARGEST_STRIDE
+        or not row <= stride <= _LARGEST_STRIDE
         or start < 0
         or (count and last > min(end, len(binary)))
     ):

@@ -14,7 +14,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_bytes
 from drystone.io.draft import Contents, Draft, DraftBlock
 
-IGNORED = frozenset(
+_IGNORED = frozenset(
     (
         *("vt", "vn", "vp", "p", "l", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "bevel"),
         *("lod", "c_interp", "d_interp", "shadow_obj", "trace_obj", "cstype", "deg", "bmat"),
@@ -22,11 +22,11 @@ IGNORED = frozenset(
     )
 )
 """Statements without meaning for a polygon mesh."""
-FREE_FORM = frozenset(
+_FREE_FORM = frozenset(
     ("curv", "curv2", "surf", "trim", "hole", "scrv", "sp", "bsp", "bzp", "cdc", "cdp", "res")
 )
 """Statements of curves and surfaces."""
-INDEX = re.compile(r"-?[0-9]{1,11}")
+_INDEX = re.compile(r"-?[0-9]{1,11}")
 NUMBER = re.compile(
     r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE | re.ASCII
 )
@@ -93,13 +93,13 @@ def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
         elif keyword == "g":
             name = argument if argument and argument != "default" else None
             parts.append(_Part(parts[-1].number, parts[-1].object, name, number))
-        elif keyword in FREE_FORM:
+        elif keyword in _FREE_FORM:
             raise FormatError(
                 f"'{keyword}' is a free-form surface",
                 where=f"{path}, line {number}",
                 remedy="export meshes instead of surfaces",
             )
-        elif keyword not in IGNORED:
+        elif keyword not in _IGNORED:
             raise FormatError(
                 f"'{line[:40]}' is not OBJ", where=f"{path}, line {number}", remedy="export it anew"
             )
@@ -128,7 +128,7 @@ def _face(argument: str, count: int, where: str) -> list[int]:
     for word in argument.split():
         digits = word.split("/", 1)[0]
         try:
-            index = int(digits) if INDEX.fullmatch(digits) else 0
+            index = int(digits) if _INDEX.fullmatch(digits) else 0
         except ValueError:
             index = 0
         if index == 0 or index > count or -index > count:

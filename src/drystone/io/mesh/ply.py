@@ -22,7 +22,7 @@ from drystone.io.jsontext import Field, parse
 from drystone.io.mesh import ply_tables
 from drystone.io.mesh.face_soup import FaceSoup, in_double, shape_of, shapes_of
 
-MARK = "drystone block "
+_MARK = "drystone block "
 EXACT, SINGLE = 1e-9, 1e-6
 """Distance of coincident points, relative to the extent, in double and in single precision."""
 
@@ -45,7 +45,7 @@ def read(data: bytes, path: Path) -> Draft:
                 where=str(path),
                 remedy=f"vertices go from 0 to {len(vertices) - 1}",
             )
-    marked = [comment for comment in header.comments if comment.startswith(MARK)]
+    marked = [comment for comment in header.comments if comment.startswith(_MARK)]
     if marked and isinstance(face.get("block"), np.ndarray):
         return _ours(vertices, loops, face["block"], marked, path)
     exact = vertex["x"].dtype.itemsize == 8 or not header.order
@@ -63,7 +63,7 @@ def _ours(
 ) -> Draft:
     """Blocks of a file written by drystone, exact to the last bit."""
     told = [
-        Field(parse(mark.removeprefix(MARK).encode(), path).value, f"comment[{i}]", path)
+        Field(parse(mark.removeprefix(_MARK).encode(), path).value, f"comment[{i}]", path)
         for i, mark in enumerate(marked)
     ]
     faces: list[list[list[int]]] = [[] for _ in told]
@@ -101,7 +101,7 @@ def write(model: Contents, path: Path) -> None:
         if block.metadata:
             told["metadata"] = dict(block.metadata)
         try:
-            comments.append(f"comment {MARK}{json.dumps(told, allow_nan=False)}")
+            comments.append(f"comment {_MARK}{json.dumps(told, allow_nan=False)}")
         except (TypeError, ValueError) as error:
             raise FormatError(
                 f"metadata of block '{block.name}' is no JSON value", where=str(path)

@@ -12,11 +12,11 @@ import numpy as np
 
 from drystone.base.errors import FormatError
 
-END = re.compile(rb"[\r\n][ \t]*end_header")
+_END = re.compile(rb"[\r\n][ \t]*end_header")
 """It must be a whole line, since a block may have this name."""
-LONGEST_HEADER = 2**20
+_LONGEST_HEADER = 2**20
 """[bytes], chosen: far more than any header needs."""
-TYPES = {
+_TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
     **dict.fromkeys(("short", "int16"), "i2"),
@@ -26,14 +26,14 @@ TYPES = {
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
-ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 Table = dict[str, Any]
 """Columns by name: arrays of numbers, and for list properties a list of lists."""
 
 
 @dataclass(frozen=True)
-class Property:
+class _Property:
     """A column of an element; a list has a type for its length."""
 
     name: str
@@ -47,11 +47,11 @@ class Element:
 
     name: str
     count: int
-    properties: tuple[Property, ...]
+    properties: tuple[_Property, ...]
 
 
 @dataclass(frozen=True)
-class Header:
+class _Header:
     """Description of the tables of a file."""
 
     order: str
@@ -60,7 +60,7 @@ class Header:
     size: int
 
 
-def header_of(data: bytes, path: Path) -> Header:
+def header_of(data: bytes, path: Path) -> _Header:
     """The header of a file.
 
     Raises
@@ -68,7 +68,7 @@ def header_of(data: bytes, path: Path) -> Header:
     FormatError
         It has no header, or one that cannot be read.
     """
-    ending = END.search(data, 0, LONGEST_HEADER)
+    ending = _END.search(data, 0, _LONGEST_HEADER)
     end = -1 if ending is None else ending.end() - len(b"end_header")
     stop = data.find(b"\n", end)
     if not data.startswith(b"ply") or end < 0:
@@ -79,7 +79,7 @@ def header_of(data: bytes, path: Path) -> Header:
     except UnicodeDecodeError as error:
         raise FormatError("has a header that is no text", where=str(path)) from error
     order: str | None = None
-    elements: list[tuple[str, int, list[Property]]] = []
+    elements: list[tuple[str, int, list[_Property]]] = []
     comments: list[str] = []
     for number, line in enumerate(lines[1:], start=2):
         words = line.split()
@@ -90,13 +90,13 @@ def header_of(data: bytes, path: Path) -> Header:
                 case ["comment", *_]:
                     comments.append(line.split(None, 1)[1] if len(words) > 1 else "")
                 case ["format", kind, _]:
-                    order = ORDERS[kind]
+                    order = _ORDERS[kind]
                 case ["element", name, count]:
                     elements.append((name, _count(count), []))
                 case ["property", "list", length, kind, name]:
-                    elements[-1][2].append(Property(name, TYPES[kind], TYPES[length]))
+                    elements[-1][2].append(_Property(name, _TYPES[kind], _TYPES[length]))
                 case ["property", kind, name]:
-                    elements[-1][2].append(Property(name, TYPES[kind]))
+                    elements[-1][2].append(_Property(name, _TYPES[kind]))
                 case _:
                     raise KeyError(line)
         except (KeyError, IndexError, ValueError) as error:
@@ -106,7 +106,7 @@ def header_of(data: bytes, path: Path) -> Header:
     if order is None:
         raise FormatError("does not say its format", where=str(path), remedy="export it again")
     tables = tuple(Element(name, count, tuple(columns)) for name, count, columns in elements)
-    return Header(order, tables, tuple(comments), size)
+    return _Header(order, tables, tuple(comments), size)
 
 
 def _count(text: str) -> int:
@@ -115,7 +115,7 @@ def _count(text: str) -> int:
     return int(text)
 
 
-def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
+def read(body: bytes, header: _Header, path: Path) -> dict[str, Table]:
     """All tables, by name.
 
     Raises
@@ -134,7 +134,7 @@ def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
         raise FormatError(f"has values that are not numbers: {error}", where=str(path)) from error
 
 
-def _ascii(body: bytes, header: Header) -> dict[str, Table]:
+def _ascii(body: bytes, header: _Header) -> dict[str, Table]:
     words = body.split()
     at = 0
     tables: dict[str, Table] = {}
@@ -171,7 +171,7 @@ def _columns(element: Element, rows: list[list[Any]]) -> Table:
     return table
 
 
-def _binary(body: bytes, header: Header) -> dict[str, Table]:
+def _binary(body: bytes, header: _Header) -> dict[str, Table]:
     at = 0
     tables: dict[str, Table] = {}
     for element in header.elements:

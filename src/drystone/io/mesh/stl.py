@@ -19,10 +19,10 @@ from drystone.io.mesh.face_soup import FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Length of the header and of each triangle in the binary form."""
-TRIANGLE = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("spare", "<u2")])
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("spare", "<u2")])
 EXACT, SINGLE = 1e-9, 1e-6
 """Distance of coincident points, relative to the extent: in text, and in single precision."""
-FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
+_FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -51,7 +51,7 @@ def _binary(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="export it again",
         )
-    corners = in_double(np.frombuffer(data, TRIANGLE, count, HEADER)["corner"])
+    corners = in_double(np.frombuffer(data, _TRIANGLE, count, HEADER)["corner"])
     shapes, notes = shapes_of([_soup(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
@@ -77,7 +77,7 @@ def _text(text: str, path: Path) -> Draft:
         elif keyword == "solid":
             solids.append((line.strip()[5:].strip(), number, []))
         elif keyword == "facet" and solids:
-            expected = FACET[1:]
+            expected = _FACET[1:]
         elif keyword != "endsolid" or not solids:
             raise _bad(path, number, line, "facet or endsolid")
     if expected:

@@ -32,24 +32,24 @@ from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
 PITCH, LAYER = 7.8e-3, 9.6e-3
 """[m] Distance of studs, height of a brick."""
-STUD_PULL = 0.98
+_STUD_PULL = 0.98
 """[N] Largest pull of one contact point."""
 REACH = PITCH / 4.0
 """[m] Distance of a contact point from the axis of its stud."""
-THREE = np.deg2rad([180.0, 300.0, 60.0])
-FOUR = np.deg2rad([0.0, 90.0, 180.0, 270.0])
-MASS_PER_STUD = {True: 0.39e-3, False: 0.27e-3}
+_THREE = np.deg2rad([180.0, 300.0, 60.0])
+_FOUR = np.deg2rad([0.0, 90.0, 180.0, 270.0])
+_MASS_PER_STUD = {True: 0.39e-3, False: 0.27e-3}
 """[kg] By whether the brick is one stud wide: means of the bricks of the data set."""
-GROUND_MARGIN = 2
+_GROUND_MARGIN = 2
 """Studs by which the ground reaches farther than the bricks on it."""
-MOST = 100_000
+_MOST = 100_000
 """Largest coordinate of a brick, chosen."""
-BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-LINE = re.compile(r"-?\d+(\s+-?\d+){4,5}(\s+\d*\.?\d+)?")
+_BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+_LINE = re.compile(r"-?\d+(\s+-?\d+){4,5}(\s+\d*\.?\d+)?")
 
 
 @dataclass(frozen=True)
-class Brick(OneLine):
+class _Brick(OneLine):
     """A brick on the grid of studs.
 
     Attributes
@@ -94,12 +94,12 @@ def read(data: bytes, path: Path) -> Draft:
     on_ground = [brick for brick in bricks if brick.z == 0]
     if not on_ground:
         raise FormatError("has no brick on the ground", where=str(path), remedy="give z = 0")
-    low = [min(getattr(brick, axis) for brick in on_ground) - GROUND_MARGIN for axis in "xy"]
+    low = [min(getattr(brick, axis) for brick in on_ground) - _GROUND_MARGIN for axis in "xy"]
     high = [
-        max(getattr(b, axis) + getattr(b, f"size_{axis}") for b in on_ground) + GROUND_MARGIN
+        max(getattr(b, axis) + getattr(b, f"size_{axis}") for b in on_ground) + _GROUND_MARGIN
         for axis in "xy"
     ]
-    plate = Brick(low[0], low[1], -1, high[0] - low[0], high[1] - low[1], 1.0)
+    plate = _Brick(low[0], low[1], -1, high[0] - low[0], high[1] - low[1], 1.0)
     shapes.append(_shape(plate, "ground", fixed=True))
 
     def finish(assembly: Assembly, _: float) -> Extras:
@@ -108,8 +108,8 @@ def read(data: bytes, path: Path) -> Draft:
     return Draft(tuple(shapes), "m", finish)
 
 
-def _brick(line: str, where: str) -> Brick:
-    if not LINE.fullmatch(line):
+def _brick(line: str, where: str) -> _Brick:
+    if not _LINE.fullmatch(line):
         raise FormatError(
             f"'{line[:40]}' is no brick",
             where=where,
@@ -122,20 +122,20 @@ def _brick(line: str, where: str) -> Brick:
         raise FormatError(f"the rotation is {turn} degrees", where=where, remedy="give 0 or 90")
     if turn % 180:
         size_x, size_y = size_y, size_x
-    if min(size_x, size_y) < 1 or z < 0 or max(map(abs, (x, y, z, size_x, size_y))) > MOST:
+    if min(size_x, size_y) < 1 or z < 0 or max(map(abs, (x, y, z, size_x, size_y))) > _MOST:
         remedy = "give sizes of one stud or more, and layers from 0"
         raise FormatError(f"'{line[:40]}' is no brick", where=where, remedy=remedy)
     mass = 1e-3 * float(words[6]) if len(words) > 6 else _usual_mass(size_x, size_y)
     if not mass > 0.0:
         raise FormatError("its mass is zero", where=where, remedy="give grams above zero")
-    return Brick(x, y, z, size_x, size_y, mass)
+    return _Brick(x, y, z, size_x, size_y, mass)
 
 
 def _usual_mass(size_x: int, size_y: int) -> float:
-    return MASS_PER_STUD[min(size_x, size_y) == 1] * size_x * size_y
+    return _MASS_PER_STUD[min(size_x, size_y) == 1] * size_x * size_y
 
 
-def _refuse_doubles(bricks: list[Brick], path: Path) -> None:
+def _refuse_doubles(bricks: list[_Brick], path: Path) -> None:
     taken: dict[tuple[int, int, int], int] = {}
     for i, brick in enumerate(bricks):
         for x, y in brick.studs:
@@ -146,17 +146,17 @@ def _refuse_doubles(bricks: list[Brick], path: Path) -> None:
                 )
 
 
-def _shape(brick: Brick, name: str, *, fixed: bool = False) -> DraftBlock:
+def _shape(brick: _Brick, name: str, *, fixed: bool = False) -> DraftBlock:
     low = np.array([brick.x * PITCH, brick.y * PITCH, brick.z * LAYER])
     size = np.array([brick.size_x * PITCH, brick.size_y * PITCH, LAYER])
     flat = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float64)
     vertices = np.concatenate([np.c_[flat, np.full(4, height)] for height in (0.0, 1.0)])
     return DraftBlock(
-        name, low + vertices * size, BOX, density=brick.mass / float(size.prod()), fixed=fixed
+        name, low + vertices * size, _BOX, density=brick.mass / float(size.prod()), fixed=fixed
     )
 
 
-def _joints(bricks: list[Brick], assembly: Assembly) -> Contacts:
+def _joints(bricks: list[_Brick], assembly: Assembly) -> Contacts:
     """Studs under bricks, and the sides of bricks that touch."""
     at = {(x, y, b.z): i for i, b in enumerate(bricks) for x, y in b.studs}
     ground = assembly.index("ground")
@@ -167,7 +167,7 @@ def _joints(bricks: list[Brick], assembly: Assembly) -> Contacts:
     pulls: list[float] = []
     upward = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     for i, brick in enumerate(bricks):
-        turn = FOUR if brick.narrow else THREE
+        turn = _FOUR if brick.narrow else _THREE
         ring = REACH * np.c_[np.cos(turn), np.sin(turn), 0.0 * turn]
         area = 0.5 * REACH**2 * len(turn) * np.sin(2.0 * np.pi / len(turn))
         for x, y in brick.studs:
@@ -179,7 +179,7 @@ def _joints(bricks: list[Brick], assembly: Assembly) -> Contacts:
             frames.append(upward)
             corners.append(axis + ring)
             areas.append(area)
-            pulls.append(STUD_PULL * len(turn))
+            pulls.append(_STUD_PULL * len(turn))
     for frame, face, pair in _sides(at):
         ends.append(pair)
         frames.append(frame)

@@ -44,7 +44,7 @@ RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
     *("stiffness_ratio", "stopped", "options", "solver", "iterations", "time_s"),
 )
-HEAVIEST = 1e9
+_HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
 
 
@@ -79,8 +79,8 @@ def read(top: Field) -> Draft:
 def _shape(field: Field) -> DraftBlock:
     field.only(BLOCK)
     density = field.get("density", DEFAULT_DENSITY)
-    if not 0.0 < density.number() <= HEAVIEST:
-        raise density.error(f"is {density.value}", f"give kg/m3 above zero, at most {HEAVIEST:g}")
+    if not 0.0 < density.number() <= _HEAVIEST:
+        raise density.error(f"is {density.value}", f"give kg/m3 above zero, at most {_HEAVIEST:g}")
     vertices = field["vertices"].floats(None, 3)
     name = field["name"].text()
     if not name:

@@ -10,7 +10,7 @@ from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.loads import DOWN, STANDARD_GRAVITY, LoadCase
 
-KEYS = {
+_KEYS = {
     "gravity": ("g", "direction"),
     "seismic": ("kx", "ky", "g"),
     "point": ("block", "force", "at"),
@@ -41,9 +41,9 @@ def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
     parts = []
     for part in field.elements():
         kind = part["kind"].text()
-        if kind not in KEYS:
-            raise part["kind"].error(f"'{kind[:40]}' is no load", f"known are {', '.join(KEYS)}")
-        part.only(("kind", "factor", *KEYS[kind]))
+        if kind not in _KEYS:
+            raise part["kind"].error(f"'{kind[:40]}' is no load", f"known are {', '.join(_KEYS)}")
+        part.only(("kind", "factor", *_KEYS[kind]))
         try:
             parts.append((part.get("factor", 1.0).number(), _MAKERS[kind](part, assembly)))
         except InputError as error:

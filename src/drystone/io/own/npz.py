@@ -24,7 +24,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import read_bytes
 from drystone.io.jsontext import Field
 
-HEADER = re.compile(
+_HEADER = re.compile(
     rb"\x93NUMPY\x01\x00(..)\{'descr': '([<|](?:f[48]|[iu][1248]))', 'fortran_order': False, "
     rb"'shape': \(([0-9, ]{0,60})\), \} *\n",
     re.DOTALL,
@@ -34,7 +34,7 @@ HEADER = re.compile(
 UNPACKED, RATIO = 2**26, 100
 """[bytes] Largest unpacked size of an archive: the first number plus the second times its packed
 size. Chosen."""
-UNREADABLE = (
+_UNREADABLE = (
     *(zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, NotImplementedError),
     *(RuntimeError, EOFError, OSError, OverflowError),
 )
@@ -127,7 +127,7 @@ def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
             }
     except FormatError:
         raise
-    except UNREADABLE as error:
+    except _UNREADABLE as error:
         raise FormatError(f"is no npz file: {error}", where=str(path)) from error
 
 
@@ -139,7 +139,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> NDA
         )
     with archive.open(member) as file:
         content = file.read(member.file_size + 1)
-    match = HEADER.match(content)
+    match = _HEADER.match(content)
     if match is None or match.end() != 10 + int.from_bytes(match[1], "little"):
         raise FormatError("is not an array of numbers", where=where, remedy="write it again")
     dtype = np.dtype(match[2].decode())

@@ -15,7 +15,7 @@ from drystone.base.files import PathLike, write_bytes
 from drystone.io.simulators.simulator_bodies import bodies, gravity_of
 from drystone.model import Model
 
-TIME_STEP = 0.001
+_TIME_STEP = 0.001
 """[s], chosen: contacts are stiff, and a block of 0.1 m falls over in a tenth of a second."""
 
 
@@ -56,7 +56,7 @@ def mjcf_text(model: Model, *, name: str = "drystone", contact_s: float = 0.005)
     friction = friction if np.isfinite(friction) else 0.6
     lines = [
         f"<mujoco model={quoteattr(name)}>",
-        f'  <option timestep="{TIME_STEP:g}" gravity="{_numbers(gravity_of(model))}" '
+        f'  <option timestep="{_TIME_STEP:g}" gravity="{_numbers(gravity_of(model))}" '
         'cone="elliptic" solver="Newton" iterations="100" tolerance="1e-12">',
         '    <flag multiccd="enable"/>',
         "  </option>",

@@ -14,7 +14,7 @@ from drystone.base.errors import InputError
 from drystone.geometry.body.convex_pieces import convex_pieces
 from drystone.model import Model
 
-SAME_ACCELERATION = 1e-6
+_SAME_ACCELERATION = 1e-6
 """Largest relative difference of the accelerations of blocks that count as one gravity."""
 
 
@@ -74,7 +74,7 @@ def gravity_of(model: Model) -> Floats:
     each = wrench[:, :3] / model.assembly.mass[free][:, None]
     common: Floats = each[0]
     scale = max(float(np.abs(each).max()), 1e-300)
-    alike = np.abs(each - common).max() <= SAME_ACCELERATION * scale
+    alike = np.abs(each - common).max() <= _SAME_ACCELERATION * scale
     if not alike or np.abs(wrench[:, 3:]).max() > 1e-9 * np.abs(wrench).max():
         raise InputError(
             f"the load case '{model.load.name}' is not a uniform acceleration",

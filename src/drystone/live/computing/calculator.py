@@ -40,16 +40,16 @@ from drystone.stability import QUICK, CheckOptions, check_near, try_rest
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
-STARTS = 16
+_STARTS = 16
 """Rest states that are kept to start from, of as many windows and sets of blocks."""
-DRAGGED = 4
+_DRAGGED = 4
 """Models with moved supports that are kept, each of a window and a load case."""
 REST, FOLLOWED = "rest", "followed"
 """What is kept of a window: rest states, and where blocks were that followed supports."""
-OFTEN = 0.2
+_OFTEN = 0.2
 """[s] between two reports of progress."""
-SMALLER = "give a smaller model"
-WHOLE = "send one whole JSON object"
+_SMALLER = "give a smaller model"
+_WHOLE = "send one whole JSON object"
 
 
 class Calculator:
@@ -82,10 +82,10 @@ class Calculator:
         except DrystoneError as error:
             self.tell("error", **error.parts())
         except MemoryError:
-            self.tell("error", what="the memory was used up", where="", remedy=SMALLER)
+            self.tell("error", what="the memory was used up", where="", remedy=_SMALLER)
         except Exception as error:  # the edge of the process: a fault of ours, told in one line
             what = f"a fault in drystone, please report it: {type(error).__name__}: {error}"
-            self.tell("error", what=what, where="", remedy=SMALLER)
+            self.tell("error", what=what, where="", remedy=_SMALLER)
 
     def tell(self, event: str, **what: Any) -> None:
         """Send an event of the job that is under way."""
@@ -102,7 +102,7 @@ class Calculator:
 
     def progress(self, stage: str, done: int, total: int) -> None:
         """Tell how far it is, not too often."""
-        if time.monotonic() - self._reported > OFTEN:
+        if time.monotonic() - self._reported > _OFTEN:
             self._reported = time.monotonic()
             self.tell("progress", stage=stage, done=done, total=total)
 
@@ -124,7 +124,7 @@ class Calculator:
         key = (what, message["window"], message["model"], wish.removed)
         states = self.starts.setdefault(key, {})
         self.starts.move_to_end(key)
-        while len(self.starts) > STARTS:
+        while len(self.starts) > _STARTS:
             self.starts.popitem(last=False)
         return states
 
@@ -183,7 +183,7 @@ def _first_of_moved(
     steps = CoarseSteps(made.part, self.stop) if steps is None else steps
     found = at_once(made.moving, steps, before)
     self.dragged[key] = steps
-    while len(self.dragged) > DRAGGED:
+    while len(self.dragged) > _DRAGGED:
         self.dragged.popitem(last=False)
     return found
 
@@ -273,7 +273,7 @@ def _task(self: Calculator, message: Mapping[str, Any]) -> None:
 
 def _tool(self: Calculator, message: Mapping[str, Any]) -> None:
     """A call of the JSON interface."""
-    given = given_of(message["tool"], parse(message["body"], Path("request"), WHOLE))
+    given = given_of(message["tool"], parse(message["body"], Path("request"), _WHOLE))
     found = answer(message["tool"], given, message["folder"], message["seconds"])
     if "error" in found:
         self.tell("error", **{part: found[part] for part in ("what", "where", "remedy")})

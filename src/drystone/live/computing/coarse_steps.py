@@ -27,13 +27,13 @@ from drystone.settlement.large.large_types import LargeState
 from drystone.settlement.path import scaled_motion
 from drystone.settlement.settlement_types import SettlementOptions
 
-DRAGS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7)
+_DRAGS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7)
 """Drag in turn, by the first of a block that is followed; the last one carries less than a
 thousandth of the load. Chosen: a vault of 97 blocks rests in 0.05 s, one of 399 in 0.5 s."""
 SHORTER, LONGER = 0.25, 2.0
 """Factors on the length of the next increment: after one that was not found, and after one that
 was."""
-SHORTEST = 1e-6
+_SHORTEST = 1e-6
 """Share of the motion below which increments are not made shorter."""
 
 
@@ -74,7 +74,7 @@ class CoarseSteps:
         """The blocks at rest; None where none was found."""
         driver = Driver(self.bodies, fall=chosen.fall, step_limit=chosen.step_limit, stop=stop)
         found = None
-        for share in DRAGS:
+        for share in _DRAGS:
             driver.drag = share * driver.first
             guess = None if found is None else found.motion
             found = driver.alone(driver._increment(guess))
@@ -103,10 +103,10 @@ class CoarseSteps:
         driver = copy.copy(begin.driver)
         driver.frames = [driver.pose]
         driver.maps.at(driver.pose, driver.placed)  # all places share the maps
-        driver.guess, driver.drag = None, DRAGS[-1] * driver.first
+        driver.guess, driver.drag = None, _DRAGS[-1] * driver.first
         way = wanted - begin.motion
         done, step, end = 0.0, 1.0, time.monotonic() + seconds
-        while done < 1.0 - 1e-12 and step > SHORTEST:
+        while done < 1.0 - 1e-12 and step > _SHORTEST:
             step = min(step, 1.0 - done)
             found = driver.alone(driver._increment(None, step * way))
             if found is None:

@@ -16,25 +16,25 @@ from typing import Any
 from drystone.live.computing.calculator import calculate
 from drystone.mcp.folder import Folder
 
-GRACE = 3.0
+_GRACE = 3.0
 """[s] from cancelling a job to ending the process that does not stop. Chosen: a job is interrupted
 between two lines of Python, and one call of compiled code takes less than a second."""
-START = 120.0
+_START = 120.0
 """[s] for the process to start. Chosen: it takes one or two, and a hundred on a crowded machine."""
 POLL_INTERVAL = 0.1
 """[s] between two tests whether a job was cancelled or is late."""
 
 
-ENDED = (
+_ENDED = (
     "the calculation ended without an answer, perhaps because memory ran out",
     "give a smaller model",
 )
-NOT_STARTED = (
+_NOT_STARTED = (
     "the process that computes ended before it was ready",
     "see what it wrote; in a script, start the server below: if __name__ == '__main__':",
 )
 
-WAITING = 8
+_WAITING = 8
 """Calls that may wait for the one that is computed, chosen."""
 
 
@@ -86,7 +86,7 @@ class Helper:
                 pipe.send({**message, "job": job})
             except OSError:
                 self._end()
-        end = time.monotonic() + seconds + (0.0 if self._ready else START)
+        end = time.monotonic() + seconds + (0.0 if self._ready else _START)
         while not self._closed:
             if not wanted():
                 self.cancel()
@@ -102,13 +102,13 @@ class Helper:
                         hear(event)
                     continue
             except (EOFError, OSError):
-                why = ENDED if self._ready else NOT_STARTED
+                why = _ENDED if self._ready else _NOT_STARTED
                 self._replace()
                 if self._cancelled_at is None:
                     hear(_failed(*why))
                 return
             now = time.monotonic()
-            if self._cancelled_at is not None and now - self._cancelled_at > GRACE:
+            if self._cancelled_at is not None and now - self._cancelled_at > _GRACE:
                 self._replace()
                 return
             if now > end:
@@ -161,12 +161,12 @@ class ToolCalls:
         self.folder, self.seconds = folder, seconds
         self.helper = Helper()
         self._one = threading.Lock()
-        self._room = threading.BoundedSemaphore(WAITING)
+        self._room = threading.BoundedSemaphore(_WAITING)
 
     def call(self, tool: str, body: bytes) -> tuple[int, str]:
         """The status of the protocol and the answer, or an error in words."""
         if not self._room.acquire(blocking=False):
-            return 503, _error(f"{WAITING} calls are waiting", "try again")
+            return 503, _error(f"{_WAITING} calls are waiting", "try again")
         try:
             with self._one:
                 heard: list[dict[str, Any]] = []

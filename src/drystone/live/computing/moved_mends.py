@@ -18,10 +18,10 @@ from drystone.view.scenes.settlement_scenes import moved_assembly
 
 FOLLOWED_KINDS = tuple(kind for kind in MendOptions().kinds if kind != "glue")
 """What glue still carries in a joint that has moved is not known."""
-HASTE = 4.0
+_HASTE = 4.0
 """How much longer the increments of a quick look are. What it finds is followed once more in those
 of the verdict. Chosen: it takes a quarter of the time."""
-PRESSES = 1e-6
+_PRESSES = 1e-6
 """Normal force by the largest one from which on a corner touches; above the accuracy of rest."""
 
 
@@ -69,7 +69,7 @@ class AfterMoving(DesignMargin):
         near: list[dict[int, Floats]] | None = None,
     ) -> bool:
         """Whether a model stands after the motion; ``quick`` by longer increments."""
-        found = self._followed(model, stop, HASTE if quick else 1.0)
+        found = self._followed(model, stop, _HASTE if quick else 1.0)
         if found is None:
             return super().stands(model, quick=quick, stop=stop, near=near)
         return found.end is End.REACHED
@@ -97,7 +97,7 @@ def moved_model(found: LargeDisplacement) -> Model:
     """The blocks where they rest or fall, with their joints as far as these press there."""
     model, last = found.model, found.fallen or found.states[-1]
     normal, contacts = last.force[:, 0], last.contacts
-    touches = normal > PRESSES * float(normal.max(initial=0.0))
+    touches = normal > _PRESSES * float(normal.max(initial=0.0))
     joint = np.zeros(len(contacts), dtype=bool)
     joint[contacts.interface[touches]] = True
     corner = touches[joint[contacts.interface]]

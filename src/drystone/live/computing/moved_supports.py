@@ -33,10 +33,10 @@ from drystone.view.scenes.settlement_scenes import moved_assembly
 MOST_AT_ONCE = 50
 """Blocks of which the answer to first order is given at once. Measured: 0.04 s for an arch of 30
 blocks, 7 s for a vault of 97."""
-COARSE_S = 0.04
+_COARSE_S = 0.04
 """[s] after which no coarse increment of more blocks is begun: the first answer of 100 blocks comes
 within 0.1 s."""
-MOTION = "Motion of the supports"
+_MOTION = "Motion of the supports"
 FORCE = "force of the blocks on the moving supports, along their motion"
 
 
@@ -69,7 +69,7 @@ def at_once(model: Model, steps: CoarseSteps | None = None, before: Floats | Non
 
 def _coarsely(model: Model, steps: CoarseSteps | None, before: Floats | None) -> Found:
     motion = model.load.motion
-    found = None if steps is None or motion is None else steps.moved(motion, COARSE_S)
+    found = None if steps is None or motion is None else steps.moved(motion, _COARSE_S)
     if found is None or motion is None:
         return _in_proportion(model, before)
     state, done = found
@@ -92,7 +92,7 @@ def _in_proportion(model: Model, before: Floats | None) -> Found:
     result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
     headline = f"Supports moved by {size}: the blocks are being followed"
     stage = replace(stage_of(result, "live"), headline=headline, verdict=None, motion=motion,
-                    motion_name=MOTION)  # fmt: skip
+                    motion_name=_MOTION)  # fmt: skip
     return Found(result, stage, moved=True)
 
 
@@ -216,7 +216,7 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
     )
     return replace(
         stage, verdict=result.verdict, motion=path[-1], path=path if len(path) > 1 else None,
-        motion_name=MOTION, layers=layers,
+        motion_name=_MOTION, layers=layers,
     )  # fmt: skip
 
 

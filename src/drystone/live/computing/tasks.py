@@ -40,8 +40,8 @@ from drystone.sequence import (
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
-WITH_MOTION = "it stands with its supports moved: nothing is to be mended"
-MOST_CASES = 20
+_WITH_MOTION = "it stands with its supports moved: nothing is to be mended"
+_MOST_CASES = 20
 """Load cases that one window compares."""
 
 Event = tuple[str, dict[str, Any]]
@@ -141,7 +141,7 @@ def _mends(work: Work) -> Iterator[Event]:
     message = found.message
     if motion is not None and message:
         first = found.diagnosis.result
-        message = WITH_MOTION if first.stable else first.message
+        message = _WITH_MOTION if first.stable else first.message
     yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": work.stop()}
 
 
@@ -270,8 +270,8 @@ def _help(found: Plan) -> dict[str, str]:
 def _cases(work: Work) -> Iterator[Event]:
     """The verdicts of several load cases, one after the other."""
     listed = list(work.extra["cases"].elements())
-    if len(listed) > MOST_CASES:
-        raise InputError(f"there are {len(listed)} cases", remedy=f"compare {MOST_CASES} at most")
+    if len(listed) > _MOST_CASES:
+        raise InputError(f"there are {len(listed)} cases", remedy=f"compare {_MOST_CASES} at most")
     for number, one in enumerate(listed):
         try:
             found = verdict_of(asked(work.model, Wish.of(one)), stop=work.stop)

@@ -17,13 +17,13 @@ from drystone.limits import Tilt
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 
-MOST_TILT = 180.0
-MOST_GRAVITY = 1000.0
+_MOST_TILT = 180.0
+_MOST_GRAVITY = 1000.0
 """[m/s2], chosen: a hundred times that of the earth, as in a centrifuge."""
-KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes", "moves")
+_KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes", "moves")
 
 
-Pulled: TypeAlias = tuple[str, tuple[float, float, float]]
+_Pulled: TypeAlias = tuple[str, tuple[float, float, float]]
 """Name of a block, and a force or a translation."""
 
 
@@ -56,19 +56,19 @@ class Wish:
     gravity: float | None = None
     supports: tuple[str, ...] | None = None
     removed: tuple[str, ...] = ()
-    pushes: tuple[Pulled, ...] = ()
-    moves: tuple[Pulled, ...] = ()
+    pushes: tuple[_Pulled, ...] = ()
+    moves: tuple[_Pulled, ...] = ()
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.tilt <= MOST_TILT:
+        if not 0.0 <= self.tilt <= _MOST_TILT:
             raise InputError(f"the tilt is {self.tilt:g}", remedy="give 0 to 180 degrees")
         if self.friction is not None and not self.friction >= 0.0:
             raise InputError(
                 f"the friction is {self.friction:g}", remedy="give a coefficient of zero or more"
             )
-        if self.gravity is not None and not 0.0 <= self.gravity <= MOST_GRAVITY:
+        if self.gravity is not None and not 0.0 <= self.gravity <= _MOST_GRAVITY:
             raise InputError(
-                f"gravity is {self.gravity:g} m/s2", remedy=f"give 0 to {MOST_GRAVITY:g} m/s2"
+                f"gravity is {self.gravity:g} m/s2", remedy=f"give 0 to {_MOST_GRAVITY:g} m/s2"
             )
 
     @classmethod
@@ -80,7 +80,7 @@ class Wish:
         InputError
             A value that cannot be, with its place.
         """
-        field.object().only(KEYS)
+        field.object().only(_KEYS)
 
         def number(key: str) -> float | None:
             return field[key].number() if field.has(key) else None
@@ -88,7 +88,7 @@ class Wish:
         def names(key: str) -> tuple[str, ...]:
             return tuple(one.text() for one in field[key].elements()) if field.has(key) else ()
 
-        def pulled(key: str, what: str) -> tuple[Pulled, ...]:
+        def pulled(key: str, what: str) -> tuple[_Pulled, ...]:
             found = []
             for one in field[key].elements() if field.has(key) else ():
                 one.object().only(("block", what))

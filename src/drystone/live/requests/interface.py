@@ -71,7 +71,7 @@ def _loads(field: Field) -> Any:
     return [one.object().value for one in field.elements()]
 
 
-OF_MODEL: Mapping[str, Callable[[Field], Any]] = {
+_OF_MODEL: Mapping[str, Callable[[Field], Any]] = {
     "file": _text,
     "content": lambda field: field.object().value,
     "supports": _supports,
@@ -120,7 +120,7 @@ def given_of(tool: str, body: Field) -> dict[str, Any]:
     model = body["model"].object()
     model.only(MODEL)
     return {
-        "model": {key: read(model[key]) for key, read in OF_MODEL.items() if model.has(key)},
+        "model": {key: read(model[key]) for key, read in _OF_MODEL.items() if model.has(key)},
         **given,
     }
 

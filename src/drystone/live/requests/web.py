@@ -24,17 +24,17 @@ from drystone.live.desk import Desk
 from drystone.live.requests.guard import LOOPBACK, WISH, Guard, Refusal
 from drystone.live.requests.interface import ARGUMENTS, VERSION, Sent, sent
 
-CONNECTIONS = 64
+_CONNECTIONS = 64
 """At one time, chosen: each window has one for its events and a few more."""
 PATIENCE = 10.0
 """[s] for a request to arrive as a whole, and for a part of an answer to leave."""
-HEARTBEAT = 5.0
+_HEARTBEAT = 5.0
 """[s] without an event after which a stream sends an empty line, which tells lost windows."""
-LOOK = 1.0
+_LOOK = 1.0
 """[s] between two looks at whether a window was closed."""
 REST = 2**20
 """[bytes] of a refused body that are read and thrown away, so that the refusal is heard."""
-POLICY = (
+_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; connect-src 'self'; frame-ancestors 'none'; "
     "base-uri 'none'; form-action 'none'"
@@ -62,7 +62,7 @@ class WebServer(ThreadingHTTPServer):
         self._open: dict[socket.socket, float] = {}
         self._lock = threading.Lock()
         self._closed = threading.Event()
-        super().__init__((LOOPBACK, port), Handler)
+        super().__init__((LOOPBACK, port), _Handler)
         self.desk, self.calls, self.page = desk, calls, page
         self.guard = Guard(self.server_address[1], largest)
         self.called = time.monotonic()
@@ -81,7 +81,7 @@ class WebServer(ThreadingHTTPServer):
         """Serve a connection, and end the oldest one that has not asked yet where many are open."""
         with self._lock:
             self._open[request] = time.monotonic() + PATIENCE
-            if len(self._open) > CONNECTIONS:
+            if len(self._open) > _CONNECTIONS:
                 idle = [one for one, end in self._open.items() if end < float("inf")]
                 _refuse(idle[0], 503, "too many connections are open", "try again")  # or itself
                 del self._open[idle[0]]
@@ -113,7 +113,7 @@ class WebServer(ThreadingHTTPServer):
                     del self._open[one]
 
 
-class Handler(BaseHTTPRequestHandler):
+class _Handler(BaseHTTPRequestHandler):
     """One request."""
 
     server: WebServer
@@ -238,10 +238,10 @@ class Handler(BaseHTTPRequestHandler):
             quiet = 0.0
             while not self._gone():
                 try:
-                    event = window.events.get(timeout=LOOK)
+                    event = window.events.get(timeout=_LOOK)
                 except queue.Empty:
-                    quiet += LOOK
-                    if quiet >= HEARTBEAT:
+                    quiet += _LOOK
+                    if quiet >= _HEARTBEAT:
                         self.wfile.write(b":\n\n")
                         quiet = 0.0
                     continue
@@ -287,7 +287,7 @@ class Handler(BaseHTTPRequestHandler):
         for name, value in (
             ("Cache-Control", "no-store"),
             ("Connection", "close"),
-            ("Content-Security-Policy", POLICY),
+            ("Content-Security-Policy", _POLICY),
             ("Cross-Origin-Resource-Policy", "same-origin"),
             ("Referrer-Policy", "no-referrer"),
             ("X-Content-Type-Options", "nosniff"),

@@ -25,7 +25,7 @@ SAMPLES = 48
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
 """[m]: one value, one per course, or a function of points (k, 3) on the middle surface."""
 
-LARGEST_SHARE = 2.0 / 3.0
+_LARGEST_SHARE = 2.0 / 3.0
 """Share of the sagitta at which a flat cell lies half outside and half inside the surface."""
 
 
@@ -131,10 +131,10 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
         moved = polygon.area_vectors((mesh.point + share * move)[loop], start)
         return wanted - float(np.linalg.norm(moved, axis=1)[known].sum())
 
-    at_zero, at_limit = missing_area(0.0), missing_area(LARGEST_SHARE)
+    at_zero, at_limit = missing_area(0.0), missing_area(_LARGEST_SHARE)
     if at_zero <= 0.0 or at_limit >= at_zero:
         return mesh, 0.0
-    share = min(LARGEST_SHARE, LARGEST_SHARE * at_zero / (at_zero - at_limit))
+    share = min(_LARGEST_SHARE, _LARGEST_SHARE * at_zero / (at_zero - at_limit))
     largest = float(np.linalg.norm(share * move, axis=1).max())
     return replace(mesh, point=mesh.point + share * move), largest
 

@@ -21,11 +21,11 @@ from drystone.geometry.plane import polygon
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.shells.bond.tessellation import Tessellation
 
-LEAST_COSINE = 0.5
+_LEAST_COSINE = 0.5
 """Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
 degrees the faces of a block no longer approximate the surface."""
 
-PLANAR = 1e-9
+_PLANAR = 1e-9
 """Distance of a corner from the plane of its face that counts as zero, relative to the square root
 of the area. Chosen: far above rounding, far below the precision of text files."""
 
@@ -110,7 +110,7 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
         The surface turns by more than 60 degrees across a block.
     """
     cosine = _facet_cosine(mesh)
-    steep = cosine < LEAST_COSINE
+    steep = cosine < _LEAST_COSINE
     if steep.any():
         raise InputError(
             "is too large: the surface turns by more than 60 degrees beside it",
@@ -250,7 +250,7 @@ def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
     height, seen = warp_and_view(pins.point[loop], start)
     area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
     made = [[cap] for cap in caps]
-    for i in np.flatnonzero((height > PLANAR * np.sqrt(area)) & ~seen).tolist():
+    for i in np.flatnonzero((height > _PLANAR * np.sqrt(area)) & ~seen).tolist():
         corner = np.array(caps[i], dtype=np.intp)
         triangle, _ = triangulate(pins.point[corner], np.array([0, len(corner)]))
         made[i] = [tuple(row) for row in corner[triangle].tolist()]

@@ -24,11 +24,11 @@ from drystone.shells.shell_options import Intrados, ShellBody
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
 
-LARGE_DRIFT = 0.25
+_LARGE_DRIFT = 0.25
 """Drift, relative to the width of a block, above which a shell has a note. Chosen: the lap of head
 joints is as large."""
 
-LARGEST_WARP = 1e-6
+_LARGEST_WARP = 1e-6
 """Largest warp of a joint, relative to the width of a block. Contacts and volumes have this
 accuracy."""
 
@@ -97,19 +97,19 @@ def planar_pins(
     return PlanarPins(pins, report, float(across.max()), int(drift.argmax()))
 
 
-STRAIGHT_REMEDY = (
+_STRAIGHT_REMEDY = (
     "planar inner faces need the wedge of the curvatures (wedge=None; leave --wedge out) "
     "or none (0) where the surface is bent both ways, and blocks no wider than twice their height; "
     "else leave the inner faces as they are"
 )
-JOGGLE_REMEDY = "leave the joggle out: surfaces of one patch, barrels and domes, take it"
+_JOGGLE_REMEDY = "leave the joggle out: surfaces of one patch, barrels and domes, take it"
 
 
 def special_remedy(shape: Shape, body: ShellBody) -> str | None:
     """The most likely remedy where blocks do not fit; None where it depends on the sizes."""
     if body.intrados is Intrados.STRAIGHT:
-        return STRAIGHT_REMEDY
-    return JOGGLE_REMEDY if body.joggle_deg and shape.seams else None
+        return _STRAIGHT_REMEDY
+    return _JOGGLE_REMEDY if body.joggle_deg and shape.seams else None
 
 
 def refuse_joggle_at_sides(shape: Shape, body: ShellBody) -> None:
@@ -128,7 +128,7 @@ def refuse_joggle_at_sides(shape: Shape, body: ShellBody) -> None:
         raise InputError(
             "takes no joggle: its courses end at seams between patches",
             where=f"shape '{shape.name}'",
-            remedy=JOGGLE_REMEDY,
+            remedy=_JOGGLE_REMEDY,
         )
 
 
@@ -140,7 +140,7 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: ShellBody) -> None:
     InputError
         They are not planar, unless the options of planarisation allow more.
     """
-    if made.report.warp_after > max(LARGEST_WARP, body.planar.tolerance):
+    if made.report.warp_after > max(_LARGEST_WARP, body.planar.tolerance):
         what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
             f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",
@@ -178,11 +178,11 @@ def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:
     notes = []
     if not report.reached:
         notes.append(f"joints are up to {report.warp_after:.1e} of a block from planar")
-    if report.drift > LARGE_DRIFT:
+    if report.drift > _LARGE_DRIFT:
         notes.append(
             f"the surface twists at block '{mesh.name_at(made.worst)}': its joints lean, and a"
             f" "
             f"corner moved by {report.drift:.2f} of a block's width "
-            f"(noted above {LARGE_DRIFT})"
+            f"(noted above {_LARGE_DRIFT})"
         )
     return tuple(notes)

@@ -27,10 +27,10 @@ TOLERANCE = 1e-10
 """Largest distance of a corner from its polygon's plane, relative to the length scale: far below
 the 1e-6 that joints need, far above rounding."""
 
-STAY = 0.05
+_STAY = 0.05
 """Weight of the distance from the starting point, relative to that of a projection. Chosen."""
 
-REGULAR = 1e-12
+_REGULAR = 1e-12
 """Added to the diagonal of the Newton system, relative: conditions may depend on each other."""
 
 
@@ -180,7 +180,7 @@ def _project(
 ) -> tuple[Floats, int]:
     """Rounds of local/global projection, near the starting points."""
     centring = sparse.vstack([_centring(g, len(x)) for g in groups]).tocsr()
-    stay = STAY * mass
+    stay = _STAY * mass
     system = (centring.T @ centring + sparse.diags(stay)).tocsc()
     try:
         factor = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
@@ -241,7 +241,7 @@ def _newton_move(x: Floats, groups: list[Ints], mass: Floats, scale: float) -> F
     )
     inverse = sparse.diags(np.repeat(1.0 / mass, 3))
     normal_matrix = (J @ inverse @ J.T).tocsc()
-    normal_matrix = normal_matrix + REGULAR * float(normal_matrix.diagonal().mean()) * sparse.eye(
+    normal_matrix = normal_matrix + _REGULAR * float(normal_matrix.diagonal().mean()) * sparse.eye(
         offset, format="csc"
     )
     factor = splu(

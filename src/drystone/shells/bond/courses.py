@@ -14,11 +14,11 @@ from drystone.base.errors import InputError
 from drystone.shells.surface.lengths import numbers, refuse_unless_positive
 from drystone.shells.surface.patch import Patch
 
-MOST_COURSES = 5_000
+_MOST_COURSES = 5_000
 """Largest number of courses of a patch. Chosen: far above any vault."""
 
-TABLE_U = 257
-TABLE_V = 129
+_TABLE_U = 257
+_TABLE_V = 129
 """Samples of the arc-length table. Chosen: linear interpolation moves a bed line by less than 1e-5
 of the patch, the same for all blocks along it."""
 
@@ -76,12 +76,12 @@ class Courses:
     @cached_property
     def _inverse(self) -> RegularGridInterpolator:
         """Function from (share of the length along u, v) to u."""
-        u, v = np.linspace(0.0, 1.0, TABLE_U), np.linspace(0.0, 1.0, TABLE_V)
+        u, v = np.linspace(0.0, 1.0, _TABLE_U), np.linspace(0.0, 1.0, _TABLE_V)
         points = self.patch.point(u[:, None], v[None, :])
         step = np.linalg.norm(np.diff(points, axis=0), axis=2)
-        length = np.concatenate([np.zeros((1, TABLE_V)), np.cumsum(step, axis=0)])
+        length = np.concatenate([np.zeros((1, _TABLE_V)), np.cumsum(step, axis=0)])
         share = length / length[-1]
-        table = np.stack([np.interp(u, share[:, j], u) for j in range(TABLE_V)], axis=1)
+        table = np.stack([np.interp(u, share[:, j], u) for j in range(_TABLE_V)], axis=1)
         return RegularGridInterpolator((u, v), table)
 
     def parameter(self, share: Floats, v: Floats) -> Floats:
@@ -129,19 +129,19 @@ def lay_courses(
     where = f"patch '{patch.name}'"
     if sum(value is not None for value in (count, height, heights)) != 1:
         raise InputError("give one of count, height and heights", where=where)
-    v = np.linspace(0.0, 1.0, TABLE_V)
-    points = patch.point(np.linspace(0.0, 1.0, TABLE_U)[:, None], v[None, :])
+    v = np.linspace(0.0, 1.0, _TABLE_V)
+    points = patch.point(np.linspace(0.0, 1.0, _TABLE_U)[:, None], v[None, :])
     length = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
     if heights is not None:
         relative = np.atleast_1d(numbers(heights, "heights of courses", where)).ravel()
         count = len(relative)
     elif height is not None:
         refuse_unless_positive(where, course_height=height)
-        count = max(1, round(min(float(length.min()) / height, MOST_COURSES + 1.0)))
+        count = max(1, round(min(float(length.min()) / height, _MOST_COURSES + 1.0)))
         relative = np.ones(count)
     else:
         relative = (
-            np.ones(min(int(count), MOST_COURSES + 1))
+            np.ones(min(int(count), _MOST_COURSES + 1))
             if count is not None and count >= 1
             else np.zeros(0)
         )
@@ -150,9 +150,9 @@ def lay_courses(
             "there must be one or more courses, each with a height above zero", where=where
         )
     full = len(relative)
-    if full > MOST_COURSES:
+    if full > _MOST_COURSES:
         raise InputError(
-            f"there are more than {MOST_COURSES:,} courses", where=where, remedy="make them higher"
+            f"there are more than {_MOST_COURSES:,} courses", where=where, remedy="make them higher"
         )
     nominal = float(length.min()) / full
     wanted = np.maximum(length / nominal, full)
@@ -165,7 +165,7 @@ def lay_courses(
         raise InputError("a closed patch has no longer side", where=where, remedy="partial=0")
     start, end = np.zeros(full + extra), np.ones(full + extra)
     order = np.ones(full + extra)
-    across = float(np.linalg.norm(np.diff(points[TABLE_U // 2], axis=0), axis=1).sum())
+    across = float(np.linalg.norm(np.diff(points[_TABLE_U // 2], axis=0), axis=1).sum())
     taper = max(nominal / across, 0.02)
     slots = _spread(full, extra)
     order[np.setdiff1d(np.arange(full + extra), slots)] = relative

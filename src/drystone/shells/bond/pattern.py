@@ -19,7 +19,7 @@ from drystone.shells.bond.courses import Courses
 from drystone.shells.bond.wedge import Wedge, eased_share, wedge_amount
 from drystone.shells.surface.patch import Side
 
-SAME = 1e-9
+_SAME = 1e-9
 """Head joints closer than this in v share their corners."""
 
 
@@ -111,10 +111,10 @@ def _wrapped(v: Floats, courses: Courses) -> Floats:
 
 def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
     """Vertex of each corner, and the first corner of each vertex; equal bed line and v."""
-    cyclic = np.where(v > 1.0 - SAME, 0.0, v) if closed else v
+    cyclic = np.where(v > 1.0 - _SAME, 0.0, v) if closed else v
     order = np.lexsort((cyclic, level))
     new = np.ones(len(v), dtype=bool)
-    new[1:] = (np.diff(level[order]) != 0) | (np.diff(cyclic[order]) > SAME)
+    new[1:] = (np.diff(level[order]) != 0) | (np.diff(cyclic[order]) > _SAME)
     vertex = np.empty(len(v), dtype=np.intp)
     vertex[order] = np.cumsum(new) - 1
     return vertex, order[new]
@@ -161,8 +161,8 @@ def _cells(
     first = 0
     for i, heads in enumerate(joints):
         (low_on, low_at), (high_on, high_at) = chains[i], chains[i + 1]
-        low = np.searchsorted(low_at, np.stack([heads + SAME, heads - SAME]))
-        high = np.searchsorted(high_at, np.stack([heads + SAME, heads - SAME]))
+        low = np.searchsorted(low_at, np.stack([heads + _SAME, heads - _SAME]))
+        high = np.searchsorted(high_at, np.stack([heads + _SAME, heads - _SAME]))
         for j in range(len(heads) - 1):
             under = low_on[low[0, j] : low[1, j + 1]].tolist()
             over = high_on[high[0, j] : high[1, j + 1]].tolist()

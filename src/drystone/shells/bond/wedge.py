@@ -18,7 +18,7 @@ Wedge: TypeAlias = float | Sequence[float] | Callable[[Floats, Floats], Floats]
 """Shift of bed-joint corners towards the neighbouring course, relative to its height: one value,
 one per bed line between two courses, or a function of (u, v)."""
 
-FLAT_WEDGE = 0.4
+_FLAT_WEDGE = 0.4
 """Largest wedge from the curvatures. Chosen: a little below the largest possible one."""
 
 LARGEST_WEDGE = 0.45
@@ -103,7 +103,7 @@ def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Float
     wanted = around * (width * along) ** 2
     given = 8.0 * across * height**2
     given = np.where(np.abs(given) > 1e-12 * np.abs(wanted), given, 1e-12 * np.abs(wanted) + 1e-300)
-    ratio: Floats = np.clip(wanted / given, -FLAT_WEDGE, FLAT_WEDGE)
+    ratio: Floats = np.clip(wanted / given, -_FLAT_WEDGE, _FLAT_WEDGE)
     return ratio
 
 

@@ -16,7 +16,7 @@ from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
 
-SNAP = 0.15
+_SNAP = 0.15
 """Joints from the two sides of a seam are merged when they are closer than this share of the
 shorter neighbouring stretch. Chosen: below the least lap within a patch."""
 
@@ -75,7 +75,7 @@ class _Weld:
         spacing = np.diff([a for a, _ in run])
         gaps = np.abs(np.array([a for a, _ in run]) - along)
         n = int(np.argmin(gaps))
-        if gaps[n] <= SNAP * spacing[max(n - 1, 0) : n + 1].min() and 0.0 < along < 1.0:
+        if gaps[n] <= _SNAP * spacing[max(n - 1, 0) : n + 1].min() and 0.0 < along < 1.0:
             vertex = run[n][1]
             run[n] = (along, vertex)
             self._place(vertex, edge, along)
@@ -128,7 +128,7 @@ def _join(state: _Weld, seam: Seam) -> None:
     met_other = set()
     for i, (_, vertex) in enumerate(one):
         j = int(nearest_one[i])
-        limit = SNAP * min(limit_one[i], limit_other[j])
+        limit = _SNAP * min(limit_one[i], limit_other[j])
         if nearest_other[j] == i and gap[i, j] <= max(limit, 1e-9):
             met_other.add(j)
             _unite(state, vertex, other[j][1])

@@ -28,7 +28,7 @@ from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
 from drystone.shells.surface.sources import patch_from_grid
 
-ROUNDS = 60
+_ROUNDS = 60
 """Largest number of iterations of load and form; each reduces the error about ten times."""
 
 SETTLED = 1e-10
@@ -229,7 +229,7 @@ def _balance(
     target = height + float(net.point[fixed, 2].min())
     weight = thickness * options.density * STANDARD_GRAVITY
     point, scale = base, 1.0
-    for done in range(ROUNDS):
+    for done in range(_ROUNDS):
         load = weight * _node_areas(point, net.quad)
         lift = np.zeros(count)
         lift[free] = factor.solve(load[free])
@@ -244,7 +244,7 @@ def _balance(
         point[:, 2] += lift / scale
         if np.abs(point[:, 2] - previous).max() <= SETTLED * height:
             return point, load, scale, done + 1
-    return point, load, scale, ROUNDS
+    return point, load, scale, _ROUNDS
 
 
 def _node_areas(point: Floats, quad: Ints) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 
-LONGEST = 40
+_LONGEST = 40
 """Characters of a wrong value that an error repeats."""
 
 
@@ -43,7 +43,7 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         told = repr(values)
-        told = told if len(told) <= LONGEST else f"{told[:LONGEST]}..."
+        told = told if len(told) <= _LONGEST else f"{told[:_LONGEST]}..."
         raise InputError(
             f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
         ) from error

@@ -17,26 +17,26 @@ from drystone.geometry.body.polyhedron import edges_of, loop_edges
 from drystone.geometry.mend.coincidence import first_coincident
 from drystone.shells.surface.patch import Patch, check_patch
 
-DEGREE = 3
+_DEGREE = 3
 
-SMOOTHING = 1e-6
+_SMOOTHING = 1e-6
 """Weight of the second differences of the control points, relative to that of a mesh vertex.
 Chosen: it has an effect only where there are too few vertices."""
 
-CORNER_TURN = 20.0
+_CORNER_TURN = 20.0
 """[degrees] Least angle of the border at a corner, when corners are searched. Chosen."""
 
-WELD = 1e-6
+_WELD = 1e-6
 """Vertices closer than this, relative to the size of the mesh, are merged: formats such as STL
 repeat them."""
 
-FARTHEST_FIT = 0.05
+_FARTHEST_FIT = 0.05
 """Largest distance of a mesh from its patch, relative to the size of the mesh. Chosen: beyond it
 the corners are wrong, or the mesh is too coarse."""
 
-REMEDY = "give a finer mesh, name its corners, or use more control points"
+_REMEDY = "give a finer mesh, name its corners, or use more control points"
 
-PROJECTED = 2_000
+_PROJECTED = 2_000
 """Number of mesh points, those farthest from the patch, for which the nearest point of the patch is
 searched. Chosen: bounds the time on large meshes."""
 
@@ -100,7 +100,7 @@ def patch_from_mesh(
     border = _border(loops, name)
     chosen = named if named is not None else _sharpest(points, border, name)
     u, v = _layout(points, loops, border, chosen, name)
-    rows, columns = (max(DEGREE + 1, int(c)) for c in control)
+    rows, columns = (max(_DEGREE + 1, int(c)) for c in control)
     coefficient = _fit(points, u, v, rows, columns)
 
     def point(at_u: Floats, at_v: Floats) -> Floats:
@@ -116,17 +116,17 @@ def patch_from_mesh(
     distance = distances(patch, np.column_stack([u, v, points]), loops)
     farthest = float(distance.max())
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if not farthest <= FARTHEST_FIT * size:
+    if not farthest <= _FARTHEST_FIT * size:
         raise InputError(
             f"is up to {farthest:.3g} m from the patch fitted to it, more than "
-            f"{FARTHEST_FIT:.0%} of its size",
+            f"{_FARTHEST_FIT:.0%} of its size",
             where=f"mesh '{name}'",
-            remedy=REMEDY,
+            remedy=_REMEDY,
         )
     try:
         check_patch(patch)
     except InputError as error:
-        raise error.located(f"mesh '{name}'", REMEDY) from error
+        raise error.located(f"mesh '{name}'", _REMEDY) from error
     return MeshFit(
         patch,
         farthest,
@@ -141,7 +141,7 @@ def _welded(
 ) -> tuple[Floats, list[list[int]], list[int] | None]:
     """Used vertices, coincident ones merged."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    first = first_coincident(points, WELD * size)
+    first = first_coincident(points, _WELD * size)
     loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
     loops = [loop for loop in loops if len(loop) > 2]
     used = sorted({i for loop in loops for i in loop})
@@ -196,7 +196,7 @@ def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
     cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     turn = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
     picked = np.sort(np.argsort(-turn, kind="stable")[:4])
-    if len(picked) < 4 or turn[picked].min() < CORNER_TURN:
+    if len(picked) < 4 or turn[picked].min() < _CORNER_TURN:
         raise InputError(
             "its border has no four corners",
             where=f"mesh '{name}'",
@@ -256,9 +256,9 @@ def _cyclic(order: list[int]) -> bool:
 
 def _basis(at: Floats, count: int) -> sparse.csr_matrix:
     """(k, count) values of the cubic B-splines on even knots in [0, 1]."""
-    inner = np.linspace(0.0, 1.0, count - DEGREE + 1)
-    knots = np.concatenate([np.zeros(DEGREE), inner, np.ones(DEGREE)])
-    return sparse.csr_matrix(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, DEGREE))
+    inner = np.linspace(0.0, 1.0, count - _DEGREE + 1)
+    knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
+    return sparse.csr_matrix(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, _DEGREE))
 
 
 def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Floats:
@@ -269,7 +269,7 @@ def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Float
     )
     bend_u = sparse.kron(_second(rows), sparse.eye(columns))
     bend_v = sparse.kron(sparse.eye(rows), _second(columns))
-    system = design.T @ design + SMOOTHING * (bend_u.T @ bend_u + bend_v.T @ bend_v)
+    system = design.T @ design + _SMOOTHING * (bend_u.T @ bend_u + bend_v.T @ bend_v)
     solution = spsolve(sparse.csc_matrix(system), design.T @ points)
     control: Floats = np.asarray(solution).reshape(rows, columns, 3)
     return control
@@ -289,7 +289,7 @@ def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Float
     middles = np.array([at[list(loop)].mean(axis=0) for loop in loops])
     sample = np.concatenate([at, 0.5 * (at[ends[:, 0]] + at[ends[:, 1]]), middles])
     distance: Floats = np.linalg.norm(patch.point(*sample[:, :2].T) - sample[:, 2:], axis=1)
-    worst = np.argsort(-distance, kind="stable")[:PROJECTED]
+    worst = np.argsort(-distance, kind="stable")[:_PROJECTED]
     uv, place = sample[worst, :2].copy(), sample[worst, 2:]
     for _ in range(4):
         tangent = np.stack(patch.tangents(*uv.T), axis=1)

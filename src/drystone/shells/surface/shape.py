@@ -11,11 +11,11 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.shells.surface.patch import Patch, Side, check_patch
 
-SEAM_GAP = 1e-4
+_SEAM_GAP = 1e-4
 """Largest distance between the two sides of a seam, relative to the size of the patch. Chosen: far
 below any block, far above the rounding of a spline."""
 
-SLENDERNESS = 30.0
+_SLENDERNESS = 30.0
 """Size of a patch divided by its thickness, where none is given. Chosen: a thick masonry shell."""
 
 
@@ -120,7 +120,7 @@ class Shape(OneLine):
         one, other = (_resample(self.points_along(e, 257), 33) for e in (seam.one, seam.other))
         gap = float(np.linalg.norm(one - other, axis=1).max())
         size = max(self.patches[e.patch].size for e in (seam.one, seam.other))
-        if gap > SEAM_GAP * size:
+        if gap > _SEAM_GAP * size:
             raise InputError(
                 f"the sides of a seam are {gap:.3g} m apart",
                 where=(
@@ -135,7 +135,7 @@ class Shape(OneLine):
         """[m], the thickness of the shape, else 1/30 of the size of its largest patch."""
         if self.thickness is not None:
             return self.thickness
-        return max(patch.size for patch in self.patches) / SLENDERNESS
+        return max(patch.size for patch in self.patches) / _SLENDERNESS
 
     def points_along(self, edge: Edge, count: int) -> Floats:
         """(count, 3) [m] points of a stretch of border, evenly in its parameter."""

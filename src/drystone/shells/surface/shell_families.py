@@ -14,7 +14,7 @@ from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Patch, PatchFunction, Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
 
-VAULT_THICKNESS = 0.075
+_VAULT_THICKNESS = 0.075
 """Default thickness of a barrel vault, relative to its span. Chosen: 0.15 of the radius of a
 semicircle, which stands from 0.1075 on (Milankovitch 1907). Flatter vaults need less."""
 
@@ -52,7 +52,7 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
 
     supports = (Edge(0, Side.BOTTOM), Edge(0, Side.TOP))
     patch = Patch(point, name="barrel vault")
-    return Shape((patch,), (), supports, name="barrel vault", thickness=VAULT_THICKNESS * span)
+    return Shape((patch,), (), supports, name="barrel vault", thickness=_VAULT_THICKNESS * span)
 
 
 def dome(

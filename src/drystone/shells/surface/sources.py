@@ -18,13 +18,13 @@ from drystone.io import format_of
 from drystone.shells.surface.lengths import numbers
 from drystone.shells.surface.patch import Patch, check_patch
 
-Curve: TypeAlias = Callable[[Floats], Any]
+_Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
 
-CORNER_GAP = 1e-6
+_CORNER_GAP = 1e-6
 """Largest gap between two boundary curves at a corner, relative to the size of the patch."""
 
-CROSSING_SAMPLES = 65
+_CROSSING_SAMPLES = 65
 """Samples of each boundary curve in the search for crossings. Chosen."""
 
 
@@ -43,7 +43,7 @@ def patch_from_function(
     return patch
 
 
-def curve_through(points: Any) -> Curve:
+def curve_through(points: Any) -> _Curve:
     """A cubic curve through points (p, 3) [m], by chord length; two points give a line."""
     corners = frozen_floats(points, (None, 3), "curve points")
     if len(corners) < 2:
@@ -59,7 +59,7 @@ def curve_through(points: Any) -> Curve:
 
 
 def patch_from_curves(
-    bottom: Curve, top: Curve, left: Curve, right: Curve, *, name: str = "patch"
+    bottom: _Curve, top: _Curve, left: _Curve, right: _Curve, *, name: str = "patch"
 ) -> Patch:
     """The Coons patch of four boundary curves.
 
@@ -100,7 +100,7 @@ def patch_from_curves(
     }
     for sides, (one, other) in pairs.items():
         gap = float(np.linalg.norm(one - other))
-        if gap > CORNER_GAP * size:
+        if gap > _CORNER_GAP * size:
             raise InputError(
                 f"boundary curves {sides} are {gap:.3g} m apart at their corner",
                 where=where,
@@ -207,9 +207,9 @@ def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpl
     ]
 
 
-def _refuse_crossings(curves: dict[str, Curve], size: float, where: str) -> None:
+def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> None:
     """Raise for boundary curves that meet away from their corners."""
-    s = np.linspace(0.0, 1.0, CROSSING_SAMPLES)[1:-1]
+    s = np.linspace(0.0, 1.0, _CROSSING_SAMPLES)[1:-1]
     sampled = {side: np.asarray(curve(s), dtype=np.float64) for side, curve in curves.items()}
     middle = {side: points[len(points) // 2] for side, points in sampled.items()}
     for one, other in (("bottom", "top"), ("left", "right")):

@@ -19,10 +19,10 @@ from drystone.shells.blocks.materialise import cell_faces
 from drystone.shells.shell_of_blocks import Shell
 from drystone.shells.workshop.schedule import block_frame
 
-MARGIN = 0.25
+_MARGIN = 0.25
 """Space between drawn faces, relative to the mean height of a face."""
 
-LABEL = 0.06
+_LABEL = 0.06
 """Height of a label relative to the width of its face. Chosen: two names fit."""
 
 
@@ -150,7 +150,7 @@ def write_unrolled(
 def _rows(blocks: Sequence[Sequence[FlatFace]]) -> list[tuple[FlatFace, Floats]]:
     """Faces with their corners [mm] in the drawing, a row per block."""
     heights = [float(np.ptp(face.corner[:, 1])) for faces in blocks for face in faces]
-    gap = MARGIN * float(np.mean(heights))
+    gap = _MARGIN * float(np.mean(heights))
     placed, y = [], 0.0
     for faces in blocks:
         x, tallest = 0.0, 0.0
@@ -170,7 +170,7 @@ def _label(face: FlatFace) -> str:
 def _svg(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
     every = np.concatenate([corner for _, corner in placed])
     width, height = np.ceil(every.max(axis=0)) + 20.0
-    size = LABEL * float(np.mean([np.ptp(c[:, 0]) for _, c in placed]))
+    size = _LABEL * float(np.mean([np.ptp(c[:, 0]) for _, c in placed]))
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}mm" height="{height:.0f}mm" '
         f'viewBox="-10 -10 {width:.0f} {height:.0f}">',
@@ -195,7 +195,7 @@ def _dxf(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
             out += [(0, "VERTEX"), (8, "JOINTS"), (10, f"{x:.4f}"), (20, f"{y:.4f}"), (30, 0)]
         out += [(0, "SEQEND"), (8, "JOINTS")]
         x, y = corner.mean(axis=0)
-        size = LABEL * float(np.ptp(corner[:, 0]))
+        size = _LABEL * float(np.ptp(corner[:, 0]))
         out += [(0, "TEXT"), (8, "LABELS"), (10, f"{x:.4f}"), (20, f"{y:.4f}"), (30, 0)]
         out += [(40, f"{size:.3f}"), (1, _label(face))]
     out += [(0, "ENDSEC"), (0, "EOF")]

@@ -23,7 +23,7 @@ SIDES = 8
 HEAD = 2.6
 """Radius of the head of an arrow, divided by that of its shaft. Chosen by eye."""
 
-SECONDS = 2.4
+_SECONDS = 2.4
 """Duration [s] of a motion, as on the page."""
 
 FRAMES = 25
@@ -146,7 +146,7 @@ def _rounded(points: Floats, corners: Ints) -> Triangles:
 def fall_moments() -> tuple[Floats, Floats]:
     """Times (t,) [s], and the share (t,) of the motion at each, as in a free fall."""
     share = np.linspace(0.0, 1.0, FRAMES)
-    return SECONDS * share, share**2
+    return _SECONDS * share, share**2
 
 
 def quaternions(rotation: Floats) -> Floats:

@@ -34,11 +34,11 @@ from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, ramp_colours, rgb
 from drystone.view.style.presets import PRESETS, is_shown
 
-UNSIGNED = 5125
+_UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
 """Radii of the line of the largest force, of an arrow and of a mark, relative to the size of a
 block. Chosen by eye."""
-PLACED_S = 1.6
+_PLACED_S = 1.6
 """Time [s] from one block of an assembly to the next, as on the page."""
 
 
@@ -84,7 +84,7 @@ class _Glb:
         columns = 1 if array.ndim == 1 else array.shape[1]
         entry: dict[str, Any] = {
             "bufferView": view,
-            "componentType": UNSIGNED if whole else FLOAT,
+            "componentType": _UNSIGNED if whole else FLOAT,
             "count": len(array),
             "type": "SCALAR" if columns == 1 else f"VEC{columns}",
         }
@@ -195,8 +195,8 @@ class _Glb:
             motion = stage.motion
             if motion is None:
                 continue
-            begin = number * PLACED_S
-            times = np.array([0.0, max(begin, 1e-3), begin + 0.5 * PLACED_S])
+            begin = number * _PLACED_S
+            times = np.array([0.0, max(begin, 1e-3), begin + 0.5 * _PLACED_S])
             moments = self.numbers(times, bounds=True)
             for i in np.flatnonzero(motion[:, :3].any(axis=1) & (self.node_of >= 0)).tolist():
                 at = self.scene.assembly.centroid[i]

@@ -22,9 +22,9 @@ from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
 from drystone.view.style.presets import is_shown
 
-WIDEST = 2.0
+_WIDEST = 2.0
 """Width [mm] on paper of the line of the largest force. Chosen by eye."""
-MOTION = "motion"
+_MOTION = "motion"
 
 
 def write_3dm(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
@@ -172,7 +172,7 @@ def _lines(file: Any, layer: Layer, scene: Scene, number: int) -> None:
         if most > 0.0:
             attributes.SetUserString(f"{layer.label} [{layer.unit}]", f"{force:.6g}")
             attributes.PlotWeightSource = rhino3dm.ObjectPlotWeightSource.PlotWeightFromObject
-            attributes.PlotWeight = WIDEST * force / most
+            attributes.PlotWeight = _WIDEST * force / most
         if arrows:
             attributes.ObjectDecoration = rhino3dm.ObjectDecoration.EndArrowhead
         file.Objects.AddLine(rhino3dm.Point3d(*a), rhino3dm.Point3d(*b), attributes)
@@ -186,8 +186,8 @@ def _motion(file: Any, scene: Scene, motion: Floats, number: int) -> None:
         block, at = assembly.blocks[i], assembly.centroid[i]
         matrix = matrix_of(motion[i], at)
         moved = block.transformed(matrix[:3, :3], matrix[:3, 3])
-        file.Objects.AddMesh(mesh_of(moved), _drawn(number, MOTION, block.name))
-        attributes = _drawn(number, MOTION, block.name)
+        file.Objects.AddMesh(mesh_of(moved), _drawn(number, _MOTION, block.name))
+        attributes = _drawn(number, _MOTION, block.name)
         attributes.ObjectDecoration = rhino3dm.ObjectDecoration.EndArrowhead
         end = at + motion[i, :3]
         file.Objects.AddLine(rhino3dm.Point3d(*at), rhino3dm.Point3d(*end), attributes)

@@ -12,7 +12,7 @@ from drystone.view.cad.rhino_picture import write_3dm
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.presets import PRESETS, first_preset
 
-WRITERS = {".3dm": write_3dm, ".glb": write_glb}
+_WRITERS = {".3dm": write_3dm, ".glb": write_glb}
 
 
 def save_cad(
@@ -67,7 +67,7 @@ def save_cad(
     b'glTF'
     """
     target = Path(path)
-    writer = WRITERS.get(target.suffix.lower())
+    writer = _WRITERS.get(target.suffix.lower())
     if writer is None:
         raise FormatError(
             f"an answer cannot be written as '{target.suffix}'",

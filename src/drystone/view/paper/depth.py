@@ -30,9 +30,9 @@ from drystone.view.paper.separation import (
 )
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 
-EDGE_ON = 1e-9
+_EDGE_ON = 1e-9
 """Directions closer to the paper than this (cosine) hide nothing."""
-INTERFACE_OVERLAP = 0.1
+_INTERFACE_OVERLAP = 0.1
 """Share of a block's size by which two blocks may reach through their common plane (warped faces,
 gaps, interpenetration) and still be ordered by it; chosen, for drawing only."""
 
@@ -69,7 +69,7 @@ def ordered_patches(
     """
     faces = assembly.faces
     normal = face_normals(faces)
-    front = normal @ toward > EDGE_ON
+    front = normal @ toward > _EDGE_ON
     _, _, drawn = sharp_edges(faces, normal)
     bodies = SeparationData.of(assembly, normal)
     before, after = _block_constraints(bodies, contacts, toward, paper)
@@ -143,14 +143,14 @@ def _by_interfaces(
     _, highest = spans(bodies, contacts.block_a, contacts.frame[:, 0])
     lowest, _ = spans(bodies, contacts.block_b, contacts.frame[:, 0])
     size = np.minimum(bodies.size[contacts.block_a], bodies.size[contacts.block_b])
-    apart = lowest - highest >= -INTERFACE_OVERLAP * size
+    apart = lowest - highest >= -_INTERFACE_OVERLAP * size
     least, most = np.full(len(key), np.inf), np.full(len(key), -np.inf)
     np.minimum.at(least, place, facing)
     np.maximum.at(most, place, facing)
     clean = np.ones(len(key), dtype=bool)
     np.logical_and.at(clean, place, apart)
-    clean &= (least > -EDGE_ON) | (most < EDGE_ON)
-    direction = np.where(most > EDGE_ON, 1.0, np.where(least < -EDGE_ON, -1.0, 0.0))
+    clean &= (least > -_EDGE_ON) | (most < _EDGE_ON)
+    direction = np.where(most > _EDGE_ON, 1.0, np.where(least < -_EDGE_ON, -1.0, 0.0))
     at = np.searchsorted(key, first * n + second)
     touching = at < len(key)
     touching[touching] = key[at[touching]] == (first * n + second)[touching]

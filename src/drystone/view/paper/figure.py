@@ -28,7 +28,7 @@ from drystone.view.transforms.section import behind, cut_at
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-VERDICT_COLOUR = {
+_VERDICT_COLOUR = {
     "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
     "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
 }
@@ -257,7 +257,7 @@ def _draw_gravity(figure: Figure, sheet: Sheet) -> None:
 def _write_title(
     figure: Figure, scene: Scene, stage: SceneStage, size: tuple[float, float], theme: str
 ) -> None:
-    known = VERDICT_COLOUR[theme]
+    known = _VERDICT_COLOUR[theme]
     ink = ROLE_COLOUR[theme]["edge"]
     colour = known.get(stage.verdict, ink) if stage.verdict else ink
     characters = max(20, int(size[0] * 11.0))  # up to the colour bar

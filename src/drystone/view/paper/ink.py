@@ -25,15 +25,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.path import Path
 
-FINE_BLOCK = 0.5
+_FINE_BLOCK = 0.5
 """[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
-MANY_FALLING = 200
+_MANY_FALLING = 200
 """With more falling blocks the motion is not drawn: it would hide the model. Chosen by eye."""
-WIDEST = 5.0
+_WIDEST = 5.0
 """[points], line of the largest force in a network."""
-SHADES = 12
+_SHADES = 12
 """Number of colours of forces: a triangle is divided until each part has one colour."""
-FINEST = 0.02
+_FINEST = 0.02
 """[inches], about, parts that are not divided any more. Chosen: half a millimetre."""
 
 
@@ -121,13 +121,13 @@ class Sheet:
     @cached_property
     def thin(self) -> float:
         """Factor on the width of lines, below 1 where blocks are drawn small."""
-        return float(np.clip(self.scene.block_size * self.scale / FINE_BLOCK, 0.15, 1.0))
+        return float(np.clip(self.scene.block_size * self.scale / _FINE_BLOCK, 0.15, 1.0))
 
     @property
     def shows_motion(self) -> bool:
         """Whether the motion of falling blocks is drawn."""
         falling = int((self.stage.state == State.FALLING).sum())
-        return self.stage.motion is not None and 0 < falling <= MANY_FALLING
+        return self.stage.motion is not None and 0 < falling <= _MANY_FALLING
 
 
 def draw_shadow(sheet: Sheet) -> None:
@@ -291,8 +291,8 @@ def _coloured(sheet: Sheet, layer: Layer) -> list[tuple[int, Floats, Floats]]:
     triangle, polygon = triangulate(layer.position, start)
     pieces: list[tuple[int, Floats, Floats]] = []
     for corners, number in zip(triangle, polygon.tolist(), strict=True):
-        shades = SHADES * float(np.ptp(np.minimum(share[corners], 1.0)))
-        fine = float(np.ptp(at[corners], axis=0).max()) * sheet.scale / FINEST
+        shades = _SHADES * float(np.ptp(np.minimum(share[corners], 1.0)))
+        fine = float(np.ptp(at[corners], axis=0).max()) * sheet.scale / _FINEST
         steps = max(1, int(np.ceil(min(shades, fine))))
         weight = _divided(steps)
         colours = ramp_colours(weight.mean(axis=1) @ share[corners], sheet.theme)
@@ -363,7 +363,7 @@ def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:
         share = np.full(len(lines), 0.2)
         if layer.value is not None:
             share = np.minimum(layer.value / max(sheet.scene.top(layer.key), 1e-300), 1.0)
-        wide = layer.width if layer.value is None else np.maximum(0.6, WIDEST * share * sheet.thin)
+        wide = layer.width if layer.value is None else np.maximum(0.6, _WIDEST * share * sheet.thin)
         sheet.axes.add_collection(
             LineCollection(
                 list(lines), colors=colour, linewidths=wide, capstyle="round", zorder=3.0,

@@ -19,7 +19,7 @@ from drystone.view.scenes.plan_scenes import (
     summary_stage,
 )
 
-INSTRUCTIONS_STYLE = """
+_INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }
 body { font: 14px/1.45 system-ui, sans-serif; color: #1d1b18; background: #ffffff;
   max-width: 62rem; margin: 1.5rem auto; padding: 0 1rem; }
@@ -63,7 +63,7 @@ def instructions_text(plan: Plan) -> str:
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>Assembly plan</title><style>{INSTRUCTIONS_STYLE}</style></head><body>"
+        f"<title>Assembly plan</title><style>{_INSTRUCTIONS_STYLE}</style></head><body>"
         f"<h1>Assembly plan</h1>"
         f"<p>{html.escape(counts_text(plan))}; {html.escape(plan.message)}.</p>"
         f"{_numbered_drawing(plan)}"

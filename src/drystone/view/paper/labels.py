@@ -9,13 +9,13 @@ from drystone.base.arrays import Floats
 from drystone.view.paper.ink import Sheet
 from drystone.view.style.palette import State
 
-ALIKE = 0.9
+_ALIKE = 0.9
 """Cosine of the angle up to which faces are one side of a block to a reader."""
-SIZE = 7.0
+_SIZE = 7.0
 """[points], letters of a label."""
-LETTER, LINE = 0.6 * SIZE / 72.0, 1.7 * SIZE / 72.0
+LETTER, LINE = 0.6 * _SIZE / 72.0, 1.7 * _SIZE / 72.0
 """[inches], about the width of a letter and the height of a label."""
-LONGEST = 24
+_LONGEST = 24
 """Letters of a name that are written."""
 
 
@@ -32,7 +32,7 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
     near = here[np.argsort(-(scene.assembly.centroid[here] @ sheet.eye), kind="stable")]
     for i in near.tolist():
         number = str(given[i]) if given is not None and given[i] > 0 else ""
-        name = scene.assembly.names[i][:LONGEST] if names else ""
+        name = scene.assembly.names[i][:_LONGEST] if names else ""
         text = " ".join(one for one in (number, name) if one)
         if not text:
             continue
@@ -43,7 +43,7 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
             continue
         taken.append((x, y, half))
         sheet.axes.text(
-            float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=SIZE,
+            float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=_SIZE,
             zorder=1e6, parse_math=False, color=sheet.colours["edge"],
             bbox={
                 "boxstyle": "round,pad=0.15", "facecolor": sheet.colours["background"],
@@ -66,7 +66,7 @@ def shown_middle(block: Block, toward: Floats) -> Floats:
     )
     normal = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     largest = normal[int(np.argmax(normal @ toward))]
-    alike = normal @ largest > ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
+    alike = normal @ largest > _ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
     weight = np.where(alike, normal @ toward, 0.0)
     middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
     return middle

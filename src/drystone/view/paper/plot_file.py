@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-SUFFIXES = ("png", "svg", "pdf")
-DPI = 150.0
+_SUFFIXES = ("png", "svg", "pdf")
+_DPI = 150.0
 """Default of the pixels per inch of a PNG."""
 
 
-PARAMETERS = """
+_PARAMETERS = """
 
 Parameters
 ----------
@@ -63,14 +63,14 @@ def saved_plot(draw: Callable[[Subject, str], Figure]) -> _SavedPlot[Subject]:
 
     for name in ("__module__", "__name__", "__qualname__"):
         setattr(save, name, getattr(draw, name))
-    save.__doc__ = inspect.cleandoc(draw.__doc__ or "") + PARAMETERS
+    save.__doc__ = inspect.cleandoc(draw.__doc__ or "") + _PARAMETERS
     return save
 
 
 def save_plot(
     path: str | PathLike[str] | None,
     draw: Callable[[], Figure],
-    dpi: float = DPI,
+    dpi: float = _DPI,
     what: str = "plot",
 ) -> Figure:
     """The figure that ``draw`` makes, written if there is a path.
@@ -85,7 +85,7 @@ def save_plot(
     if path is None:
         return draw()
     kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in SUFFIXES:
+    if kind not in _SUFFIXES:
         as_what = f"as '.{kind}'" if kind else "without a suffix"
         raise FormatError(
             f"a {what} cannot be written {as_what}",

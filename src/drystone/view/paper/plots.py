@@ -25,10 +25,10 @@ LABELS = {
     Drive.SUPPORTS: ("motion of the support [m]", "force on the moving supports [N]"),
     Drive.FRICTION: ("largest displacement of a block [m]", "share of the friction"),
 }
-INKS = ("pressure", "help", "hinge")
-INCH = 4.2
+_INKS = ("pressure", "help", "hinge")
+_INCH = 4.2
 """Width of a disc [inches]. Chosen; the dots of all directions just touch."""
-GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
+_GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
 
 
 @saved_plot
@@ -77,7 +77,7 @@ def save_share(found: StandingShare, title: str) -> Figure:
     figure = Figure(figsize=(7.0, 4.4), layout="constrained")
     axes: Any = figure.add_subplot()
     table = found.table()
-    for row, ink in zip(found.by_loading(), INKS, strict=False):
+    for row, ink in zip(found.by_loading(), _INKS, strict=False):
         stands = np.cumsum(table["stands"][table["loading"] == row["loading"]])
         count = np.arange(1, len(stands) + 1)
         bounds = np.array(
@@ -143,8 +143,8 @@ def save_gravity(region: GravityRegion, title: str) -> Figure:
     """
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
-    figure = Figure(figsize=(2.0 * INCH + 0.6, INCH + 1.4))
-    size = (72.0 * 0.9 * INCH) ** 2 / max(len(region.direction), 1)
+    figure = Figure(figsize=(2.0 * _INCH + 0.6, _INCH + 1.4))
+    size = (72.0 * 0.9 * _INCH) ** 2 / max(len(region.direction), 1)
     for place, (name, sign) in enumerate((("down", -1.0), ("up", 1.0)), 1):
         axes: Any = figure.add_subplot(1, 2, place)
         half = sign * region.direction[:, 2] >= 0.0
@@ -238,5 +238,5 @@ def _place(one: Any, several: bool) -> tuple[float, float]:
 
 def _label(goal: str) -> str:
     name = goal.removeprefix("-")
-    unit = f" [{GOAL_UNITS[name]}]" if name in GOAL_UNITS else ""
+    unit = f" [{_GOAL_UNITS[name]}]" if name in _GOAL_UNITS else ""
     return f"{name}{unit}, {'most' if goal.startswith('-') else 'least'} is best"

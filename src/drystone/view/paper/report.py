@@ -17,9 +17,9 @@ from drystone.results import Result
 from drystone.view.style.palette import ROLE_COLOUR
 from drystone.virtual import local_corners
 
-SIDE = 150
+_SIDE = 150
 """[px] of a plan."""
-MARGIN = 12
+_MARGIN = 12
 """Margin [px] around the joint in its plan."""
 
 STYLE = """
@@ -152,11 +152,11 @@ def _plan(result: Result, table: Table, i: int) -> str:
     at = contacts.frame[i, 1:] @ (position - origin[i])
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float((high - low).max())
-    scale = (SIDE - 2 * MARGIN) / extent if extent > 0.0 else 1.0
+    scale = (_SIDE - 2 * _MARGIN) / extent if extent > 0.0 else 1.0
     middle = 0.5 * (low + high)
 
     def pixels(points: Floats) -> Floats:
-        return 0.5 * SIDE + scale * (points - middle) * np.array([1.0, -1.0])
+        return 0.5 * _SIDE + scale * (points - middle) * np.array([1.0, -1.0])
 
     def path(points: Floats) -> str:
         return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels(points))
@@ -164,7 +164,7 @@ def _plan(result: Result, table: Table, i: int) -> str:
     x, y = pixels(at)
     label = html.escape(f"joint {i}: {table['block_a'][i]} – {table['block_b'][i]}")
     return (
-        f'<figure><svg viewBox="0 0 {SIDE} {SIDE}" width="{SIDE}" height="{SIDE}" role="img" '
+        f'<figure><svg viewBox="0 0 {_SIDE} {_SIDE}" width="{_SIDE}" height="{_SIDE}" role="img" '
         f'aria-label="{label}"><polygon class="stone" points="{path(corners)}"/>'
         f'<polygon class="kern" points="{path(kern(corners))}"/>'
         f'<circle class="force" cx="{x:.1f}" cy="{y:.1f}" r="5"/></svg>'

@@ -10,13 +10,13 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged
 
-TOUCHING = 1e-3
+_TOUCHING = 1e-3
 """Share of a block's size by which blocks may reach through a plane between them; chosen, for
 drawing only."""
-NEARLY_CONVEX = 0.05
+_NEARLY_CONVEX = 0.05
 """Share of its size by which a block may stick out of the planes of its own faces and be drawn as
 if convex (warped faces); chosen."""
-CHUNK = 2_000_000
+_CHUNK = 2_000_000
 """Corners in one batch, to bound memory."""
 
 
@@ -61,7 +61,7 @@ class SeparationData:
         middle = faces.corners.mean(point[faces.loop])
         sticks_out = support - dot(middle, normal)
         worst = Ragged(face_start).max(sticks_out)
-        convex = worst <= NEARLY_CONVEX * assembly.size
+        convex = worst <= _NEARLY_CONVEX * assembly.size
         return cls(
             point, start, normal, face_start, support, bounds, np.array(assembly.size), convex
         )
@@ -75,7 +75,7 @@ def spans(bodies: SeparationData, block: Ints, direction: Floats) -> tuple[Float
 def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
     lowest, highest = np.empty(len(block)), np.empty(len(block))
     points = Ragged(start)
-    for some in Ragged.from_counts(points.counts[block]).batches(CHUNK):
+    for some in Ragged.from_counts(points.counts[block]).batches(_CHUNK):
         part, row = points.take(block[some])
         reach = dot(point[row], part.spread(direction[some]))
         lowest[some], highest[some] = part.min(reach), part.max(reach)
@@ -129,5 +129,5 @@ def separated_by_faces(
         gap = np.where(better, distance[best], gap)
         facing = np.where(np.abs(facing) > 1e-9, np.sign(facing), 0.0)
         sign = np.where(better, side * facing, sign)
-    apart = gap >= -TOUCHING * np.minimum(bodies.size[first], bodies.size[second])
+    apart = gap >= -_TOUCHING * np.minimum(bodies.size[first], bodies.size[second])
     return apart, np.where(apart, sign, 0.0)

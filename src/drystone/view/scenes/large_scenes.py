@@ -21,11 +21,11 @@ from drystone.view.style.palette import State
 WIDTH, HEIGHT = 280.0, 170.0
 LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
 """Size [px] of the drawing, and of its margins."""
-SECONDS = 6.0
+_SECONDS = 6.0
 """Time in which the page plays the states. Chosen."""
 FALLS = 0.1
 """Of the largest motion of a block that falls: those that move more fall with it. Chosen."""
-NO_VERDICT = "a simulated fall: no verdict"
+_NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
@@ -53,7 +53,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     message = "; ".join([found.message, *model.notes])
     whole = SceneStage(
         "all states", headline, message, state, motion=path[-1], motion_name=name,
-        path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
+        path=path if len(path) > 1 else None, seconds=_SECONDS, plays=True, up=up, gravity=gravity,
         layers=(*interface_layers(contacts), *_marks(found, last)),
     )  # fmt: skip
     facts = facts_of(assembly, contacts, model.load, source)
@@ -159,7 +159,7 @@ def film_scene(film: Film, source: str = "") -> Scene:
     _, gravity = directions(assembly, model.load)
     up = -gravity  # across the ground on which they fall
     headline = film.message[0].upper() + film.message[1:]
-    message = "; ".join([NO_VERDICT, film.engine, *model.notes])
+    message = "; ".join([_NO_VERDICT, film.engine, *model.notes])
     stage = SceneStage(
         "film", headline, message, state, motion=film.positions[-1], motion_name="Film",
         path=film.positions if len(film) > 1 else None, seconds=float(film.time[-1]), plays=True,

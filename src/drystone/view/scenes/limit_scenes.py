@@ -21,9 +21,9 @@ WIDTH, HEIGHT = 280.0, 130.0
 LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 26.0, 30.0
 """Size [px] of the drawing, and of its margins."""
 
-MOST_DIGITS = 9
+_MOST_DIGITS = 9
 """Of a value; closer brackets are told alike."""
-NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
+_NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 
 
 def limit_scene(limit: Limit, source: str = "") -> Scene:
@@ -140,7 +140,7 @@ def _quantity_text(limit: Limit, value: float, state: Result) -> str:
 def _told(limit: Limit, value: float, digits: int = 4) -> str:
     """A value with so many digits, or with as many more as tell both sides of the limit apart."""
     both = [one for one in (limit.best.stands, limit.best.falls) if one is not None]
-    while digits < MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
+    while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
         digits += 1
     return f"{value:.{digits}g}"
 
@@ -163,7 +163,7 @@ def _about(state: Result) -> str:
     if size < 1e-9 * float(np.linalg.norm(total)):
         return ""
     axis = axis / size
-    for name, along in NAMED_AXES.items():
+    for name, along in _NAMED_AXES.items():
         if np.allclose(axis, along, atol=1e-6):
             return f" about {name}"
     towards = float(np.rad2deg(np.arctan2(axis[1], axis[0]))) - 90.0

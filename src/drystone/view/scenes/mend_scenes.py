@@ -20,10 +20,10 @@ from drystone.view.scenes.scene import Layer, LayerKind, Scene
 from drystone.view.scenes.staging import result_scene, stage_of
 from drystone.view.style.palette import State
 
-EQUAL = 1e-6
+_EQUAL = 1e-6
 """Strengths, coefficients and weights that differ by less than this share are equal: rounding."""
 
-WIDE = 3.0
+_WIDE = 3.0
 """Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
 
 
@@ -123,9 +123,9 @@ def _change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
             if pair not in ties:
                 key = "ties"
                 points = after.assembly.centroid[[contacts.block_a[k], contacts.block_b[k]]]
-        elif force > (1.0 + EQUAL) * strength.get(pair, 0.0):
+        elif force > (1.0 + _EQUAL) * strength.get(pair, 0.0):
             key = "glued"
-        elif contacts.friction[k] > (1.0 + EQUAL) * friction.get(pair, np.inf):
+        elif contacts.friction[k] > (1.0 + _EQUAL) * friction.get(pair, np.inf):
             key = "rougher"
         if key:
             edges[key].append((points, np.roll(points, -1, axis=0) - points))
@@ -139,7 +139,7 @@ def _change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
         if edges[key]:
             start, along = (np.concatenate(one) for one in zip(*edges[key], strict=True))
             label = counted(len(marked[key]), what)
-            made.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=WIDE))
+            made.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=_WIDE))
     return (*made, *_weights(before, after))
 
 
@@ -173,7 +173,7 @@ def _weights(before: Model, after: Model) -> tuple[Layer, ...]:
         if name not in old or before.assembly.blocks[old[name]] is not one:
             continue
         force, was = after.load.wrench[i, :3], before.load.wrench[old[name], :3]
-        if np.linalg.norm(force - was) > EQUAL * np.linalg.norm(was):
+        if np.linalg.norm(force - was) > _EQUAL * np.linalg.norm(was):
             block.append(i)
             more.append(force - was)
     if not block:

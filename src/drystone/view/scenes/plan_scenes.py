@@ -17,14 +17,14 @@ from drystone.view.scenes.scene import Scene, SceneStage
 from drystone.view.scenes.staging import force_layers, help_layer, interface_layers
 from drystone.view.style.palette import State
 
-MOST_ARROWS = 200_000
+_MOST_ARROWS = 200_000
 """Largest number of arrows in all stages; with more, stages have no forces. Chosen: the page
 stays below 20 MB."""
 
-INSERTED = 1.0
+_INSERTED = 1.0
 """Length of the path of insertion that is shown, by the size of the block; chosen by eye."""
 
-STATE_OF = {
+_STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
     Status.IMPOSSIBLE: State.SUPPORT,
     Status.FREE: State.FREE,
@@ -42,7 +42,7 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
     """
     model = plan.model
     arrows = sum(len(a.corner) for step in plan.steps for a in (*step.during, step.answer))
-    forces = arrows <= MOST_ARROWS
+    forces = arrows <= _MOST_ARROWS
     stages = [stage for i in range(len(plan.steps)) for stage in _stages(plan, i, forces)]
     stages.append(summary_stage(plan))
     title = f"drystone plan: {counts_text(plan)}"
@@ -103,7 +103,7 @@ def _stages(plan: Plan, number: int, forces: bool) -> list[SceneStage]:
 def _way_in(plan: Plan, block: int, direction: Floats) -> Floats:
     """The motion (n, 6) that takes a block out of its place: the path of insertion, backwards."""
     motion = np.zeros((len(plan.model.assembly), 6))
-    motion[block, :3] = -INSERTED * plan.model.assembly.size[block] * direction
+    motion[block, :3] = -_INSERTED * plan.model.assembly.size[block] * direction
     return motion
 
 
@@ -111,7 +111,7 @@ def _state(plan: Plan, placed: int, number: int, held: tuple[int, ...]) -> Ints:
     """State (n,) of the blocks at the end of a step."""
     state = np.full(len(plan.model.assembly), State.ABSENT, dtype=np.intp)
     for block in members(placed):
-        state[block] = STATE_OF[plan.status[block]]
+        state[block] = _STATE_OF[plan.status[block]]
     for prop in plan.props:
         if placed >> prop.block & 1:
             state[prop.block] = State.LATER if prop.first > number else State.FREE
@@ -165,7 +165,7 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
 
 def summary_stage(plan: Plan) -> SceneStage:
     """The complete structure, each block in the colour of its status."""
-    state = np.array([STATE_OF[one] for one in plan.status], dtype=np.intp)
+    state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
     impossible = [plan.model.assembly.names[b] for b in plan.impossible]
     message = plan.message
     if impossible:

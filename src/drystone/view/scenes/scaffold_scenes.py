@@ -14,7 +14,7 @@ from drystone.sequence import Centring, Rope, Scaffolding, ScaffoldItem, Strut
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 
-WIDE = 3.0
+_WIDE = 3.0
 """Width of a strut or a rope, by that of other lines; chosen by eye."""
 
 
@@ -103,4 +103,4 @@ def _layers(items: Sequence[ScaffoldItem], made: Scaffolding) -> tuple[Layer, ..
         mark = MarkerShape.DIAMOND
         return (Layer("scaffold", label, LayerKind.MARKERS, "added", place, shape=mark),)
     start, end = (np.concatenate(side) for side in zip(*ends, strict=True))
-    return (Layer("scaffold", label, LayerKind.LINES, "added", start, end - start, width=WIDE),)
+    return (Layer("scaffold", label, LayerKind.LINES, "added", start, end - start, width=_WIDE),)

@@ -22,10 +22,10 @@ from drystone.view.style.palette import ROLE_COLOUR
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """The vertical axis of a picture, unless gravity is turned."""
 
-COMMON = 0.97
+_COMMON = 0.97
 """Share of the values that the colours resolve if a few are far above all others. Chosen by eye."""
 
-THIN = 0.25
+_THIN = 0.25
 """A model whose plan is narrower than this share of its length is shown almost from the front."""
 
 
@@ -291,7 +291,7 @@ class Scene(OneLine):
         """(3,) unit, from the model to the eye at first: across its longer side, from above."""
         x, y, z = self.bounds[1] - self.bounds[0]
         azimuth = np.deg2rad(-60.0 if x >= y else -30.0)
-        if min(x, y) < THIN * max(x, y):
+        if min(x, y) < _THIN * max(x, y):
             azimuth = np.deg2rad(-75.0 if x >= y else -15.0)
         elevation = np.deg2rad(35.0 if z < 0.4 * max(x, y) else 15.0)
         level = np.cos(elevation)
@@ -338,5 +338,5 @@ class Scene(OneLine):
         value = value[value > 0.0]
         if len(value) == 0:
             return 0.0
-        most, common = float(value.max()), float(np.quantile(value, COMMON))
+        most, common = float(value.max()), float(np.quantile(value, _COMMON))
         return most if most < 1.5 * common else _round_up(common)

@@ -26,7 +26,7 @@ shown."""
 PLAYED = 0.3
 """Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
 
-FAINT = 1e-2
+_FAINT = 1e-2
 """Joints that carry less than this share of the largest normal force get no marker; chosen by eye:
 they would be most of the markers of a large model."""
 
@@ -233,7 +233,7 @@ def force_layers(result: Result, shown: Bools | None = None) -> tuple[Layer, ...
             (made.end - made.start)[kept], value=made.force[kept], interface=made.interface[kept],
         )
     )  # fmt: skip
-    carrying = shown & (resultants.normal > FAINT * resultants.normal.max(initial=0.0))
+    carrying = shown & (resultants.normal > _FAINT * resultants.normal.max(initial=0.0))
     spent = (used > HINGED) & carrying
     turning = hinged(contacts, resultants) & carrying
     layers += _marks(

@@ -34,14 +34,14 @@ class Preset(OneLine):
     ghost: bool = False
 
 
-MARKS = frozenset({"hinges", "sliding", "help", "tension"})
-ASKED = frozenset({"missed", "missed-points", "defects", "lines", "opening"})
+_MARKS = frozenset({"hinges", "sliding", "help", "tension"})
+_ASKED = frozenset({"missed", "missed-points", "defects", "lines", "opening"})
 
 PRESETS: Mapping[str, Preset] = MappingProxyType(
     {
-        "forces": Preset("Forces", MARKS | {"joint-force", "network", "opening"}),
-        "solid": Preset("Solid", MARKS | {"opening"}, opacity=1.0, ghost=True),
-        "contacts": Preset("Contacts", ASKED | {"interfaces"}, opacity=0.3),
+        "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening"}),
+        "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
+        "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
         "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),
         "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),
     }

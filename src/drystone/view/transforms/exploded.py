@@ -13,10 +13,10 @@ from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.twists import TOLERANCE
 from drystone.view.scenes.scene import Layer, Scene
 
-MOST_CONES = 400
+_MOST_CONES = 400
 """Largest number of blocks whose free directions are searched. Chosen: it takes a third of a
 second."""
-LOOKED_AT = 20
+_LOOKED_AT = 20
 """Number of blocks of which the freest is removed if none can be removed straight. Chosen."""
 
 
@@ -55,10 +55,10 @@ def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
         np.minimum.at(least, b[both], opening[1, both])
         leaves = left & (least >= -TOLERANCE)
         if not leaves.any():
-            if cones >= MOST_CONES:
+            if cones >= _MOST_CONES:
                 break
             tried = np.flatnonzero(left)
-            tried = tried[np.argsort(-far[tried], kind="stable")][:LOOKED_AT]
+            tried = tried[np.argsort(-far[tried], kind="stable")][:_LOOKED_AT]
             cones += len(tried)
             best, share = -1, -np.inf
             for i in tried.tolist():

@@ -13,10 +13,10 @@ from drystone.geometry.body.cut_face import clip_loop
 from drystone.view.scenes.scene import Layer, LayerKind, Scene
 
 AXES = "xyz"
-NEAR = 1e-3
+_NEAR = 1e-3
 """By the size of a block: forces, marks and joints so near the plane lie in it, and are drawn. A
 thrust line in the middle of an arch is there up to the accuracy of the forces. Chosen."""
-WRITE = "write an axis, such as x, or an axis and a coordinate in metres, such as x=1.2"
+_WRITE = "write an axis, such as x, or an axis and a coordinate in metres, such as x=1.2"
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ def read_section(text: str) -> tuple[int, float | None]:
         try:
             at = float(number)
         except ValueError as error:
-            raise InputError(f"'{number}' is not a coordinate", remedy=WRITE) from error
+            raise InputError(f"'{number}' is not a coordinate", remedy=_WRITE) from error
         if not np.isfinite(at):
-            raise InputError(f"the coordinate of the section is {at}", remedy=WRITE)
+            raise InputError(f"the coordinate of the section is {at}", remedy=_WRITE)
     if axis < 0 or len(name.strip()) != 1:
-        raise InputError(f"there is no section '{text}'", remedy=WRITE)
+        raise InputError(f"there is no section '{text}'", remedy=_WRITE)
     return axis, at
 
 
@@ -111,7 +111,7 @@ def plane_of(scene: Scene, eye: Floats) -> Plane | None:
 
 def behind(layer: Layer, plane: Plane, block_size: float) -> Layer:
     """The part of a layer that a section leaves; ``block_size`` [m] tells what is in the plane."""
-    plane = Plane(plane.normal, plane.offset + NEAR * block_size)
+    plane = Plane(plane.normal, plane.offset + _NEAR * block_size)
     height = plane.heights(layer.position)
     if layer.kind is LayerKind.POLYGONS:
         return _polygons_behind(layer, height)

@@ -66,17 +66,17 @@ from drystone.view.transforms.exploded import ways_apart
 from drystone.virtual import local_corners
 
 FORMAT = "drystone-page"
-VERSION = 2
+_VERSION = 2
 
-MANY_INTERFACES = 20_000
+_MANY_INTERFACES = 20_000
 """With more interfaces the kerns are left out: they take seconds."""
 
 
-ROUNDING = 1e-8
+_ROUNDING = 1e-8
 """Forces of joints below this share of the largest one are zero: the accuracy of a verdict."""
 
 
-class Blobs:
+class _Blobs:
     """Arrays for the page; equal arrays are stored once."""
 
     def __init__(self) -> None:
@@ -133,12 +133,12 @@ def _lightened(scene: Scene) -> Scene:
 def encode(scene: Scene) -> dict[str, Any]:
     """The data of a page that shows ``scene``."""
     scene = _lightened(scene)
-    blobs = Blobs()
+    blobs = _Blobs()
     origin = scene.centre
     contacts = scene.contacts
     data: dict[str, Any] = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": _VERSION,
         "title": scene.title,
         "origin": origin.tolist(),
         "toward": scene.toward.tolist(),
@@ -182,7 +182,7 @@ def encode_stage(scene: Scene) -> dict[str, Any]:
 
     It has ``stage`` and ``blobs`` as in the data of a page.
     """
-    blobs = Blobs()
+    blobs = _Blobs()
     return {"stage": _stage(scene.stages[0], scene, blobs), "blobs": blobs.texts}
 
 
@@ -201,7 +201,7 @@ def _section(scene: Scene) -> list[float] | None:
     return [axis, (at - float(scene.centre[axis])) / half]
 
 
-def _contacts(contacts: Contacts, origin: Floats, blobs: Blobs) -> dict[str, Any]:
+def _contacts(contacts: Contacts, origin: Floats, blobs: _Blobs) -> dict[str, Any]:
     data = {
         "a": blobs.counts(contacts.block_a),
         "b": blobs.counts(contacts.block_b),
@@ -212,7 +212,7 @@ def _contacts(contacts: Contacts, origin: Floats, blobs: Blobs) -> dict[str, Any
         "corners": blobs.counts(np.diff(contacts.start)),
         "point": blobs.floats(contacts.point - origin),
     }
-    if not 0 < contacts.count <= MANY_INTERFACES:
+    if not 0 < contacts.count <= _MANY_INTERFACES:
         return data
     middle, flat = local_corners(contacts)
     kerns = [kern(part) for part in np.split(flat, contacts.start[1:-1])]
@@ -224,7 +224,7 @@ def _contacts(contacts: Contacts, origin: Floats, blobs: Blobs) -> dict[str, Any
     return data | {"kern": blobs.floats(place - origin), "kerns": blobs.counts(counts)}
 
 
-def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
+def _blocks(scene: Scene, origin: Floats, blobs: _Blobs) -> dict[str, Any]:
     assembly = scene.assembly
     faces = assembly.faces
     n = len(assembly)
@@ -258,7 +258,7 @@ def _local_triangles(faces: Faces) -> Ints:
     return local
 
 
-def _stage(stage: SceneStage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
+def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     origin = scene.centre
     data: dict[str, Any] = {
         "label": stage.label,
@@ -280,14 +280,14 @@ def _stage(stage: SceneStage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
     for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
         value = getattr(stage, name)
         if value is not None and name in ("normal", "tangential"):
-            value = np.where(np.abs(value) > ROUNDING * largest, value, 0.0)
+            value = np.where(np.abs(value) > _ROUNDING * largest, value, 0.0)
         data[name] = blobs.floats(value) if value is not None else None
     centre = stage.pressure_centre
     data["pressureCentre"] = None if centre is None else blobs.floats(centre - origin)
     return data
 
 
-def _layer(layer: Layer, scene: Scene, blobs: Blobs) -> dict[str, Any]:
+def _layer(layer: Layer, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     data: dict[str, Any] = {
         "key": layer.key,
         "label": layer.label,

@@ -28,7 +28,7 @@ MOST_BYTES = 200_000
 """Largest page that is shown by default [bytes]. Chosen: a notebook with 20 of them is 4 MB at
 most. A larger one is replaced by a still picture."""
 
-UNPACKING = """<!doctype html><meta charset="utf-8"><body><script>
+_UNPACKING = """<!doctype html><meta charset="utf-8"><body><script>
 const packed = Uint8Array.from(atob("PACKED"), (letter) => letter.charCodeAt(0));
 const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
 new Response(stream).text().then((page) => {
@@ -39,7 +39,7 @@ new Response(stream).text().then((page) => {
 </script>"""
 """A page that unpacks another page and replaces itself. Browsers support that since 2023."""
 
-ALLOWED = "allow-scripts allow-downloads"
+_ALLOWED = "allow-scripts allow-downloads"
 """Permissions of the page in its frame: it has no access to the notebook."""
 
 
@@ -71,19 +71,19 @@ class Frame(OneLine):
         return repr(self.scene)
 
     def _repr_html_(self) -> str:
-        return framed(packed(page_text(self.scene)), f"width:100%;height:{self.height}px")
+        return _framed(packed(page_text(self.scene)), f"width:100%;height:{self.height}px")
 
 
 def packed(page: str) -> str:
     """A page that unpacks ``page``: 52 kB instead of 135 for three blocks."""
     small = base64.b64encode(gzip.compress(page.encode("utf-8"), mtime=0)).decode("ascii")
-    return UNPACKING.replace("PACKED", small)
+    return _UNPACKING.replace("PACKED", small)
 
 
-def framed(page: str, style: str) -> str:
+def _framed(page: str, style: str) -> str:
     """A page inside another one."""
     return (
-        f'<iframe srcdoc="{html.escape(page)}" sandbox="{ALLOWED}"'
+        f'<iframe srcdoc="{html.escape(page)}" sandbox="{_ALLOWED}"'
         f' style="{style};border:0" title="drystone"></iframe>'
     )
 
@@ -131,7 +131,7 @@ def beside(value: object) -> str:
         return ""
     page = packed(page_text(scene))
     if len(page) <= MOST_BYTES:
-        return framed(page, "flex:1;min-width:20em;height:22em")
+        return _framed(page, "flex:1;min-width:20em;height:22em")
     return thumbnail(value)
 
 

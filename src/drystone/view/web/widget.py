@@ -17,7 +17,7 @@ from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.web.notebook import packed
 from drystone.view.web.page import page_text
 
-STEPS = 100
+_STEPS = 100
 """Steps of a slider from one end to the other, at least."""
 
 
@@ -93,8 +93,8 @@ def step_of(span: float) -> float:
     >>> step_of(0.9), step_of(30.0)
     (0.005, 0.2)
     """
-    decade = 10.0 ** math.floor(math.log10(span / STEPS))
-    return float(f"{max(f for f in (1, 2, 5) if f * decade <= span / STEPS) * decade:.3g}")
+    decade = 10.0 ** math.floor(math.log10(span / _STEPS))
+    return float(f"{max(f for f in (1, 2, 5) if f * decade <= span / _STEPS) * decade:.3g}")
 
 
 def _put(widget: Any, subject: Subject) -> None:
