@@ -53,40 +53,26 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 
-_HOME = {
-    "Assembly": "assembly",
-    "Block": "assembly",
-    "CheckOptions": "stability",
-    "Contacts": "contacts",
-    "JointCapacity": "joint_capacity",
-    "DrystoneError": "base.errors",
-    "FormatError": "base.errors",
-    "InputError": "base.errors",
-    "LoadCase": "loads",
-    "MissingDependency": "base.errors",
-    "Model": "model",
-    "Result": "results",
-    "Verdict": "results",
-    "check": "stability",
-    "check_many": "stability",
-    "diagnose": "design",
-    "find_contacts": "detection",
-    "limit_friction": "limits",
-    "limit_load": "limits",
-    "limit_shrink": "limits",
-    "limit_thickness": "limits",
-    "limit_tilt": "limits",
-    "plan": "sequence",
-    "read": "io",
-    "save_figure": "view",
-    "save_page": "view",
-    "settle": "settlement",
-    "show": "view",
-    "solve_cra": "stability",
-    "solve_cra_penalty": "stability",
-    "solve_rbe": "stability",
-    "write": "io",
+_NAMES = {
+    "assembly": "Assembly Block",
+    "base.errors": "DrystoneError FormatError InputError MissingDependency",
+    "contacts": "Contacts",
+    "design": "diagnose",
+    "detection": "find_contacts",
+    "io": "read write",
+    "joint_capacity": "JointCapacity",
+    "limits": "limit_friction limit_load limit_shrink limit_thickness limit_tilt",
+    "loads": "LoadCase",
+    "model": "Model",
+    "results": "Result Verdict",
+    "sequence": "plan",
+    "settlement": "settle",
+    "stability": "CheckOptions check check_many solve_cra solve_cra_penalty solve_rbe",
+    "view": "save_figure save_page show",
 }
+"""The public names of each module."""
+
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 """The module that each public name lives in."""
 
 _ROOMS = (

@@ -46,6 +46,3 @@ def balancing_forces(
         left = statics.load + statics.wrench(scale * force)
     balanced = np.abs(left / statics.mass_matrix).max(initial=0.0) <= BALANCED
     return force if balanced and inner(force).min(initial=0.0) >= 0.0 else None
-
-
-__all__ = ["BALANCED", "balancing_forces"]

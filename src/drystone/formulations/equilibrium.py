@@ -310,19 +310,3 @@ def solved(
         pull = np.maximum(0.0, tension)
     multiplier = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
     return EquilibriumSolution(force, pull, multiplier, raw)
-
-
-__all__ = [
-    "EquilibriumSolution",
-    "FactorSolution",
-    "FrictionCone",
-    "FrictionRule",
-    "Objective",
-    "Weights",
-    "build_equilibrium",
-    "project_on_mechanisms",
-    "solve_equilibrium",
-    "solve_extreme_force",
-    "solve_load_factor",
-    "solved",
-]

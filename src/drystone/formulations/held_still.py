@@ -56,6 +56,3 @@ def _without(rows: sparse.csr_matrix, motion: Floats) -> Floats:
     for _ in range(3):
         motion = motion - solve(rows.T @ (rows @ motion))
     return motion
-
-
-__all__ = ["held_still"]

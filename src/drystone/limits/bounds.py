@@ -13,11 +13,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
-from drystone.formulations.equilibrium import (
-    FactorSolution,
-    FrictionCone,
-    solve_load_factor,
-)
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.held_still import held_still
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
@@ -190,6 +187,3 @@ def _nearest(
             return there
         step *= 2.0
     return None
-
-
-__all__ = ["bisected_bound", "load_factor_bound", "rbe", "tilt_bound"]

@@ -93,6 +93,3 @@ def plain(bracket: Bracket | None) -> dict[str, Any] | None:
     if bracket is None:
         return None
     return {"stands": bracket.stands, "falls": bracket.falls, "value": bracket.value}
-
-
-__all__ = ["Bracket", "Evaluation", "FoundBracket", "plain"]

@@ -342,6 +342,3 @@ def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats
     point[first[cut]] = here[cut] + reach * (here[before[cut]] - here[cut])
     point[first[cut] + 1] = here[cut] + reach * (here[after[cut]] - here[cut])
     return point, np.repeat(contacts.interface, pieces)
-
-
-__all__ = ["Imperfections", "StandingShare", "imperfect", "imperfections", "share_interval"]

@@ -273,6 +273,3 @@ def _refuse_nothing_to_do(family: Family, start: float) -> None:
         raise InputError("every block is fixed", remedy="free some blocks")
     if not statics.load.any():
         raise InputError("nothing loads the free blocks", remedy="give a load")
-
-
-__all__ = ["SearchSettings", "answers_at_start", "bisected", "searched"]

@@ -57,13 +57,3 @@ STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
     kind: stands is True for kind, stands in STANDS.items()
 }
 """As above, but an undecided value counts as falling."""
-
-__all__ = [
-    "SEARCHED",
-    "STANDS",
-    "STANDS_OR_NOT",
-    "Check",
-    "every_stiffness",
-    "one_stiffness",
-    "verdict",
-]

@@ -153,14 +153,3 @@ class Parametric(OneLine):
 def found(friction: float, assembly: Assembly) -> Contacts:
     """The contacts of an assembly, all with one friction coefficient."""
     return find_contacts(assembly, friction=friction).contacts
-
-
-__all__ = [
-    "Family",
-    "Friction",
-    "LoadFactor",
-    "Parametric",
-    "Shrunk",
-    "Tilt",
-    "found",
-]

@@ -10,7 +10,7 @@ from drystone.base.display import Card
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.base.table import Table
-from drystone.formulations.equilibrium import FrictionCone
+from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.brackets import Bracket, Evaluation, plain
 from drystone.results import Verdict
 from drystone.settlement import Outcome
@@ -231,6 +231,3 @@ class Limit(Card):
 
 def _listed(pair: tuple[float, float] | None) -> list[float] | None:
     return None if pair is None else list(pair)
-
-
-__all__ = ["Limit", "LimitOptions"]

@@ -297,13 +297,3 @@ def axis_vector(axis: Any) -> Any:
             raise InputError(f"no axis is called '{axis}'", remedy=f"{', '.join(AXES)} or X,Y,Z")
         return np.array(AXES[axis])
     return unit(axis, "axis")
-
-
-__all__ = [
-    "axis_vector",
-    "limit_friction",
-    "limit_load",
-    "limit_shrink",
-    "limit_thickness",
-    "limit_tilt",
-]

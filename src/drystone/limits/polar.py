@@ -181,6 +181,3 @@ def _one(model: Model, upper: float, means: SearchSettings, axis: Floats) -> Lim
 
 def _stands(bracket: Bracket) -> float:
     return float("nan") if bracket.stands is None else bracket.stands
-
-
-__all__ = ["TiltSweep", "tilt_sweep"]

@@ -290,6 +290,3 @@ def _runs(
             runs.append((runs.pop()[0] if previous else value, value))
         previous = stands is True
     return tuple(runs)
-
-
-__all__ = ["VerdictSearch", "evaluate"]

@@ -12,11 +12,8 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
 from drystone.checks import check_forces
-from drystone.formulations.equilibrium import (
-    EquilibriumSolution,
-    FrictionCone,
-    solve_extreme_force,
-)
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -137,6 +134,3 @@ def _state(
         solver=solution.raw.solver,
         iterations=solution.raw.iterations,
     )
-
-
-__all__ = ["ThrustBounds", "thrust_bounds"]

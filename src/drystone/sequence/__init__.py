@@ -28,15 +28,8 @@ from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.scaffold.scaffold_comparison import compare_scaffolding
-from drystone.sequence.scaffold.scaffold_items import (
-    Centring,
-    Clamp,
-    Rope,
-    ScaffoldedModel,
-    ScaffoldItem,
-    Strut,
-    with_scaffold,
-)
+from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel, with_scaffold
+from drystone.sequence.scaffold.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
 from drystone.sequence.stage.evaluation import Evaluator

@@ -96,6 +96,3 @@ def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:
         return f"{names[falling[0]]} falls; "
     more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
     return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
-
-
-__all__ = ["CHECKED", "checked_step", "falling_words", "without_help"]

@@ -242,6 +242,3 @@ def _helped(found: Plan) -> tuple[int, str] | None:
     if bad is None:
         return None
     return max(0, bad.blocks[-1] - 1), f"{names[bad.blocks[-1]]}: {bad.answer.message}"
-
-
-__all__ = ["CutLoop", "CutOptions", "cut_until_free", "proposed_cuts"]

@@ -205,6 +205,3 @@ def _blocks(pieces: Sequence[Piece], whole: Block, side: str) -> list[Block]:
         name = f"{whole.name}-{side}{suffix}"
         out.append(Block(vertices[used], loops, name, whole.density, whole.metadata))
     return out
-
-
-__all__ = ["Cut", "CutDesign", "Trial", "cut_block", "design_cuts", "stands_on_cut", "tilted_cuts"]

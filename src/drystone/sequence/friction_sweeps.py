@@ -192,12 +192,3 @@ def least_buildable_friction(
 def _unpropped(plan: Plan) -> bool:
     helped = plan.props or plan.impossible
     return bool(plan.steps) and plan.stable and not helped
-
-
-__all__ = [
-    "FrictionSweep",
-    "PlanAt",
-    "at_other_friction",
-    "least_buildable_friction",
-    "sweep_friction",
-]

@@ -350,6 +350,3 @@ def _placement(one: Placement) -> dict[str, Any]:
 def _finite(value: float) -> float | None:
     """The number, or ``None`` for infinity."""
     return value if np.isfinite(value) else None
-
-
-__all__ = ["Handling", "Hold", "Placement", "handling"]

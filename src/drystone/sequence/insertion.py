@@ -126,6 +126,3 @@ class RemovalTest(OneLine):
 
     def _joints(self, block: int, placed: int) -> Joints:
         return Joints.of(self.model.contacts, block, self._here(placed))
-
-
-__all__ = ["RemovalTest"]

@@ -311,12 +311,3 @@ def _spread(count: int) -> Floats:
     turn = np.pi * (1.0 + np.sqrt(5.0)) * step
     across = np.sqrt(1.0 - height**2)
     return np.column_stack([across * np.cos(turn), across * np.sin(turn), height])
-
-
-__all__ = [
-    "GravityRegion",
-    "Interlocking",
-    "gravity_region",
-    "interlocking",
-    "opening_rows",
-]

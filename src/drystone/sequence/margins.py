@@ -190,6 +190,3 @@ def _margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) ->
     )
     tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
     return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))
-
-
-__all__ = ["Margin", "MarginOptions", "Margins", "in_turn", "margins"]

@@ -374,6 +374,3 @@ def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
         "check (--thorough) tries more"
     )
-
-
-__all__ = ["PlanOptions", "plan"]

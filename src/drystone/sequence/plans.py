@@ -17,7 +17,7 @@ from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Rules
-from drystone.sequence.stage.stages import StageAnswer, members
+from drystone.sequence.stage.stages import StageAnswer
 from drystone.sequence.stage.structure import Structure
 
 
@@ -359,6 +359,3 @@ def placed_before(plan: Plan, number: int) -> int:
 
 def _size(wrench: Floats) -> float:
     return float(np.linalg.norm(wrench[:3]))
-
-
-__all__ = ["Plan", "Prop", "Status", "Step", "members", "placed_before"]

@@ -84,6 +84,3 @@ def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -
     short = min(robots, key=lambda robot: float(robot.distance(centroid)) - robot.reach)
     missing = float(short.distance(centroid)) - short.reach
     return f"out of reach: '{short.name}', the nearest robot, is {missing:.3g} m short"
-
-
-__all__ = ["Robot", "check_robots", "why_not"]

@@ -275,6 +275,3 @@ def _locked(
         else:
             reasons[block] = "must be placed before blocks that are there already"
     return left, reasons
-
-
-__all__ = ["BoundRules", "Order", "Rules", "bind", "courses", "distances", "removal_rank"]

@@ -197,6 +197,3 @@ def _turns(
             return Turns(tuple(turns), None)
     whole = next(answers, None)
     return Turns(tuple(turns), None if whole is None else whole.verdict, clock.reason)
-
-
-__all__ = ["Turn", "Turns", "take_turns"]

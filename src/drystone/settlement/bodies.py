@@ -164,6 +164,3 @@ def _gyration_radii(assembly: Assembly) -> Floats:
     polar = np.bincount(owner, six * squares, minlength=len(assembly)) / 120.0
     result: Floats = np.sqrt(2.0 / 3.0 * polar / assembly.volume)
     return result
-
-
-__all__ = ["Bodies", "build_bodies"]

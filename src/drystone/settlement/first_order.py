@@ -246,6 +246,3 @@ def _residuals(model: Model, force: Floats, moved: Floats) -> Residuals:
     loose = replace(model, assembly=Assembly(model.assembly.blocks))
     following = check_forces(loose, force, moved)
     return replace(following, equilibrium=at_rest.equilibrium)
-
-
-__all__ = ["SupportResponse", "SupportResponseOptions", "support_forces", "support_response"]

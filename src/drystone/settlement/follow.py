@@ -376,6 +376,3 @@ class Follower(Increments):
             self.steps,
             self.iterations,
         )
-
-
-__all__ = ["Follower", "Track"]

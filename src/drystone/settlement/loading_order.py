@@ -46,6 +46,3 @@ def earlier_loads(bodies: Bodies, loading: Loading) -> list[Floats]:
         turn = rotation_about(axis, (share - 1.0) * angle)
         made.append((bodies.load.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6))
     return made
-
-
-__all__ = ["Loading", "earlier_loads"]

@@ -48,6 +48,3 @@ def _said_met(path: SettlementPath) -> str:
     told = [f"'{names[a]}' meets '{names[b]}'" for a, b in list(pairs)[:TOLD]]
     more = [f"and {len(pairs) - TOLD} pairs more"] if len(pairs) > TOLD else []
     return "".join(f", {one}" for one in told + more)
-
-
-__all__ = ["outcome_of"]

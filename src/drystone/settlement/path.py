@@ -253,14 +253,3 @@ def block_motions(bodies: Bodies, poses: tuple[BlockPositions, ...]) -> Floats:
     gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
     turn = np.concatenate([pose.turn for pose in poses])
     return np.concatenate([gone, rotation_vectors(turn).reshape(gone.shape)], axis=2)
-
-
-__all__ = [
-    "block_motions",
-    "carriers_of",
-    "follower_of",
-    "path_after",
-    "path_of",
-    "scaled_motion",
-    "support_motion",
-]

@@ -68,6 +68,3 @@ def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
     return Residuals(
         found.equilibrium, found.tension, found.cone, apart / weight if weight else 0.0
     )
-
-
-__all__ = ["PROVEN", "moved_model", "rest_residuals"]

@@ -130,6 +130,3 @@ def _associative(
     if raw.status is not ConicStatus.SOLVED:
         return np.zeros(statics.corner_count)
     return statics.friction * np.maximum(0.0, raw.x.reshape(-1, 3)[:, 0])
-
-
-__all__ = ["ResponseSolution", "solve_response"]

@@ -250,6 +250,3 @@ class Settlement(OfModel, OneLine):
                 for i, path in enumerate(self.paths)
             ],
         }
-
-
-__all__ = ["Outcome", "Settlement", "SettlementOptions", "SettlementPath"]

@@ -331,10 +331,3 @@ def _tried(
     other: SettlementPath | None = None,
 ) -> tuple[SettlementPath, bool]:
     return path_of(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at, other)
-
-
-__all__ = [
-    "settle",
-    "settle_for_verdict",
-    "settle_many",
-]

@@ -369,20 +369,3 @@ def corner_rows(
     out[:, :, 5] = x * v - y * u
     out *= sign
     return out
-
-
-__all__ = [
-    "BlockPositions",
-    "Maps",
-    "Placed",
-    "Response",
-    "Springs",
-    "corner_rows",
-    "imposed",
-    "maps_of",
-    "place_corners",
-    "respond",
-    "rotation_vectors",
-    "rotations",
-    "tangents",
-]

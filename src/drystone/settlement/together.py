@@ -308,6 +308,3 @@ def _solved(matrix: Floats, left: Floats) -> Floats | None:
         return np.asarray(np.linalg.solve(matrix, left.ravel())).reshape(left.shape)
     except np.linalg.LinAlgError:
         return None
-
-
-__all__ = ["Together", "Union", "joined", "tracks_of"]

@@ -253,14 +253,3 @@ def _nearest(problems: Sequence[Problem]) -> dict[Problem, NearestMechanism]:
     asked = [one for one in problems if one.statics.free_count and one.equilibrium_first]
     found = nearest_mechanisms([one.system for one in asked]) if asked else []
     return dict(zip(asked, found, strict=True))
-
-
-__all__ = [
-    "CheckOptions",
-    "RestStates",
-    "check",
-    "check_near",
-    "could_hold",
-    "stands_robustly",
-    "verdict_alone",
-]

@@ -206,6 +206,3 @@ class Answers:
             time_s={"solve": elapsed - checking, "check": checking},
             **found,  # type: ignore[arg-type]
         )
-
-
-__all__ = ["NOT_REACHED", "SENSITIVE", "Answers"]

@@ -264,6 +264,3 @@ def _add(file: FileIO, row: Row) -> None:
 def _line(text: str | bytes) -> str:
     """Text on one line."""
     return " ".join(os.fsdecode(text).split())
-
-
-__all__ = ["check_many"]

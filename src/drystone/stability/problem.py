@@ -147,6 +147,3 @@ class Problem:
         size = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
         carried = np.linalg.norm(ground[:, :3], axis=1) + np.linalg.norm(ground[:, 3:], axis=1)
         return carried / np.where(size > 0.0, size, 1.0)
-
-
-__all__ = ["Problem"]

@@ -104,15 +104,3 @@ def stage_screening(blocks: int) -> tuple[Screening, ...]:
     if blocks <= MANY_BLOCKS:
         return NEAREST, replace(NEAREST.with_slip_lengths(SLIP_LENGTH), name="nearest smooth")
     return QUICK, replace(SMOOTH, name="smooth from rest", from_neighbour=False)
-
-
-__all__ = [
-    "NEAREST",
-    "PATIENT",
-    "QUICK",
-    "SLIP_LENGTH",
-    "SMOOTH",
-    "TO_REST",
-    "Screening",
-    "stage_screening",
-]

@@ -101,6 +101,3 @@ def _unit(vectors: Floats) -> Floats:
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     out: Floats = vectors[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
     return out
-
-
-__all__ = ["Freedom", "freedom"]

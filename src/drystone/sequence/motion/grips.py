@@ -77,6 +77,3 @@ def grip_pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:
                 if width > 0.0:
                     out.append((i, j, width))
     return out
-
-
-__all__ = ["GripFace", "grip_faces", "grip_pairs"]

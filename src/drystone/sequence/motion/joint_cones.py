@@ -137,6 +137,3 @@ def looking(towards: Iterable[float]) -> str:
     if axis == 2:
         return "up" if vector[2] > 0.0 else "down"
     return f"{'+' if vector[axis] > 0.0 else '-'}{'xy'[axis]}"
-
-
-__all__ = ["NAMED", "Joints", "Obstacle", "face_at", "in_words", "looking", "obstacles"]

@@ -381,6 +381,3 @@ class _PathSearch:
         else:
             reason = f"no straight path is free: {names}"
         return NoPath(self.block, reason, faces, proved)
-
-
-__all__ = ["PathFinder", "find_path"]

@@ -97,6 +97,3 @@ class NoPath(OneLine):
     reason: str
     faces: tuple[Obstacle, ...]
     proved: bool
-
-
-__all__ = ["NoPath", "PathOptions", "RemovalPath"]

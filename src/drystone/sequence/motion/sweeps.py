@@ -186,6 +186,3 @@ class Surroundings:
             return np.zeros(3), 0.0
         low, high = self.low.min(axis=0), self.high.max(axis=0)
         return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
-
-
-__all__ = ["HERE", "PLAY", "Hit", "Mover", "Pose", "Solids", "Surroundings", "moved_along"]

@@ -115,6 +115,3 @@ def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
 def opens(rows: Floats, twist: Floats, tolerance: float = TOLERANCE) -> bool:
     """Whether a twist (6,) closes no joint by more than the tolerance."""
     return bool((rows @ twist >= -tolerance * np.linalg.norm(twist)).all())
-
-
-__all__ = ["TOLERANCE", "FreeTwists", "free_twists", "opens", "twist_rows"]

@@ -150,6 +150,3 @@ def _table(found: Sequence[Compared]) -> Table:
         },
         {"metre_stages": "m", "peak_force": "N"},
     )
-
-
-__all__ = ["FEWEST", "compare_scaffolding"]

@@ -223,6 +223,3 @@ def _with_joints(
         np.append(contacts.interface, np.repeat(count + np.arange(len(joints)), corners)),
         capacity,
     )
-
-
-__all__ = ["Centring", "Clamp", "Rope", "ScaffoldItem", "ScaffoldedModel", "Strut", "with_scaffold"]

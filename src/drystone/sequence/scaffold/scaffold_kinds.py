@@ -160,6 +160,3 @@ class Centring(ScaffoldItem):
     def length(self) -> float:
         """[m]"""
         return self.height
-
-
-__all__ = ["Centring", "Clamp", "Rope", "ScaffoldItem", "Strut"]

@@ -14,13 +14,7 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
-from drystone.sequence.scaffold.scaffold_items import (
-    Centring,
-    Clamp,
-    Rope,
-    ScaffoldItem,
-    Strut,
-)
+from drystone.sequence.scaffold.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
 
 INSET = 0.6
 """Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
@@ -218,6 +212,3 @@ def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
             ring = shapely.get_coordinates(shapely.geometry.polygon.orient(free).exterior)[:-1]
             found = corner[0] + ring @ frame[1:]
     return found
-
-
-__all__ = ["ScaffoldOptions", "Support", "items_of"]

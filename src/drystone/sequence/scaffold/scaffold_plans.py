@@ -22,7 +22,8 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.results import Result
 from drystone.sequence.plans import Plan
-from drystone.sequence.scaffold.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
+from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel
+from drystone.sequence.scaffold.scaffold_kinds import Clamp, ScaffoldItem
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.stage.stage_checks import Check, check_once
@@ -181,6 +182,3 @@ def _plain(item: ScaffoldItem) -> dict[str, Any]:
 
 def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
     return stages.result(*stage)
-
-
-__all__ = ["Scaffolding", "scaffolding"]

@@ -10,7 +10,8 @@ import numpy as np
 from drystone.base.errors import InputError, counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel, ScaffoldItem, with_scaffold
+from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel, with_scaffold
+from drystone.sequence.scaffold.scaffold_kinds import ScaffoldItem
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support, items_of
 from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import StageAnswer, mask_of, members
@@ -168,6 +169,3 @@ class ScaffoldedStages:
             first.setdefault(error.remedy, error)
         why = "; ".join(str(error) for error in first.values())
         return f"{counted(count, 'block')} can have no {self.support.value}: {why}"
-
-
-__all__ = ["ScaffoldedStages"]

@@ -380,6 +380,3 @@ class OrderSearch:
                     node = fewer
         props, held, together = node.cost
         return replace(node, cost=(props + (node.props & ~given).bit_count(), held, together))
-
-
-__all__ = ["OrderSearch"]

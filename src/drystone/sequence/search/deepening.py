@@ -77,6 +77,3 @@ def search_below(search: OrderSearch, root: Node, limit: Cost) -> FoundOrder | N
     if best is None:
         return FoundOrder([], True) if done else None
     return FoundOrder(best.path(), done)
-
-
-__all__ = ["search_below"]

@@ -83,6 +83,3 @@ def _rise(search: OrderSearch, last: int, block: int) -> float:
         return 0.0
     height = search.model.height
     return max(0.0, float(height[block] - height[last]))
-
-
-__all__ = ["LARGEST", "search_exactly"]

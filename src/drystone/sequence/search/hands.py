@@ -71,6 +71,3 @@ def _held_stages(node: Node) -> list[Stage]:
         held = node.props | mask_of(node.group[number + 1 :])
         out.append(Stage(placed, held, None, near))
     return out
-
-
-__all__ = ["can_hold", "overloads"]

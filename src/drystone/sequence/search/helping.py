@@ -163,6 +163,3 @@ def _stands(node: Node, search: OrderSearch, *, well: bool) -> bool:
     """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
     answer = search.answer(node, sure=True) if well else search.look(node)
     return answer.stands and search.can_hold(node)
-
-
-__all__ = ["Trimmed", "apart", "trimmed"]

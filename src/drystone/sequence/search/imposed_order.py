@@ -21,6 +21,3 @@ def departure(given: Sequence[str], found: Sequence[str]) -> str:
         if want != name:
             return f"the given order is not kept: '{name}' is placed before '{want}'"
     return ""
-
-
-__all__ = ["departure"]

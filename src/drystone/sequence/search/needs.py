@@ -140,6 +140,3 @@ class LocalBalance:
     def _needs(self, block: int, other: int) -> bool:
         """Whether a block has no equilibrium without one neighbour, with all others in place."""
         return not self.holds(block, self.model.everything & ~(1 << other))
-
-
-__all__ = ["LocalBalance"]

@@ -90,6 +90,3 @@ class FoundOrder:
 
     path: list[Node]
     proved: bool
-
-
-__all__ = ["NO_HELP", "Cost", "FoundOrder", "Node", "SearchOptions"]

@@ -72,6 +72,3 @@ def _farthest(
     local = (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
     moved = np.abs((change @ local[..., 1:, None])[..., 0]).max(axis=2, initial=0.0)
     return float(np.where(local[..., 0] < bodies.overlap, moved, 0.0).max(initial=0.0))
-
-
-__all__ = ["ends_alike"]

@@ -272,6 +272,3 @@ def _neighbours(contacts: Contacts) -> tuple[Ints, Ints]:
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
     return after, before
-
-
-__all__ = ["Carrier", "Ends", "flush_ends", "joint_ends", "slid"]

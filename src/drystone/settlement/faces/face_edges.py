@@ -132,6 +132,3 @@ def to_the_end(at: Floats, outward: Floats, segments: Floats) -> Floats:
     length = np.linalg.norm(run, axis=1)[None]
     met = (np.abs(turn) > 1e-6 * length) & (far > 0.0) & (part >= 0.0) & (part <= 1.0)
     return np.asarray(np.where(met, far, np.inf).min(axis=1, initial=np.inf))
-
-
-__all__ = ["FaceSides", "to_the_end"]

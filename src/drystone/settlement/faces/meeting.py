@@ -166,6 +166,3 @@ def model_with_met(model: Model, apart: Apart, met: Bools) -> tuple[Model, Bools
     whole = model.with_contacts(joined_contacts(model.contacts, apart.contacts.select(joints)))
     ones = np.ones(int(mine.sum()), dtype=bool)
     return whole, np.concatenate([own, ones]), np.concatenate([followed, mine])
-
-
-__all__ = ["FARTHEST", "Apart", "faces_apart", "followed_model", "model_with_met"]

@@ -320,6 +320,3 @@ class Driver(Follower):
         yield from super()._accept(found, moving)
         if self.grown is not None:
             self.factor = self.next_factor
-
-
-__all__ = ["DrivenState", "Driver"]

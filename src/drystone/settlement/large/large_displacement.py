@@ -327,6 +327,3 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
     """The block that moves farthest while what drives is held."""
     return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.travel))])]
-
-
-__all__ = ["move_supports", "push", "reduce_friction"]

@@ -83,6 +83,3 @@ def _frames(contacts: Contacts, active: Bools, moment: DrivenState) -> Floats:
     u = sums[:, 1] - (sums[:, 1] * n).sum(axis=1, keepdims=True) * n
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     return np.stack([n, u, cross(n, u)], axis=1)
-
-
-__all__ = ["large_state", "of_corners", "state_of"]

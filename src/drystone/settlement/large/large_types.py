@@ -261,6 +261,3 @@ class LargeDisplacement(OfModel, OneLine):
             },
             "time_s": dict(self.time_s),
         }
-
-
-__all__ = ["Drive", "End", "LargeDisplacement", "LargeState"]
