@@ -152,7 +152,8 @@ def _weights(area: Floats, interface: Ints) -> Floats:
 def _gyration_radii(assembly: Assembly) -> Floats:
     """Radius of gyration (n,) [m]: root of the mean moment of inertia divided by mass.
 
-    Independent of the axes of the model.
+    Independent of the axes of the model. No body has less than a ball of its volume; rounding would
+    lead below that, and below zero, where a block is so thin that it has hardly a volume.
     """
     faces = assembly.faces
     triangles, face = fan_triangles(faces)
@@ -162,5 +163,6 @@ def _gyration_radii(assembly: Assembly) -> Floats:
     squares = ((a + b + c) ** 2).sum(axis=1) + sum((x**2).sum(axis=1) for x in (a, b, c))
     # of a tetrahedron over the centroid: integral of r^2 is V / 20 times this sum
     polar = np.bincount(owner, six * squares, minlength=len(assembly)) / 120.0
-    result: Floats = np.sqrt(2.0 / 3.0 * polar / assembly.volume)
+    ball = (0.75 / np.pi * assembly.volume) ** (2.0 / 3.0)
+    result: Floats = np.sqrt(np.maximum(2.0 / 3.0 * polar / assembly.volume, 0.4 * ball))
     return result

@@ -9,14 +9,26 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, SolverError
 from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import POLISH_AGAIN, find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
-from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
+from drystone.formulations.rest.rest_state import (
+    RestOptions,
+    RestState,
+    Start,
+    block_scale,
+    start_from,
+)
+from drystone.formulations.rest.same_forces import (
+    FAR,
+    relaxed_again,
+    start_of_forces,
+    unbalanced_share,
+)
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
@@ -37,6 +49,15 @@ NEARLY = 1e-7
 """Unbalanced share of a block at which weaker ground may still give a proof: with 400 cubes
 rounding alone leaves 3e-10."""
 
+LIGHT = 1e-4
+"""Forces on a block, by the mean load, below which its joints are softer where no rest state was
+proved, in proportion. Their overlap is then no less than with such forces. A block of 3e-13 of the
+others' weight would overlap by 3e-13 of what the blocks below it move: rounding changes that by
+parts of a thousand, and a proof allows 1e-8."""
+
+SOFTEST = 1e-100
+"""Least share of the stiffness of such a joint: a float holds its square."""
+
 STRAIGHT = replace(AT_REST, iteration_limit=16)
 """From nothing, where the model stands with other stiffnesses: no state on stronger ground is
 needed. Measured: far from the limits of their models 8 to 13 steps lead so near that the unrelaxed
@@ -54,6 +75,14 @@ SLOW = 0.35
 """Share of the merit function after two such steps from which on other normal stiffnesses begin
 from nothing. Measured on 15 arches, walls, vaults and domes: 650 factorisations for all stiffnesses
 in place of 667 without it, and of 717 without starts on the path."""
+
+HALFWAY = 0.3
+"""Unbalanced share of a block up to which the relaxed law begins there, where Newton's method did
+not converge."""
+
+NEARLY_RESTS = 0.01
+"""Unbalanced share of a block up to which other springs begin at the rest state itself, in place of
+its forces. Walls at rest slide nowhere: with every friction law they rest there at once."""
 
 SHARES = (0.0, 0.5, 1.0)
 """Steps of the stiffness, by the logarithm, from the uniform one to another. Measured on the
@@ -99,7 +128,8 @@ class Candidate:
     displacement : (n, 6) [m, rad]
     residuals
     path
-        The last iterate of the relaxed law before it, from which similar springs may begin.
+        The last iterate of the relaxed law before it, or such an iterate at it, from which similar
+        springs may begin.
     """
 
     force: Floats
@@ -237,10 +267,14 @@ class Attempts(Record):
             over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
-        nearly = not (over or candidate.stands) and final.unbalanced < NEARLY
-        if nearly and self.problem.ground_share(final.ground).max() < CLEARLY:
-            final = self._rest(springs, LEAST_GROUND, final)
-            candidate = self.examine(final.motion, final.force)
+        for more in (self._on_least_ground, self._with_light_blocks_softer):
+            hangs = self.problem.ground_share(final.ground).max() >= CLEARLY
+            if over or candidate.stands or hangs:
+                break
+            other = more(springs, final)
+            if other is not None:
+                final = other
+                candidate = self.examine(final.motion, final.force)
         falling = state.converged and most > FALLS_FROM
         if not again and (candidate.stands or falling or not self.clock.late()):
             self.tried += 1
@@ -254,6 +288,19 @@ class Attempts(Record):
             if not over:
                 self.stalled.append(final.motion)
         return candidate
+
+    def _on_least_ground(self, springs: Compliance, state: RestState) -> RestState | None:
+        """The state on weaker ground, where that may give a proof."""
+        return self._rest(springs, LEAST_GROUND, state) if state.unbalanced < NEARLY else None
+
+    def _with_light_blocks_softer(self, springs: Compliance, state: RestState) -> RestState | None:
+        """The state with softer joints of blocks that feel LIGHT forces; None if there are none."""
+        statics = self.problem.statics
+        felt = np.append(block_scale(statics, state.force), np.inf)
+        share = np.minimum(felt[statics.block_a], felt[statics.block_b]) / LIGHT
+        if not (share < 1.0).any():
+            return None
+        return self._rest(springs.softened(np.clip(share, SOFTEST, 1.0)), AT_REST, state)
 
     def start(self, springs: Compliance, displacement: Floats) -> Start:
         """A start at displacements (n, 6) [m, rad], such as those of a similar model.
@@ -276,7 +323,10 @@ class Attempts(Record):
         if state is None:
             return None
         self.iterations += state.iterations
-        return self._stood(state)
+        found = self._stood(state)
+        if found is None or not self.problem.statics.dry:
+            return found
+        return replace(found, path=relaxed_again(self.problem.statics, springs, state))
 
     def attempt_from(
         self,
@@ -292,19 +342,22 @@ class Attempts(Record):
         stiffness, is led to these springs. ``briefly``: from those states only.
         """
         for one in rests:
-            start = self.start(springs, one.displacement)
-            found = self.nearby(springs, start) if one.same else None
-            if found is not None:
-                return found
+            if one.same and not one.path:
+                found = self.nearby(springs, self.start(springs, one.displacement))
+                if found is not None:
+                    return found
         if rests:
+            path, same = rests[-1].path, rests[-1].same
             last = self.start(springs, rests[-1].displacement)
-            from_other = _after_newton(FROM_OTHER) if rests[-1].same else FROM_OTHER
+            from_other = _after_newton(FROM_OTHER) if same and not path else FROM_OTHER
             ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
-            if not briefly:  # what Newton's method did not reach from the same stiffnesses is far
-                path = rests[-1].path
-                ways.insert(0 if path else 1, (STRAIGHT, None))
-                if path:
-                    ways.insert(0, (_on_path(path, rests[-1].same), path))
+            if path and not briefly:
+                near, onwards = self._with_forces(springs, path, last if same else None)
+                if near is not None:
+                    return near
+                ways = [(_on_path(onwards, same), onwards), (STRAIGHT, None), *ways]
+            elif not briefly:
+                ways.append((STRAIGHT, None))
             for options, begin in ways:
                 state = self._rest(springs, options, begin)
                 found = self._stood(state) if state.converged else None
@@ -324,6 +377,32 @@ class Attempts(Record):
         if found.stands or afresh.falling or self.clock.late():
             return found
         return self._by_longer_slips(springs) or found
+
+    def _with_forces(
+        self, springs: Compliance, path: Start, rest: Start | None
+    ) -> tuple[Candidate | None, Start]:
+        """The rest state that Newton's method reaches from the forces of another one.
+
+        Where these springs nearly rest at the other ``rest`` state, it begins there. With the start
+        for the relaxed law where it does not converge.
+        """
+        system = self.problem.system
+        if rest is not None and self._nearly_rests(springs, rest):
+            return self.nearby(springs, rest), path
+        try:
+            start, steps, share = start_of_forces(system, springs, AT_REST, path)
+        except SolverError:
+            return None, path
+        self.iterations += steps
+        if share > FAR:
+            return None, path
+        found = self.nearby(springs, start)
+        return found, start if share <= HALFWAY else path
+
+    def _nearly_rests(self, springs: Compliance, start: Start) -> bool:
+        system = self.problem.system
+        moved = system.statics.displacement(start.motion)
+        return unbalanced_share(system, springs, moved) <= NEARLY_RESTS
 
     def _by_longer_slips(self, springs: Compliance) -> Candidate | None:
         """The rest state where a path from nothing did not converge, from those of longer slips.

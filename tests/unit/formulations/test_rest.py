@@ -6,6 +6,7 @@ import pytest
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
 from drystone.formulations.rest import compliance, interior_point
+from drystone.formulations.rest import tangent as tangent_module
 from drystone.formulations.rest.interior_point import _Path, find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.model import Model
@@ -104,7 +105,7 @@ def test_other_friction_laws_take_fewer_steps_from_the_last_iterate_of_the_relax
 def test_a_step_in_single_precision_that_is_wrong_is_computed_again(answer, monkeypatch):
     problem, asked = problem_of(wall(5, 5), 0.6), []
     springs = compliance.uniform(problem.statics)
-    monkeypatch.setattr(interior_point, "SINGLE_FROM", 1000)
+    monkeypatch.setattr(tangent_module, "SINGLE_FROM", 1000)
     expected = find_rest(problem.system, springs)
     factorise = problem.system.factorise
 
@@ -115,7 +116,7 @@ def test_a_step_in_single_precision_that_is_wrong_is_computed_again(answer, monk
         return answer
 
     monkeypatch.setattr(problem.system, "factorise", wrong)
-    monkeypatch.setattr(interior_point, "SINGLE_FROM", 1)
+    monkeypatch.setattr(tangent_module, "SINGLE_FROM", 1)
     found = find_rest(problem.system, springs)
     assert asked
     assert found.iterations == expected.iterations

@@ -7,7 +7,7 @@ import drystone
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
-from drystone.models.solids import prism
+from drystone.models.solids import prism, welded
 from drystone.settlement import (
     Outcome,
     Settlement,
@@ -15,6 +15,7 @@ from drystone.settlement import (
     settle,
     support_response,
 )
+from drystone.settlement.bodies import gyration_radii
 from drystone.settlement.settling import settle_for_verdict
 
 MOVING = SettlementOptions(carrier="moving", fall=0.1)  # type: ignore[arg-type]
@@ -296,3 +297,12 @@ def test_what_is_too_slow_to_be_followed_to_a_fall_is_given_up_early() -> None:
     found = settle(model.with_friction([0.2, 0.9]), options=MOVING)  # the cube slides alone
     assert found.outcome is Outcome.UNKNOWN
     assert found.paths[0].steps == 1000
+
+
+def test_a_block_whose_volume_is_lost_in_rounding_has_a_radius_of_gyration():
+    far = 1e9 * np.array([1.0, -1.0, 1.0]) + [0.0, 0.0, 1.0]
+    a, b, c = far + 4.914514780044556 * np.eye(3)
+    inside = far + 1.6381716
+    thin = [(a, b, c), (a, b, inside), (b, c, inside), (a, c, inside)]
+    radius = gyration_radii(Assembly((welded(thin, "thin"),), np.array([True])))
+    assert 0.0 < radius[0] < 4.9

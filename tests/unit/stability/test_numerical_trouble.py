@@ -119,6 +119,21 @@ def test_a_pebble_a_million_times_smaller_than_its_boulder_has_its_own_tolerance
     assert verdict(model, 0.6, LoadCase.tilt(model, X, angle)) is expected
 
 
+@pytest.mark.parametrize("density", [1e-7, 1e-10, 1e-13])
+def test_a_block_of_hardly_any_weight_stands_on_heavy_ones_that_turn(density):
+    lower, upper = box((1, 1, 1), name="lower"), box((1, 1, 1), (0.1, 0, 1), name="upper")
+    light = box((1, 1, 1), (0.3, 0.2, 2), name="light", density=density)
+    beyond = box((1, 1, 1), (0.9, 0.2, 2), name="light", density=density)
+    beside = box((0.5, 0.5, 0.5), (1.1, 0.1, 0), name="beside", density=density)
+    for blocks in ((lower, upper, light), (lower, beside, upper)):
+        found = check(Model.of(on_ground(ground(), *blocks), friction=0.0))
+        assert found.verdict is Verdict.STABLE
+        assert found.residuals.largest < 1e-8
+    falls = check(Model.of(on_ground(ground(), lower, upper, beyond), friction=0.0))
+    assert falls.verdict is Verdict.UNSTABLE
+    assert falls.falling == (3,)
+
+
 @pytest.mark.parametrize("g", [1e-12, 1e12])
 def test_the_strength_of_gravity_does_not_matter(g):
     tower = models.tower(10)

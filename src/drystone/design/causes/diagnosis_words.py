@@ -42,7 +42,7 @@ def _force_words(force: Floats) -> str:
 
     Examples
     --------
-    >>> force_words(np.array([0.0, 0.0, 20.0])), force_words(np.array([-3e3, 0.0, 4e3]))
+    >>> _force_words(np.array([0.0, 0.0, 20.0])), _force_words(np.array([-3e3, 0.0, 4e3]))
     ('an upward force of 20 N', 'a force of 5 kN in the direction (-0.6, 0, 0.8)')
     """
     size = float(np.linalg.norm(force))
@@ -59,7 +59,7 @@ def _rounded_up(value: float, digits: int = 3) -> float:
 
     Examples
     --------
-    >>> rounded_up(1.2001), rounded_up(86.01), rounded_up(0.5)
+    >>> _rounded_up(1.2001), _rounded_up(86.01), _rounded_up(0.5)
     (1.21, 86.1, 0.5)
     """
     if value <= 0.0:

@@ -49,13 +49,10 @@ in all."""
 AT_ONCE = 2000
 """Corners of all trial steps that are computed at once: from timings."""
 
-SINGLE_FROM, SINGLE = 200, 1e-3
-"""Free blocks from which on, and relative tau down to which, Newton steps are computed in single
-precision. Measured: at such a tau a step leaves 1e-5 of the unbalanced wrench, and walls, domes and
-vaults take as many steps, one more or one less. Fewer blocks gain no time."""
-
-ROUGH = 1e-3
-"""Share of the unbalanced wrench that such a step may leave; else it is computed again."""
+SINGLE = 1e-3
+"""Relative tau down to which Newton steps are rough: computed in single precision from 200 blocks
+on. Measured: at such a tau a step leaves 1e-5 of the unbalanced wrench, and walls, domes and vaults
+take as many steps, one more or one less."""
 
 IDLE_STEPS = 6
 """Steps at one tau without progress after which a fall is likely."""
@@ -200,7 +197,7 @@ class _Path:
         """
         state, steps = descend(self.system, self.compliance, self.options, point.motion, stop)
         self.steps += steps
-        before = Start(point.motion, point.normal, tau)
+        before = Start(point.motion, point.normal, tau, point.friction.force)
         return None if state is None else replace(state, iterations=self.steps, before=before)
 
     def begin(self, start: RestState | Start | None) -> tuple[Floats, Floats, float]:
@@ -278,23 +275,8 @@ class _Path:
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
-        motion, moved = self.solution(tangent, right, tau)
+        motion, moved = self.system.solved(tangent, self.ground, right, rough=tau >= SINGLE)
         return motion, moved, shift - stiffness * moved[:, 0]
-
-    def solution(self, tangent: Floats, right: Floats, tau: float) -> tuple[Floats, Floats]:
-        """The motion (n, 6) by which springs balance wrenches, and its corner displacements."""
-        if tau >= SINGLE and self.statics.free_count >= SINGLE_FROM:
-            try:
-                motion = self.system.factorise(tangent, self.ground, np.float32)(right)
-            except SolverError:
-                motion = np.full_like(right, np.nan)
-            moved = self.statics.displacement(motion)
-            carried = self.statics.wrench((tangent @ moved[..., None])[..., 0])
-            left = (right - carried - self.ground * motion) / self.row_scale
-            if np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / self.row_scale):
-                return motion, moved
-        motion = self.system.factorise(tangent, self.ground)(right)
-        return motion, self.statics.displacement(motion)
 
     def search(
         self, point: _Point, step: tuple[Floats, Floats, Floats], tau: float

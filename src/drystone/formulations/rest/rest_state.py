@@ -69,11 +69,14 @@ class Start:
     normal : (k,) fn, zero or more
     relaxation
         Relative tau of an iterate of the relaxed law; ``None`` for other states.
+    friction : (k, 2)
+        Its tangential force T.
     """
 
     motion: Floats
     normal: Floats
     relaxation: float | None = None
+    friction: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)

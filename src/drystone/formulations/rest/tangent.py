@@ -14,12 +14,20 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
+from drystone.formulations.rest.compliance import wrench_size
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.front_factors import Precision
 from drystone.solvers.multifrontal import BlockOrdering
 from drystone.statics import Statics
+
+SINGLE_FROM = 200
+"""Free blocks from which on a rough step is computed in single precision: fewer gain no time."""
+
+ROUGH = 1e-3
+"""Share of the unbalanced wrench that such a step may leave; else it is computed again."""
 
 FULL = 60
 """Largest number of unknowns with a full matrix: from timings."""
@@ -74,6 +82,34 @@ class TangentSystem:
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
         return inverse(matrix)
+
+    def solved(
+        self, tangent: Floats, weight: Floats, right: Floats, *, rough: bool = False
+    ) -> tuple[Floats, Floats]:
+        """The motion (n, 6) by which springs balance wrenches, and its corner displacements.
+
+        ``rough``: it may leave a share of the wrenches, ROUGH at most.
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular.
+        """
+        statics = self.statics
+        if rough and statics.free_count >= SINGLE_FROM:
+            try:
+                motion = self.factorise(tangent, weight, np.float32)(right)
+            except SolverError:
+                motion = np.full_like(right, np.nan)
+            moved = statics.displacement(motion)
+            carried = statics.wrench((tangent @ moved[..., None])[..., 0])
+            size = wrench_size(statics.load)
+            scale = np.where(size > 0.0, size, 1.0)[:, None]
+            left = (right - carried - weight * motion) / scale
+            if np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale):
+                return motion, moved
+        motion = self.factorise(tangent, weight)(right)
+        return motion, statics.displacement(motion)
 
 
 class SparseTangent:

@@ -181,7 +181,7 @@ def _sweep_panel(sweep: GapSweep, used: float) -> str:
     --------
     >>> from drystone.detection import gap_sweep
     >>> from drystone.models import tower
-    >>> "<svg" in sweep_panel(gap_sweep(tower(3), [1e-5, 1e-3]), 0.005)
+    >>> "<svg" in _sweep_panel(gap_sweep(tower(3), [1e-5, 1e-3]), 0.005)
     True
     """
     low, high = sweep.plateau

@@ -107,7 +107,7 @@ def _change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
     >>> from drystone.models import tower
     >>> dry = Model.of(tower(3), friction=0.6)
     >>> glued = dry.with_capacity(JointCapacity.of(dry.contacts, tension=[0.0, 50.0]))
-    >>> [layer.label for layer in change_layers(dry, glued)]
+    >>> [layer.label for layer in _change_layers(dry, glued)]
     ['1 glued joint']
     """
     contacts, joint, tie = after.contacts, _joints(after), ties_of(after)

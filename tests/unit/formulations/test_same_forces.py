@@ -1,0 +1,64 @@
+"""Other contact stiffnesses begin with the forces of a rest state."""
+
+import numpy as np
+import pytest
+
+from drystone import CheckOptions, LoadCase, find_contacts, models
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.nearby import find_rest_nearby
+from drystone.formulations.rest.rest_state import RestOptions
+from drystone.formulations.rest.same_forces import start_of_forces, unbalanced_share
+from drystone.model import Model
+from drystone.stability import check
+from drystone.stability.problem import Problem
+
+OPTIONS = RestOptions(ground=1e-14)
+ARCH = models.arch()
+LEANING = Model(
+    ARCH,
+    find_contacts(ARCH, friction=0.93).contacts,
+    LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 8.0),
+)
+
+
+def test_a_slide_and_its_force_belong_together():
+    rng = np.random.default_rng(3)
+    normal, slide = rng.uniform(0.5, 2.0, 40), rng.normal(size=(40, 2))
+    bound = FrictionBound(np.full(40, 0.6))
+    smooth = SlipLength(bound, np.full(40, 2.0))
+    force = smooth(normal, slide).force
+    mobilised = np.linalg.norm(force, axis=1) / bound(normal)
+    found = smooth.slide_of(normal, force, slide)
+    below = mobilised < 0.8
+    assert 5 < below.sum() < 40
+    assert np.allclose(found[below], slide[below])
+    held = np.linalg.norm(smooth(normal, found).force, axis=1)
+    assert np.allclose(held, np.minimum(mobilised, 0.8) * bound(normal))
+    sharp = StickSlip(bound, np.full(40, 0.5))
+    force = sharp(normal, slide).force
+    assert np.allclose(sharp.slide_of(normal, force, slide), slide)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_every_sample_is_near_the_forces_of_the_uniform_one(number):
+    problem = Problem.build(LEANING)
+    statics, system = problem.statics, problem.system
+    path = find_rest(system, compliance.uniform(statics), OPTIONS).before
+    assert path is not None
+    springs = list(compliance.samples(statics, 4, 0, tangential=0.1))[number]
+    start, steps, share = start_of_forces(system, springs, OPTIONS, path)
+    assert share == unbalanced_share(system, springs, statics.displacement(start.motion))
+    assert share < unbalanced_share(system, springs, statics.displacement(path.motion)) < np.inf
+    found = find_rest_nearby(system, springs, OPTIONS, start)
+    assert found is not None
+    assert found.unbalanced <= OPTIONS.tolerance
+    assert steps + found.iterations < find_rest(system, springs, OPTIONS).iterations
+
+
+def test_all_stiffnesses_cost_little_more_than_one():
+    alone = check(LEANING, options=CheckOptions(samples=0, settle=False))
+    whole = check(LEANING)
+    assert (whole.samples.tried, whole.samples.standing) == (5, 5)
+    assert whole.iterations <= 2.5 * alone.iterations
