@@ -26,7 +26,7 @@ and states of eq. 5.6 that were examined it is 8e-6 or more."""
 NEGLIGIBLE = 1e-9
 """The direction of friction is checked above this share of the forces on a block."""
 
-LARGEST = 1e130
+_LARGEST = 1e130
 """[N, N m, m, rad] Beyond it squares and products of forces and motions do not fit a float. Loads
 are 1e100 at most."""
 
@@ -124,7 +124,7 @@ def _residuals(
     """As :func:`check_forces`, for s claims: forces (k, s, 3), motions and props (n, s, 6)."""
     assembly, contacts = model.assembly, model.contacts
     claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
-    if not all(np.abs(one).max() <= LARGEST for one in claimed):
+    if not all(np.abs(one).max() <= _LARGEST for one in claimed):
         return [Residuals(equilibrium=np.inf)] * force.shape[1]
     free = ~assembly.fixed
     total, scale = _wrenches(model, force)

@@ -25,7 +25,7 @@ _PRESSED = -np.sin(np.deg2rad(20.0))
 _LEVEL = np.cos(np.deg2rad(5.0))
 """The underside of a foot is level within 5 degrees."""
 UP = (0.0, 0.0, 1.0)
-NAMED = 4
+_NAMED = 4
 """Names told in one remark."""
 
 Joints: TypeAlias = tuple[Ints, Ints, Floats]
@@ -212,7 +212,7 @@ def require_supports(
 
 def _list(assembly: Assembly, mask: Bools) -> str:
     names = [assembly.names[i] for i in np.flatnonzero(mask).tolist()]
-    return f"{counted(len(names), 'block')} ({named(names, NAMED)})"
+    return f"{counted(len(names), 'block')} ({named(names, _NAMED)})"
 
 
 def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:

@@ -11,7 +11,7 @@ from typing import Any
 
 _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
-NAMED = 3
+_NAMED = 3
 """Names of equal things that are said; of more, how many there are."""
 
 
@@ -84,7 +84,7 @@ def shortened(text: str, longest: int = _LONGEST, end: str = "...") -> str:
     return line if len(line) <= longest else line[: longest - len(end)] + end
 
 
-def named(names: Sequence[str], most: int = NAMED) -> str:
+def named(names: Sequence[str], most: int = _NAMED) -> str:
     """The first names, and how many more there are.
 
     Examples

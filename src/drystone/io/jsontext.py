@@ -168,7 +168,7 @@ class Field:
         The usual case is converted in one step. Only if this fails, the wrong value is searched.
         """
         try:
-            array = np.array(self.value if self.value != [] else np.zeros(_empty(shape)))
+            array = np.array(self.value if self.value != [] else np.zeros([n or 0 for n in shape]))
             numbers = _holds_numbers(self.value, len(shape))
         except (ValueError, OverflowError, TypeError):
             array, numbers = np.array(None), False
@@ -209,10 +209,6 @@ def _holds_numbers(value: Any, depth: int) -> bool:
     for _ in range(depth - 1):
         value = chain.from_iterable(value)
     return {type(one) for one in value} <= {int, float}
-
-
-def _empty(shape: tuple[int | None, ...]) -> tuple[int, ...]:
-    return tuple(0 if size is None else size for size in shape)
 
 
 @lru_cache

@@ -42,7 +42,7 @@ _CLOSING = 2.0
 larger models. Between them blocks would be followed very near to the limit of equilibrium, where it
 takes longest: 50 s for a cross vault of 188 blocks."""
 
-SENSITIVE = 1e-3
+_SENSITIVE = 1e-3
 """Default width where blocks are followed by finite steps, as a share of the same distance: three
 digits. The limit itself depends on the joints by more."""
 
@@ -217,7 +217,7 @@ def _in_two_steps(
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:
-        width = max(width, SENSITIVE * abs(last - start))
+        width = max(width, _SENSITIVE * abs(last - start))
     try:
         if edge is not None and not every.stands(near):
             first = every.around(near, near, (start, near), width=width).bracket

@@ -14,7 +14,7 @@ from drystone.design.causes.missing import Needs
 from drystone.model import Model
 from drystone.results import Result
 
-NAMED = 4
+_NAMED = 4
 """Number of blocks of a region that are named. Chosen. The others are counted."""
 
 _UPRIGHT = 0.1
@@ -91,8 +91,8 @@ def place(point: Floats) -> str:
 def names_of(model: Model, blocks: Sequence[int]) -> str:
     """Names of blocks in a sentence."""
     named = [f"'{model.assembly.names[i]}'" for i in blocks]
-    if len(named) > NAMED:
-        named = [*named[: NAMED - 1], f"{len(named) - NAMED + 1} more"]
+    if len(named) > _NAMED:
+        named = [*named[: _NAMED - 1], f"{len(named) - _NAMED + 1} more"]
     return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
 
 
@@ -197,7 +197,7 @@ def _joints_with(
     verb, _, rest = what.partition(" ")
     verb = {"carries": "carry", "has": "have", "is": "are"}[verb]
     rest = rest.replace("a hinge", "hinges")
-    if blocks and len(outer) == len(some) <= NAMED:
+    if blocks and len(outer) == len(some) <= _NAMED:
         return f"the joints with {names_of(model, outer)} {verb} {rest}"
     return f"{counted(len(some), 'joint')} {what if len(some) == 1 else f'{verb} {rest}'}"
 

@@ -16,7 +16,7 @@ from drystone.geometry.body.solid import distance
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vector, area_vectors
 
-FARTHEST = 0.1
+_FARTHEST = 0.1
 """Largest warp of a face of a given joint, and its largest distance from its blocks, as a share of
 the size of the smaller block. Chosen: the warp that the contact search tolerates."""
 
@@ -81,7 +81,7 @@ def contacts_from_mesh(
         raise InputError(f"face {int(np.argmin(area))} has no area", where=where)
     normals = vectors / area[:, None]
     mu = float(check_friction(friction, 1)[0])
-    most = FARTHEST * min(_size(assembly, a), _size(assembly, b))
+    most = _FARTHEST * min(_size(assembly, a), _size(assembly, b))
     _refuse_away(assembly, (a, b), corner, start, most, where)
     rows = []
     for i, loop in enumerate(loops):

@@ -125,14 +125,11 @@ def _brick(line: str, where: str) -> _Brick:
     if min(size_x, size_y) < 1 or z < 0 or max(map(abs, (x, y, z, size_x, size_y))) > _MOST:
         remedy = "give sizes of one stud or more, and layers from 0"
         raise FormatError(f"'{line[:40]}' is no brick", where=where, remedy=remedy)
-    mass = 1e-3 * float(words[6]) if len(words) > 6 else _usual_mass(size_x, size_y)
+    usual = _MASS_PER_STUD[min(size_x, size_y) == 1] * size_x * size_y
+    mass = 1e-3 * float(words[6]) if len(words) > 6 else usual
     if not mass > 0.0:
         raise FormatError("its mass is zero", where=where, remedy="give grams above zero")
     return _Brick(x, y, z, size_x, size_y, mass)
-
-
-def _usual_mass(size_x: int, size_y: int) -> float:
-    return _MASS_PER_STUD[min(size_x, size_y) == 1] * size_x * size_y
 
 
 def _refuse_doubles(bricks: list[_Brick], path: Path) -> None:

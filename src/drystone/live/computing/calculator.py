@@ -34,7 +34,6 @@ from drystone.live.requests.interface import given_of
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
-from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import QUICK, CheckOptions, check_near, try_rest
 from drystone.view import scene_of
@@ -218,17 +217,13 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     else:
         known = self.known(message, wish)
         result, rests = check_near(made.part, known, options=CheckOptions(), **limits)
-        if known and rests and not _surely(result):  # the start shall not decide
+        surely = result.stable and result.samples.standing == result.samples.tried
+        if known and rests and not surely:  # the start shall not decide
             result, rests = check_near(made.part, {}, options=CheckOptions(), **limits)
         known.update(rests)
         found = Found.at_rest(result)
     self.require()
     _show(self, "whole", wish, made, found, began, message["name"])
-
-
-def _surely(result: Result) -> bool:
-    """Whether it stands for all stiffnesses that were tried."""
-    return result.stable and result.samples.standing == result.samples.tried
 
 
 def _show(

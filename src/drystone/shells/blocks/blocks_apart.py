@@ -12,7 +12,7 @@ from drystone.geometry.body.convexity import convex_bodies
 from drystone.geometry.body.shared_volume import shared_volumes
 from drystone.shells.bond.tessellation import Tessellation
 
-TOLERANCE = 1e-6
+_TOLERANCE = 1e-6
 """Largest overlap of two blocks, relative to the width of a block."""
 
 
@@ -35,7 +35,7 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground
         The surface crosses itself; two parts of it are closer than the thickness; or a strongly
         curved block reaches into its neighbour.
     """
-    a, b, depth = overlaps(assembly, TOLERANCE * width)
+    a, b, depth = overlaps(assembly, _TOLERANCE * width)
     if len(a) == 0:
         return
     beneath = ground[a] | ground[b]

@@ -92,15 +92,6 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
     return _corner_means(loop, across, len(point))
 
 
-def _facet_cosine(mesh: Tessellation) -> Floats:
-    """(v,) mean cosine between each vertex normal and the flat cells around it.
-
-    Pins divided by this factor give blocks the required thickness, measured normal to their faces.
-    Without it coarse shells are too thin.
-    """
-    return _facet_means(mesh, mesh.point, mesh.normal)
-
-
 def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     """Straight pins along the normals, half the thickness (v,) [m] to each side.
 
@@ -109,7 +100,8 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     InputError
         The surface turns by more than 60 degrees across a block.
     """
-    cosine = _facet_cosine(mesh)
+    # pins divided by this give blocks the required thickness, measured normal to their faces
+    cosine = _facet_means(mesh, mesh.point, mesh.normal)
     steep = cosine < _LEAST_COSINE
     if steep.any():
         raise InputError(

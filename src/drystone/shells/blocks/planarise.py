@@ -23,7 +23,7 @@ from drystone.base.errors import SolverError
 from drystone.base.progress import Progress
 from drystone.base.settings import Options
 
-TOLERANCE = 1e-10
+_TOLERANCE = 1e-10
 """Largest distance of a corner from its polygon's plane, relative to the length scale: far below
 the 1e-6 that joints need, far above rounding."""
 
@@ -48,7 +48,7 @@ class PlanarOptions(Options):
         Newton steps at most.
     """
 
-    tolerance: float = TOLERANCE
+    tolerance: float = _TOLERANCE
     projections: int = 10
     newton: int = 30
 

@@ -179,12 +179,8 @@ def _refuse_line(plan: Shape, net: _Net) -> None:
         )
 
 
-def _parameters(options: FormOptions) -> tuple[Floats, Floats]:
-    return np.linspace(0.0, 1.0, options.rows), np.linspace(0.0, 1.0, options.columns)
-
-
 def _net(plan: Shape, options: FormOptions) -> _Net:
-    u, v = _parameters(options)
+    u, v = (np.linspace(0.0, 1.0, count) for count in (options.rows, options.columns))
     grids = [patch.point(u[:, None], v[None, :]) for patch in plan.patches]
     every = np.concatenate([grid.reshape(-1, 3) for grid in grids])
     size = float(np.linalg.norm(np.ptp(every, axis=0)))

@@ -16,7 +16,7 @@ from drystone.loads.case import STANDARD_GRAVITY
 from drystone.results import Result, Verdict
 from drystone.view.scenes.scene import UP
 
-NAMED = 4
+_NAMED = 4
 """Supports named; more are counted."""
 
 
@@ -122,7 +122,7 @@ def _supports(assembly: Assembly) -> str:
     fixed = [assembly.names[i] for i in np.flatnonzero(assembly.fixed)]
     if not fixed:
         return "none"
-    if len(fixed) > NAMED:
+    if len(fixed) > _NAMED:
         return f"{len(fixed):,} blocks"
     told = ", ".join(fixed)
     if any(name.isdecimal() for name in fixed):  # "0" alone would be a count

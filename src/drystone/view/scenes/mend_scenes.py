@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.design.causes.diagnosed import Diagnosis
 from drystone.design.surgery.changed_model import ties_of
@@ -83,18 +83,14 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
             "before", "edges before", LayerKind.LINES, "missed", ends[:, 0], ends[:, 1] - ends[:, 0]
         )
         layers.append(ghost)
-    added = _added_blocks(before, result.model) & (stage.state != State.FALLING)
+    added = np.array([name not in before.assembly for name in result.assembly.names], dtype=bool)
+    added &= stage.state != State.FALLING
     state = np.where(added, State.ADDED, stage.state)
     stage = replace(stage, state=state, layers=tuple(layers))
     facts = dict(facts_of(result.assembly, result.contacts, result.model.load, source))
     if change:
         facts["Changed"] = change
     return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", facts)
-
-
-def _added_blocks(before: Model, after: Model) -> Bools:
-    """The blocks (n,) of the model after whose names the model before has not."""
-    return np.array([name not in before.assembly for name in after.assembly.names], dtype=bool)
 
 
 def _change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
