@@ -3,8 +3,7 @@ Shells (section 7.5)
 ====================
 
 A vault, a dome, a shell of three vaults and a tri-dome: how many blocks can be set freely, and
-how many have to be held or propped. The shapes are ours: the source's dimensions are not known
-to us.
+how many have to be held or propped. The shapes are ours: the source's dimensions are not known to us.
 """
 
 from drystone.reproduce import reproduce
