@@ -3,8 +3,7 @@ Two robots in turn (section 6.4.2)
 ==================================
 
 One robot holds the last block while the other places the next one. The source builds a shell in
-this way. We have no dimensions of it, and the tri-dome of section 7.5, a shape of ours, needs
-props. So an arch of 11 voussoirs is built instead.
+this way. We have no dimensions of it, so an arch of 11 voussoirs is built instead.
 """
 
 from drystone.reproduce import reproduce

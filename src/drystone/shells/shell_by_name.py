@@ -20,7 +20,6 @@ from drystone.shells.surface.shell_families import (
     pavilion_vault,
     rectangular_plan,
     three_legged_plan,
-    tri_dome,
 )
 
 SPAN, EYE = 6.0, 1.0
@@ -42,7 +41,6 @@ class SurfaceKind(enum.Enum):
     DOME = "dome"
     FREE_EDGE = "free-edge"
     THREE_VAULTS = "three-vaults"
-    TRI_DOME = "tri-dome"
 
 
 def shape_by_name(
@@ -61,7 +59,7 @@ def shape_by_name(
     ----------
     kind
     span : [m]
-        Or diameter; of a tri-dome twice the way from its middle to a foot.
+        Or diameter.
     length : [m]
         Of a barrel, depth of a free-edge plan.
     rise : [m]
@@ -81,8 +79,6 @@ def shape_by_name(
         return pavilion_vault(span, eye, keystone=keystone), ()
     if kind is SurfaceKind.DOME:
         return dome(0.5 * span, 0.5 * eye, keystone=keystone), ()
-    if kind is SurfaceKind.TRI_DOME:
-        return tri_dome(0.6 * span, 0.5 * span, 0.36 * span, 0.31 * span), ()
     if kind is SurfaceKind.FREE_EDGE:
         plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
     else:
@@ -110,7 +106,7 @@ def shell_by_name(
     Parameters
     ----------
     surface
-        barrel, cross, pavilion, dome, tri-dome, free-edge or three-vaults.
+        barrel, cross, pavilion, dome, free-edge or three-vaults.
     span, length, rise, eye, keystone
         See ``shape_by_name`` of the same module.
     thickness : [m]

@@ -26,10 +26,8 @@ from drystone.shells import (
     rectangular_plan,
     shape_volume,
     three_legged_plan,
-    tri_dome,
 )
 from drystone.shells.blocks.materialise import cell_faces
-from drystone.stability import check
 from tests.oracle import largest_warp
 
 LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)
@@ -65,7 +63,6 @@ def fan():
 SHELLS = {
     "cross vault": lambda: build_shell(cross_vault(), Layout(courses=11, width=0.8, wedge=0.1)),
     "pavilion vault": lambda: build_shell(pavilion_vault(), Layout(courses=5, width=1.0)),
-    "tri-dome": lambda: build_shell(tri_dome(), Layout(courses=5, width=1.5, wedge=0.1)),
     "joggle": lambda: build_shell(
         dome(), Layout(courses=6, blocks=12), ShellBody(thickness=0.4, joggle_deg=15.0)
     ),
@@ -413,21 +410,7 @@ def test_layouts_must_be_one_per_patch():
         build_shell(cross_vault(), (LAYOUT, LAYOUT))
 
 
-def test_a_tri_dome_lies_on_a_sphere_and_looks_alike_from_each_foot():
-    shape, place = tri_dome(), np.linspace(0.0, 1.0, 5)
-    points = np.array([[leg.point(u, v) for u in place for v in place] for leg in shape.patches])
-    middle = np.array([0.0, 0.0, points[..., 2].max() - 5.0])
-    np.testing.assert_allclose(np.linalg.norm(points - middle, axis=-1), 5.0)
-    assert points[..., 2].min() == pytest.approx(0.0, abs=1e-12)
-    x, y = points[0, :, 0], points[0, :, 1]
-    turned = np.stack([-0.5 * x - np.sqrt(0.75) * y, np.sqrt(0.75) * x - 0.5 * y], axis=-1)
-    np.testing.assert_allclose(points[1, :, :2], turned, atol=1e-12)
-    assert check(SHELLS["tri-dome"]().model(friction=0.66)).stable
-
-
 def test_impossible_families_are_refused():
-    with pytest.raises(InputError, match=r"feet that end 4\.\d+ m .* a sphere of 4 m"):
-        tri_dome(4.0)
     with pytest.raises(InputError, match="more than half the span"):
         barrel_vault(2.0, 2.0, 3.0)
     with pytest.raises(InputError, match=r"eye of 3\.0 m radius is not above"):

@@ -25,7 +25,6 @@ _USED = {
     "cross": {"--span"},
     "pavilion": {"--span", "--eye", "--keystone"},
     "dome": {"--span", "--eye", "--keystone"},
-    "tri-dome": {"--span"},
     "free-edge": {"--span", "--length", "--rise"},
     "three-vaults": {"--span", "--rise"},
     None: {"--supports", "--units"},
@@ -41,8 +40,8 @@ class SurfaceRequest:
         str,
         Argument(
             "SURFACE",
-            "barrel, cross, pavilion, dome or tri-dome; free-edge or three-vaults, whose form is "
-            "found; or an open mesh file.",
+            "barrel, cross, pavilion or dome; free-edge or three-vaults, whose form is found; or "
+            "an open mesh file.",
         ),
     ]
     span: Annotated[

@@ -1,10 +1,9 @@
-"""Shapes with a formula: barrel, cross and pavilion vault, domes, flat plans for form finding."""
+"""Shapes with a formula: barrel, cross and pavilion vault, dome, flat plans for form finding."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -193,45 +192,6 @@ def rectangular_plan(
 
     supports = tuple(Edge(0, side) for side in Side if side not in open_sides)
     return Shape((Patch(point, name="rectangle"),), (), supports, name="rectangular plan")
-
-
-def tri_dome(
-    radius: float = 5.0, reach: float = 4.2, waist: float = 3.0, foot: float = 2.6
-) -> Shape:
-    """A dome on three feet, with three open sides: part of a sphere about the z axis.
-
-    Parameters
-    ----------
-    radius : [m]
-        Of the sphere.
-    reach, waist, foot : [m]
-        Of its plan, see :func:`three_legged_plan`.
-
-    Raises
-    ------
-    InputError
-        The plan is not inside the sphere.
-    """
-    refuse_unless_positive(radius=radius)
-    plan = three_legged_plan(reach, waist, foot)
-    corner = math.hypot(reach, 0.5 * foot)
-    if corner >= radius:
-        raise InputError(
-            f"feet that end {corner:g} m from the middle are not inside a sphere of {radius:g} m",
-            where="tri-dome",
-            remedy="make the radius larger or the reach smaller",
-        )
-    low = math.sqrt(radius**2 - corner**2)
-
-    def on_sphere(flat: PatchFunction) -> PatchFunction:
-        def point(u: Floats, v: Floats) -> Floats:
-            x, y, _ = np.moveaxis(flat(u, v), -1, 0)
-            return np.stack([x, y, np.sqrt(radius**2 - x**2 - y**2) - low], axis=-1)
-
-        return point
-
-    legs = tuple(replace(leg, function=on_sphere(leg.function)) for leg in plan.patches)
-    return replace(plan, patches=legs, name="tri-dome")
 
 
 def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) -> Shape:
