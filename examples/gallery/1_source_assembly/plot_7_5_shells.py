@@ -2,8 +2,9 @@
 Shells (section 7.5)
 ====================
 
-A vault, a dome and a shell of three vaults: how many blocks can be set freely, and how many
-have to be held or propped. The shapes are ours: the source's dimensions are not known to us.
+A vault, a dome, a shell of three vaults and a tri-dome, which is a dome on three feet: how many
+blocks can be set freely, and how many have to be held or propped. The shapes are ours: the source's
+dimensions are not known to us.
 """
 
 from drystone.reproduce import reproduce
@@ -26,3 +27,8 @@ Frame(case.pictures["dome"])
 # The shell of three vaults.
 
 Frame(case.pictures["three-vault-shell"])
+
+# %%
+# The tri-dome.
+
+Frame(case.pictures["tri-dome"])

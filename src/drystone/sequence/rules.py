@@ -18,8 +18,8 @@ from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage.stages import mask_of, members
 from drystone.sequence.stage.structure import Structure
 
-COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
-"""Names such as ``c06-b03`` give the course."""
+COURSE = re.compile(r"^(?:p\d+-)?[A-Za-z]+[-_]?(\d+)[-_.]")
+"""Names such as ``c06-b03``, or ``p1-c06-b03`` in a shell of several patches, give the course."""
 
 
 COUNTLESS = 10**9

@@ -16,6 +16,7 @@ from drystone.shells.surface.shell_families import (
     pavilion_vault,
     rectangular_plan,
     three_legged_plan,
+    tri_dome,
 )
 from drystone.shells.surface.sources import (
     curve_through,
@@ -76,6 +77,7 @@ __all__ = [
     "shape_volume",
     "shell_by_name",
     "three_legged_plan",
+    "tri_dome",
     "write_blocks",
     "write_schedule",
     "write_unrolled",

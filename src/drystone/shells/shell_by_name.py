@@ -20,6 +20,7 @@ from drystone.shells.surface.shell_families import (
     pavilion_vault,
     rectangular_plan,
     three_legged_plan,
+    tri_dome,
 )
 
 SPAN, EYE = 6.0, 1.0
@@ -41,6 +42,7 @@ class SurfaceKind(enum.Enum):
     DOME = "dome"
     FREE_EDGE = "free-edge"
     THREE_VAULTS = "three-vaults"
+    TRI_DOME = "tri-dome"
 
 
 def shape_by_name(
@@ -63,9 +65,9 @@ def shape_by_name(
     length : [m]
         Of a barrel, depth of a free-edge plan.
     rise : [m]
-        Of a barrel, height of a form that is found.
+        Of a barrel or a tri-dome, height of a form that is found.
     eye : [m]
-        Diameter of the opening of a dome or pavilion vault.
+        Diameter of the opening of a dome, tri-dome or pavilion vault.
     keystone
         Close the opening with one block.
     thickness : [m]
@@ -79,6 +81,8 @@ def shape_by_name(
         return pavilion_vault(span, eye, keystone=keystone), ()
     if kind is SurfaceKind.DOME:
         return dome(0.5 * span, 0.5 * eye, keystone=keystone), ()
+    if kind is SurfaceKind.TRI_DOME:
+        return tri_dome(span, 0.5 * span if rise is None else rise, eye, keystone=keystone), ()
     if kind is SurfaceKind.FREE_EDGE:
         plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
     else:
@@ -106,7 +110,7 @@ def shell_by_name(
     Parameters
     ----------
     surface
-        barrel, cross, pavilion, dome, free-edge or three-vaults.
+        barrel, cross, pavilion, dome, free-edge, three-vaults or tri-dome.
     span, length, rise, eye, keystone
         See ``shape_by_name`` of the same module.
     thickness : [m]

@@ -147,7 +147,7 @@ def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
         ("dome --width 1e-9", ["blocks in a course are too many"]),
         ("dome --course-height 1e-9", ["more than 5,000 courses"]),
         ("dome --course-height nan", ["--course-height", "is nan", "finite"]),
-        ("dome --rise 2", ["--rise", "is for barrel, free-edge, three-vaults"]),
+        ("dome --rise 2", ["--rise", "is for barrel, free-edge, three-vaults, tri-dome"]),
         ("three-vaults --length 3", ["--length", "leave it out for 'three-vaults'"]),
         ("barrel --keystone", ["--keystone", "is for pavilion, dome"]),
         ("barrel --eye 1", ["--eye", "is for pavilion, dome"]),

@@ -159,7 +159,7 @@ def test_a_shell_is_searched_by_its_own_options(
     ("words", "why"),
     [
         ("shell dome --props 0", "give --vary"),
-        ("shell dome --vary rise=1:2", "is for barrel, free-edge, three-vaults"),
+        ("shell dome --vary rise=1:2", "is for barrel, free-edge, three-vaults, tri-dome"),
         ("shell dome --vary stones=1:2", "no parameter 'stones'"),
         ("shell dome --vary thickness=0.3:0.2", "are empty"),
         ("shell dome --vary thickness=0.2:0.3 --buildable", "are two searches"),

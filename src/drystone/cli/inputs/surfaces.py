@@ -27,6 +27,7 @@ _USED = {
     "dome": {"--span", "--eye", "--keystone"},
     "free-edge": {"--span", "--length", "--rise"},
     "three-vaults": {"--span", "--rise"},
+    "tri-dome": {"--span", "--rise", "--eye", "--keystone"},
     None: {"--supports", "--units"},
 }
 """Options of the surface that each kind has; None is a mesh file."""
@@ -40,8 +41,8 @@ class SurfaceRequest:
         str,
         Argument(
             "SURFACE",
-            "barrel, cross, pavilion or dome; free-edge or three-vaults, whose form is found; or "
-            "an open mesh file.",
+            "barrel, cross, pavilion, dome or tri-dome; free-edge or three-vaults, whose form is "
+            "found; or an open mesh file.",
         ),
     ]
     span: Annotated[

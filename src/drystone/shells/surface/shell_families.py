@@ -1,4 +1,4 @@
-"""Shapes with a formula: barrel, cross and pavilion vault, dome, flat plans for form finding."""
+"""Shapes with a formula: vaults, domes, flat plans for form finding."""
 
 from __future__ import annotations
 
@@ -163,6 +163,68 @@ def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True
         tuple(Edge(k, Side.BOTTOM) for k in range(4)),
         tuple(Edge(k, Side.TOP) for k in range(4)) if keystone else (),
         name="pavilion vault",
+    )
+
+
+FOOT_DEG, WAIST, EDGE = 18.0, 0.64, 0.6
+"""Of a tri-dome: half the angle of a foot, the least distance of the open edges from the axis by
+that of the feet, and an exponent of these edges in plan. Chosen for its look."""
+
+
+def tri_dome(
+    span: float = 10.0, rise: float = 5.0, eye: float = 1.0, *, keystone: bool = True
+) -> Shape:
+    """A dome on three feet: a paraboloid about the z axis with three arched openings.
+
+    Its three parts are alike, and join along seams above the openings. The shape is ours.
+
+    Parameters
+    ----------
+    span : [m]
+        Diameter of the circle through the feet.
+    rise : [m]
+        Height of the surface at the axis, if it had no eye.
+    eye : [m]
+        Diameter of the opening at the crown.
+    keystone
+        Whether one block closes the eye.
+
+    Raises
+    ------
+    InputError
+        A length that is not positive, or an eye as wide as the part without openings.
+    """
+    refuse_unless_positive(span=span, rise=rise, eye=eye)
+    reach, rim = 0.5 * span, 0.5 * eye
+    waist = WAIST * reach
+    if rim >= waist:
+        raise InputError(
+            f"an eye of {eye:g} m is too wide for a tri-dome over {span:g} m",
+            remedy=f"make it narrower than {2.0 * waist:g} m",
+        )
+    sixth, foot = math.pi / 3.0, math.radians(FOOT_DEG)
+
+    def leg(middle: float) -> Patch:
+        def point(u: Floats, v: Floats) -> Floats:
+            radius = reach + (rim - reach) * u
+            up = np.clip((radius - waist) / (reach - waist), 0.0, 1.0)
+            half = sixth - (sixth - foot) * up**EDGE
+            angle = middle + half * (2.0 * v - 1.0)
+            height = rise * (1.0 - (radius / reach) ** 2)
+            return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+
+        return Patch(point, name=f"leg at {math.degrees(middle):g} degrees")
+
+    above = (reach - waist) / (reach - rim)
+    return Shape(
+        tuple(leg(0.5 * math.pi + 2.0 * k * sixth) for k in range(3)),
+        tuple(
+            Seam(Edge(k, Side.RIGHT, above, 1.0), Edge((k + 1) % 3, Side.LEFT, above, 1.0))
+            for k in range(3)
+        ),
+        tuple(Edge(k, Side.BOTTOM) for k in range(3)),
+        tuple(Edge(k, Side.TOP) for k in range(3)) if keystone else (),
+        name="tri-dome",
     )
 
 
