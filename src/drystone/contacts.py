@@ -190,19 +190,19 @@ class Contacts(OneLine):
 
     @cached_property
     def corner_capacity(self) -> tuple[Floats, Floats, Floats]:
-        """Largest pull, cohesion and largest shear of each corner, (k,) [N] each.
+        """Largest pull, cohesion and largest shear of each corner, (k,) [N] each; infinite without.
 
         A corner has the share of its tributary area. No pull exceeds that at which it slides open.
         """
         k = self.corner_count
         if self.capacity is None:
-            return frozen(np.zeros(k)), frozen(np.zeros(k)), frozen(np.full(k, NO_LIMIT))
+            return frozen(np.zeros(k)), frozen(np.zeros(k)), frozen(np.full(k, np.inf))
         joint = self.interface
         weight = np.where(self.area[joint] > 0.0, self.tributary, 1.0)
         share = weight / self.corners.sum(weight)[joint]
         given = self.capacity
         tension, cohesion, shear = (
-            np.where(force[joint] >= NO_LIMIT, NO_LIMIT, force[joint] * share)
+            np.where(force[joint] >= NO_LIMIT, np.inf, force[joint] * share)
             for force in (given.tension, given.cohesion, given.shear)
         )
         friction = self.friction[joint]

@@ -32,6 +32,15 @@ UNLIMITED = 1e9
 _SPECK = 1e-4
 """Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
 
+_LIGHT = 1e-4
+"""Forces on a block, by the mean load, below which its joints are softer, in proportion. Their
+overlap is then no less than with such forces. A block of 3e-13 of the others' weight would overlap
+by 3e-13 of what the blocks below it move: rounding changes that by parts of a thousand, and a proof
+allows 1e-8."""
+
+_SOFTEST = 1e-100
+"""Least share of the stiffness of such a joint: a float holds its square."""
+
 
 @dataclass(frozen=True, eq=False)
 class Statics:
@@ -56,6 +65,8 @@ class Statics:
     length : (n,) [m]
     force_unit : [N]
     mean_length : [m]
+    felt : (k,)
+        Force on the block at each corner that feels less, if known. See :meth:`with_felt`.
     """
 
     free: Ints
@@ -77,6 +88,7 @@ class Statics:
     length: Floats
     force_unit: float
     mean_length: float
+    felt: Floats | None = None
 
     @property
     def free_count(self) -> int:
@@ -187,11 +199,26 @@ class Statics:
             return area
         count = np.bincount(self.interface)
         mean = np.bincount(self.interface, area) / np.maximum(count, 1)
-        return np.maximum(np.maximum(area, 0.05 * mean[self.interface]), _SPECK * self.block_area)
+        stiff = np.maximum(np.maximum(area, 0.05 * mean[self.interface]), _SPECK * self.block_area)
+        return stiff if self.felt is None else stiff * np.clip(self.felt / _LIGHT, _SOFTEST, 1.0)
+
+    def with_felt(self, force: Floats) -> Statics | None:
+        """The same where each block feels its load and corner forces (k, 3).
+
+        None where no block feels less than _LIGHT, or so much more than its load.
+        """
+        load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
+        block = np.append(load + self.touching @ lengths(force), np.inf)
+        felt = np.minimum(block[self.block_a], block[self.block_b])
+        if not ((felt < _LIGHT) | (self.corner_load < _LIGHT * felt)).any():
+            return None
+        return replace(self, felt=np.where(felt > 0.0, felt, 1.0))
 
     @cached_property
     def corner_load(self) -> Floats:
-        """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
+        """Typical force (k,) of a corner: the load of the lighter of its free blocks, or felt."""
+        if self.felt is not None:
+            return self.felt
         load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
         load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
         return np.minimum(load[self.block_a], load[self.block_b])

@@ -28,7 +28,7 @@ def test_corners_share_the_capacity_of_their_interface():
     tension, cohesion, shear = model.contacts.corner_capacity
     assert tension == pytest.approx(2.0)
     assert cohesion == pytest.approx(3.0)
-    assert (shear == NO_LIMIT).all()
+    assert (shear == np.inf).all()
 
 
 def test_capacities_follow_a_part_of_the_model():

@@ -16,13 +16,7 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import POLISH_AGAIN, find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
-from drystone.formulations.rest.rest_state import (
-    RestOptions,
-    RestState,
-    Start,
-    block_scale,
-    start_from,
-)
+from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.formulations.rest.same_forces import (
     FAR,
     relaxed_again,
@@ -48,15 +42,6 @@ LEAST_GROUND = replace(AT_REST, ground=1e-17)
 NEARLY = 1e-7
 """Unbalanced share of a block at which weaker ground may still give a proof: with 400 cubes
 rounding alone leaves 3e-10."""
-
-LIGHT = 1e-4
-"""Forces on a block, by the mean load, below which its joints are softer where no rest state was
-proved, in proportion. Their overlap is then no less than with such forces. A block of 3e-13 of the
-others' weight would overlap by 3e-13 of what the blocks below it move: rounding changes that by
-parts of a thousand, and a proof allows 1e-8."""
-
-SOFTEST = 1e-100
-"""Least share of the stiffness of such a joint: a float holds its square."""
 
 STRAIGHT = replace(AT_REST, iteration_limit=16)
 """From nothing, where the model stands with other stiffnesses: no state on stronger ground is
@@ -267,14 +252,10 @@ class Attempts(Record):
             over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
-        for more in (self._on_least_ground, self._with_light_blocks_softer):
-            hangs = self.problem.ground_share(final.ground).max() >= CLEARLY
-            if over or candidate.stands or hangs:
-                break
-            other = more(springs, final)
-            if other is not None:
-                final = other
-                candidate = self.examine(final.motion, final.force)
+        nearly = not (over or candidate.stands) and final.unbalanced < NEARLY
+        if nearly and self.problem.ground_share(final.ground).max() < CLEARLY:
+            final = self._rest(springs, LEAST_GROUND, final)
+            candidate = self.examine(final.motion, final.force)
         falling = state.converged and most > FALLS_FROM
         if not again and (candidate.stands or falling or not self.clock.late()):
             self.tried += 1
@@ -288,19 +269,6 @@ class Attempts(Record):
             if not over:
                 self.stalled.append(final.motion)
         return candidate
-
-    def _on_least_ground(self, springs: Compliance, state: RestState) -> RestState | None:
-        """The state on weaker ground, where that may give a proof."""
-        return self._rest(springs, LEAST_GROUND, state) if state.unbalanced < NEARLY else None
-
-    def _with_light_blocks_softer(self, springs: Compliance, state: RestState) -> RestState | None:
-        """The state with softer joints of blocks that feel LIGHT forces; None if there are none."""
-        statics = self.problem.statics
-        felt = np.append(block_scale(statics, state.force), np.inf)
-        share = np.minimum(felt[statics.block_a], felt[statics.block_b]) / LIGHT
-        if not (share < 1.0).any():
-            return None
-        return self._rest(springs.softened(np.clip(share, SOFTEST, 1.0)), AT_REST, state)
 
     def start(self, springs: Compliance, displacement: Floats) -> Start:
         """A start at displacements (n, 6) [m, rad], such as those of a similar model.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -58,6 +58,14 @@ class Problem:
         if self.model.assembly.fixed[~falling].all():
             return None
         return Problem.build(self.model.without(np.flatnonzero(falling).tolist()))
+
+    def with_felt(self, force: Floats) -> Problem | None:
+        """The same for blocks that feel some forces (k, 3) [N].
+
+        The joints of those that feel hardly any are softer; None where no block differs so much.
+        """
+        statics = self.statics.with_felt(force[self.corners] / self.statics.force_unit)
+        return None if statics is None else replace(self, statics=statics)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("model", "corners", "statics")}

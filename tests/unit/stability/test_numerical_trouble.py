@@ -119,19 +119,43 @@ def test_a_pebble_a_million_times_smaller_than_its_boulder_has_its_own_tolerance
     assert verdict(model, 0.6, LoadCase.tilt(model, X, angle)) is expected
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.6])
 @pytest.mark.parametrize("density", [1e-7, 1e-10, 1e-13])
-def test_a_block_of_hardly_any_weight_stands_on_heavy_ones_that_turn(density):
+def test_a_block_of_hardly_any_weight_stands_on_heavy_ones_that_turn(density, friction):
     lower, upper = box((1, 1, 1), name="lower"), box((1, 1, 1), (0.1, 0, 1), name="upper")
     light = box((1, 1, 1), (0.3, 0.2, 2), name="light", density=density)
     beyond = box((1, 1, 1), (0.9, 0.2, 2), name="light", density=density)
-    beside = box((0.5, 0.5, 0.5), (1.1, 0.1, 0), name="beside", density=density)
-    for blocks in ((lower, upper, light), (lower, beside, upper)):
-        found = check(Model.of(on_ground(ground(), *blocks), friction=0.0))
+    beside = box((0.5, 0.5, 0.5), (1, 0.1, 0), name="beside", density=density)
+    leaning = box((1, 1, 1), (0.2, 0, 1), name="leaning")
+    for blocks in ((lower, upper, light), (lower, beside, leaning)):
+        found = check(Model.of(on_ground(ground(), *blocks), friction=friction))
         assert found.verdict is Verdict.STABLE
         assert found.residuals.largest < 1e-8
-    falls = check(Model.of(on_ground(ground(), lower, upper, beyond), friction=0.0))
+    falls = check(Model.of(on_ground(ground(), lower, upper, beyond), friction=friction))
     assert falls.verdict is Verdict.UNSTABLE
     assert falls.falling == (3,)
+
+
+@pytest.mark.parametrize("density", [1e-3, 1e-10])
+def test_a_boulder_stands_on_pebbles_whatever_their_density(density):
+    pebbles = [
+        box((0.2, 0.2, 0.2), (*place, 0), name=f"pebble {place}", density=density)
+        for place in ((0, 0), (0.8, 0), (0.4, 0.8))
+    ]
+    boulder = box((1, 1, 1), (0, 0, 0.2), name="boulder")
+    top = box((0.2, 0.2, 0.2), (0.2, 0.1, 1.2), name="top", density=density)
+    model = on_ground(ground(), *pebbles, boulder, top)
+    tilted = LoadCase.tilt(model, (1.0, 0.3, 0.0), 15.0)
+    found = check(Model.of(model, friction=0.6, load=tilted))
+    assert found.verdict is Verdict.STABLE
+    assert found.residuals.largest < 1e-8
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(15.0, "stable"), (35.0, "unstable")])
+def test_joints_without_a_limit_have_none_under_any_load(angle, expected):
+    model = on_ground(ground(), box((1, 1, 1), name="heavy", density=1e33))
+    tilted = LoadCase.tilt(model, X, angle)
+    assert check(Model.of(model, friction=0.6, load=tilted)).verdict == expected
 
 
 @pytest.mark.parametrize("g", [1e-12, 1e12])

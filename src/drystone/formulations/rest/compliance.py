@@ -55,18 +55,6 @@ class Compliance:
         share = self.tension / np.where(size > 0.0, size, 1.0)
         return elastic * share, self.normal * share**3
 
-    def softened(self, share: Floats) -> Compliance:
-        """Springs by shares (k,) of their stiffness; a joint slips at the same share of its force.
-
-        The pull of joints stays as it is.
-        """
-        law = self.friction
-        if isinstance(law, SlipLength):
-            law = replace(law, slip=law.slip / share)
-        elif isinstance(law, StickSlip):
-            law = replace(law, stiffness=law.stiffness * share)
-        return replace(self, normal=self.normal * share, friction=law)
-
     @classmethod
     def stacked(cls, several: Sequence[Compliance]) -> Compliance:
         """Springs of one model side by side: arrays (s, k)."""
