@@ -320,7 +320,9 @@ RBE with the eight-sided pyramid around the cone, as in the source, and with the
 state with uniform contact stiffness (as in a discrete-element program); a rest state with some
 contact stiffness, found by a search, with a stiffness ratio of at most 200; rest after [finite
 steps](settlement.md); the verdict of `check`, which is that of the steps where not every stiffness
-stands or a joint slides far; and the conditions of eq. 5.6. In the columns *settled* and *check*
+stands or a joint slides far ([why the two may differ by up to
+0.2](settlement.md#published-limits)); and the conditions of eq. 5.6. In the columns *settled* and
+*check*
 the block that moves carries the ends of joints. By default `check` tries either block as carrier,
 and is undecided where the two differ: for the wedges b and c some degrees below the column, because
 wedge and groove end in one line.
