@@ -166,8 +166,15 @@ class Statics:
     @cached_property
     def full_transposed(self) -> Floats | None:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
-        rows, columns = 3 * self.corner_count, 6 * self.free_count
-        return self.matrix_transposed.toarray() if rows * columns <= _FULL else None
+        k, n = self.corner_count, self.free_count
+        if 18 * k * n > _FULL:
+            return None
+        full = np.zeros((k, 3, n, 6))
+        sides = (self.block_a, self.transfer_a), (self.block_b, self.transfer_b)
+        for block, transfer in sides:
+            corner = np.flatnonzero(block >= 0)
+            full[corner, :, block[corner]] = np.swapaxes(transfer[corner], 1, 2)
+        return full.reshape(3 * k, 6 * n)
 
     @cached_property
     def normal_stiffness(self) -> Floats:

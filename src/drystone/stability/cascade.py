@@ -84,8 +84,8 @@ class Cascade:
         Whether only standing with every stiffness counts: the first that does not hold it ends the
         check.
     witness
-        Whether other stiffnesses are tried for a first motion where blocks were followed to a fall.
-        Their motion is told where there is none.
+        Whether other stiffnesses are tried after one that does not hold, and for a first motion
+        where blocks were followed to a fall. Their motion is told where there is none.
     nearest
         The mechanism nearest to free fall, where it is known already.
     rest
@@ -280,7 +280,8 @@ class Cascade:
             self.answers.report("stiffness samples", 2 + number)
             if record.standing:
                 self.rests[number] = record.standing[0].displacement
-            elif self.options.uniform or self.robust:  # settlement decides, or nothing is left
+            elif self.options.uniform or self.robust or not self.witness:
+                # settlement decides, or nothing is left
                 self.rests[number] = NONE_FOUND
                 break
 

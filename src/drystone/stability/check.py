@@ -182,9 +182,9 @@ def verdict_alone(
 ) -> Result:
     """The verdict of :func:`drystone.check`, for a search that asks for many.
 
-    Where blocks were followed to a fall no other stiffness is tried for a first motion: the
-    mechanism of the result is then the motion that was followed. Parameters as for
-    :func:`stands_robustly`.
+    After the first stiffness that does not hold the blocks no other is tried: following them
+    decides. Where they were followed to a fall, the mechanism of the result is the motion that was
+    followed. Parameters as for :func:`stands_robustly`.
     """
     clock = Clock(time_limit_s, stop)
     problem, known = Problem.build(model), None if near is None else near.displacement

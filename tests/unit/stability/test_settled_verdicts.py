@@ -198,6 +198,16 @@ def test_the_verdict_alone_is_that_of_the_check(angle: float) -> None:
     assert found.samples.tried <= whole.samples.tried
 
 
+def test_the_verdict_alone_tries_no_stiffness_after_one_that_does_not_hold() -> None:
+    model = tilted(wedge("b", longer=0.2), X, 41.0)
+    found, whole = verdict_alone(model), check(model)
+    assert found.verdict is whole.verdict is Verdict.STABLE
+    assert found.settlement.outcome is Outcome.RESTS
+    assert found.settlement.travel == whole.settlement.travel
+    assert found.samples.standing == found.samples.tried - 1
+    assert found.samples.tried < whole.samples.tried
+
+
 @pytest.mark.parametrize("tilt", [65.2, 65.8])
 def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed(
     tilt: float,
