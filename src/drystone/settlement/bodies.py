@@ -100,7 +100,7 @@ def build_bodies(
     # relative to a point of the model, so a distant origin costs no digits
     origin = assembly.centroid[free].mean(axis=0)
     centroid = (assembly.centroid - origin) / length
-    radius = _gyration_radii(assembly) / length
+    radius = gyration_radii(assembly) / length
     wrench = model.load.wrench[free]
     load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
@@ -149,7 +149,7 @@ def _weights(area: Floats, interface: Ints) -> Floats:
     return np.maximum(area, LEAST_AREA * mean[interface])
 
 
-def _gyration_radii(assembly: Assembly) -> Floats:
+def gyration_radii(assembly: Assembly) -> Floats:
     """Radius of gyration (n,) [m]: root of the mean moment of inertia divided by mass.
 
     Independent of the axes of the model. No body has less than a ball of its volume; rounding would

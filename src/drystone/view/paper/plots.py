@@ -31,14 +31,22 @@ _INCH = 4.2
 _GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
 
 
+def _axes(title: str, across: str, up: str) -> tuple[Figure, Any]:
+    """A figure with one pair of axes and a grid."""
+    from matplotlib.figure import Figure  # optional work: plotting is slow to import
+
+    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
+    axes: Any = figure.add_subplot(title=title, xlabel=across, ylabel=up)
+    axes.title.set_fontsize(10)
+    axes.grid(alpha=0.25)
+    return figure, axes
+
+
 @saved_plot
 def save_curve(found: LargeDisplacement, title: str) -> Figure:
     """Draw the load against the displacement, with new hinges and slides."""
-    from matplotlib.figure import Figure  # optional work: plotting is slow to import
-
     colour = ROLE_COLOUR["light"]
-    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes: Any = figure.add_subplot()
+    figure, axes = _axes(f"{title}\n{found.message}".strip(), *LABELS[found.drive])
     axes.plot(found.displacement, found.load, "-", color=colour["pressure"], linewidth=1.8)
     events = found.events()
     for kind, label, ink, shape in (
@@ -55,11 +63,6 @@ def save_curve(found: LargeDisplacement, title: str) -> Figure:
             f"{found.capacity:.4g} m", (found.capacity, axes.get_ylim()[1]), fontsize=9,
             ha="right", va="top", rotation=90, xytext=(-2, -4), textcoords="offset points",
         )  # fmt: skip
-    across, up = LABELS[found.drive]
-    axes.set_xlabel(across)
-    axes.set_ylabel(up)
-    axes.set_title(f"{title}\n{found.message}".strip(), fontsize=10)
-    axes.grid(alpha=0.25)
     if len(events):
         axes.legend(frameon=False, fontsize=9)
     return figure
@@ -71,11 +74,10 @@ def save_share(found: StandingShare, title: str) -> Figure:
 
     There is a line for each order of loading.
     """
-    from matplotlib.figure import Figure  # optional work: plotting is slow to import
-
     colour = ROLE_COLOUR["light"]
-    figure = Figure(figsize=(7.0, 4.4), layout="constrained")
-    axes: Any = figure.add_subplot()
+    figure, axes = _axes(
+        title, "draws", f"share that stands, interval at {found.confidence:.0%} confidence"
+    )
     table = found.table()
     for row, ink in zip(found.by_loading(), _INKS, strict=False):
         stands = np.cumsum(table["stands"][table["loading"] == row["loading"]])
@@ -89,11 +91,7 @@ def save_share(found: StandingShare, title: str) -> Figure:
         label = f"{row['loading']}: {row['share']:.1%} ({row['low']:.1%} to {row['high']:.1%})"
         axes.plot(count, stands / count, "-", color=colour[ink], label=label)
         axes.fill_between(count, *bounds.T, color=colour[ink], alpha=0.15, linewidth=0.0)
-    axes.set_xlabel("draws")
-    axes.set_ylabel(f"share that stands, interval at {found.confidence:.0%} confidence")
     axes.set_ylim(-0.02, 1.02)
-    axes.set_title(title, fontsize=10)
-    axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=9, loc="best")
     return figure
 
@@ -202,12 +200,12 @@ def _lambert(direction: Floats, sign: float) -> Floats:
 @saved_plot
 def save_front(found: Tuned, title: str) -> Figure:
     """Draw all trials: the first two goals against each other, or one goal by the trial."""
-    from matplotlib.figure import Figure  # optional work: plotting is slow to import
-
     colour = ROLE_COLOUR["light"]
-    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes: Any = figure.add_subplot()
     several = len(found.goals) > 1
+    labels = (
+        [_label(goal) for goal in found.goals[:2]] if several else ["trial", _label(found.goals[0])]
+    )
+    figure, axes = _axes(f"{title}\n{found._summary()}".strip(), *labels)
     drawn = [one for one in found.trials if one.goals]
     places = {
         stands: np.array([_place(one, several) for one in drawn if one.stands is stands])
@@ -223,10 +221,6 @@ def save_front(found: Tuned, title: str) -> Figure:
     if len(front):
         label = "front: no other is better in every goal" if several else "best"
         axes.plot(*front.T, "-D", color=colour["help"], label=label, markersize=6, linewidth=1.2)
-    axes.set_xlabel(_label(found.goals[0]) if several else "trial")
-    axes.set_ylabel(_label(found.goals[1] if several else found.goals[0]))
-    axes.set_title(f"{title}\n{found._summary()}".strip(), fontsize=10)
-    axes.grid(alpha=0.25)
     if drawn:
         axes.legend(frameon=False, fontsize=9)
     return figure
