@@ -93,13 +93,12 @@ def find_rest(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         # a diverging trial step overflows and is rejected by the merit function
         state = _Path(system, compliance, chosen).follow(start, stop, falls)
-        late = stop is not None and stop()
-        if compliance.tension is not None and not state.converged and not late:
-            # joints that pull more at first can lead away from the rest state
-            other = _Path(system, compliance, chosen, harder=False).follow(start, stop)
-            steps = state.iterations + other.iterations
-            state = replace(other if other.converged else state, iterations=steps)
-        return state
+        if compliance.tension is None or state.converged or (stop is not None and stop()):
+            return state
+        # joints that pull more at first can lead away from the rest state
+        other = _Path(system, compliance, chosen, harder=False).follow(start, stop)
+        steps = state.iterations + other.iterations
+        return replace(other if other.converged else state, iterations=steps)
 
 
 class _Path:
