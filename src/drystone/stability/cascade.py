@@ -270,6 +270,8 @@ class Cascade:
         like_settlement = self.rests.get(1)
         if like_settlement is None or not self.problem.statics.dry:
             return True
+        if not len(like_settlement):
+            return False  # it was stopped before
         return self.problem.slide_by_overlap(like_settlement) <= SLIDES_FAR
 
     def _settles_alike(self) -> bool:

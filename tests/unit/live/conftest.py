@@ -6,12 +6,15 @@ from pathlib import Path
 import pytest
 
 from drystone.live.serving import Live
-from tests.unit.live.live_client import Window, served_arch
+from tests.unit.live.live_client import Window, served_arch, write_arch
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("live")
+    """A folder with the file of the arch, whether it is served or not."""
+    made = tmp_path_factory.mktemp("live")
+    write_arch(made)
+    return made
 
 
 @pytest.fixture(scope="module")

@@ -26,11 +26,16 @@ PATIENCE = 300.0
 
 @contextmanager
 def served_arch(folder: Path) -> Iterator[Live]:
-    """A server of an arch of twelve voussoirs, friction 0.9, whose file is written there."""
+    """A server of the arch that is written there."""
+    with Live(write_arch(folder), port=0) as made:
+        yield made
+
+
+def write_arch(folder: Path) -> Path:
+    """The file of an arch of twelve voussoirs, friction 0.9."""
     path = folder / "arch.json"
     io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
-    with Live(path, port=0) as made:
-        yield made
+    return path
 
 
 def ask(
