@@ -54,7 +54,9 @@ EXACT = 1e-6
 """Duality gap, by the power of the loads, at which the iteration ends in any case."""
 
 NEARLY_BALANCED = 3e-2
-"""Acceleration left at which a change of the forces alone is tried."""
+"""Acceleration left at which a change of the forces alone is tried. Measured on the shelf,
+an arch and a barrel vault, tilted or not: 16 steps in all at 3e-1, 20 here, 26 at 1e-3; each try
+costs a factorisation."""
 
 FIRST_SLACK = 0.1
 """Slack of all corners at the start, by the acceleration of free fall. Measured: 1 takes up to

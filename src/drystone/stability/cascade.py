@@ -213,11 +213,12 @@ class Cascade:
         where it is not shown. What a block feels is at first taken from any forces that balance the
         loads: on uniform springs heavy blocks that turn may throw it away.
         """
+        if self.problem.statics.felt is not None:
+            return None  # this is such a try
         force, options = uniform.force, replace(self.options, settle=False, uniform=False)
         if self.nearest is not None and not uniform.stands:
             force = self.problem.force(self.nearest.force)
-        known = self.problem.statics.felt is not None
-        for _ in range(0 if known else ROUNDS):
+        for _ in range(ROUNDS):
             problem = self.problem.with_felt(force)
             if problem is None or self.clock.late():
                 return None

@@ -59,7 +59,11 @@ class SurfaceRequest:
     ] = None
     rise: Annotated[
         float | None,
-        Option("Rise of a barrel, height of a form found, in m.", MODEL, kind=kinds.POSITIVE),
+        Option(
+            "Rise of a barrel or tri-dome, height of a form found, in m.",
+            MODEL,
+            kind=kinds.POSITIVE,
+        ),
     ] = None
     thickness: Annotated[
         float | None,

@@ -22,7 +22,8 @@ nine models: 265 factorisations for other stiffnesses in place of 270 with 0.9 t
 
 STICKS, SLIPPED = 0.999, 1.0001
 """Share of the bound below which a corner sticks, and share of the slide at the bound from which on
-it slides."""
+it slides. Both are off the corner of the law by more than rounding, so that its slope is that of
+the side on which the corner was."""
 
 
 @dataclass(frozen=True, eq=False)
