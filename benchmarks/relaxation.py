@@ -30,7 +30,7 @@ from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.springs import BlockPositions, place_corners, respond, rotations
 from drystone.settlement.together import Union, joined
 
-OVERLAP, TANGENTIAL = 1e-5, 0.2
+OVERLAP, TANGENTIAL = 1e-5, SettlementOptions().tangential
 """Those of both schemes. The overlap is ten times the default one: the number of explicit steps
 until a fall grows with its inverse."""
 APART = 1.5

@@ -1,7 +1,7 @@
 """Published tilt limits beside ours: ``python -m benchmarks.thesis`` writes docs/validation.md.
 
-Every limit is found by a scan from 0 to 180 degrees and a bisection to 0.05 degree. With
-``--rows FILE`` the rows are kept there as they come, and those that are there are not measured
+Every limit is found by a scan from 0 to 180 degrees, and by :func:`benchmarks.scan.first_loss`.
+With ``--rows FILE`` the rows are kept there as they come, and those that are there are not measured
 again: so it may be stopped and goes on where it was.
 """
 
@@ -312,8 +312,8 @@ def page(rows: Sequence[Row]) -> str:
 
 Written by `python -m benchmarks.thesis`, drystone {drystone.__version__}, Python
 {platform.python_version()}, {platform.machine()}. Angles in degrees, to 0.05: the largest
-counter-clockwise tilt about the axis up to which the model stands, by a scan from 0 and a
-bisection; 180 where it never falls.
+counter-clockwise tilt about the axis up to which the model stands, by a scan from 0, a bisection to
+a degree and a scan to the first fall; 180 where it never falls.
 
 Published: Kao 2023 (doctoral dissertation, ETH Zurich), with 3DEC as its reference. Ours:
 RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a rest

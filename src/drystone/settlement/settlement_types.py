@@ -55,7 +55,8 @@ class SettlementOptions(Options):
         Of the corners under the mean load of a block: small for rigid blocks. Between 1e-6 and 1e-7
         no limit of ten measured models changes by more than half a degree.
     tangential
-        Tangential by normal stiffness. Discrete-element programs use 0.1 to 1.
+        Tangential by normal stiffness. Discrete-element programs use 0.1 to 1. The default has the
+        smallest largest miss of 41 published limits; two of them depend on it.
     loading
         In which order the load is put on: at once, as a ramp, or turned from upright.
     pace
@@ -68,7 +69,7 @@ class SettlementOptions(Options):
     fall: float = 0.3
     carrier: Carrier | None = None
     overlap: float = 1e-6
-    tangential: float = 0.2
+    tangential: float = 0.17
     loading: Loading = Loading.AT_ONCE
     pace: float = 1.0
     step_limit: int = 5000

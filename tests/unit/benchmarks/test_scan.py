@@ -21,6 +21,12 @@ def test_islands_beyond_the_limit_are_told() -> None:
     assert found.islands == (40.0, 45.0, 50.0)
 
 
+def test_a_narrow_fall_below_the_last_one_is_found() -> None:
+    # as close to the limit of a hood: it falls, stands again a little farther, and falls for good
+    found = tilt_limit(lambda angle: angle < 41.48 or 41.52 < angle < 41.6)
+    assert found.angle == pytest.approx(41.475, abs=0.026)
+
+
 def test_never_and_always_are_answers() -> None:
     assert tilt_limit(lambda angle: True).angle == 180.0
     assert tilt_limit(lambda angle: False).angle == 0.0

@@ -210,7 +210,7 @@ def test_blocks_follow_supports_by_finite_ways() -> None:
     first = support_response(model, {"springer-right": (0.001, 0.0, 0.0)}).result.displacement
     assert first is not None
     # to first order where the support moves little
-    assert small.displacement[crown, 4] == pytest.approx(first[crown, 4], rel=1e-3)
+    assert small.displacement[crown, 4] == pytest.approx(first[crown, 4], rel=2e-3)
     foot = assembly.index("springer-right")
     np.testing.assert_allclose(large.displacement[foot, :3], (0.02, 0.0, 0.0), atol=1e-12)
     assert large.displacement[crown, 2] < 0.0

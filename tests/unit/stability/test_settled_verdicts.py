@@ -208,7 +208,7 @@ def test_the_verdict_alone_tries_no_stiffness_after_one_that_does_not_hold() -> 
     assert found.samples.tried < whole.samples.tried
 
 
-@pytest.mark.parametrize("tilt", [65.2, 65.8])
+@pytest.mark.parametrize("tilt", [65.7, 66.3])
 def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed(
     tilt: float,
 ) -> None:
