@@ -24,7 +24,7 @@ from drystone.limits.limit_checks import (
     one_stiffness,
     verdict,
 )
-from drystone.limits.limit_families import Family
+from drystone.limits.limit_families import Family, ModelsOnce
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import VerdictSearch
 from drystone.model import Model
@@ -201,17 +201,19 @@ def _in_two_steps(
     it is cheaper than following the blocks, and if they fall just beyond it, it is the answer.
     """
     (start, last), scan = span, means.options.scan
-    closing = 0.0
+    family, closing = ModelsOnce(family), 0.0
+    # each value begins at the rest states of the last one that stands for every stiffness, and what
+    # was tried at a value is not tried there again
+    near_states = RestStates()
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
         width = max(width, _COARSE * abs(last - start))
         closing = _CLOSING * width
     uniformly, verdict_there = means.at_start
-    search = means.search(family, one_stiffness, STANDS_OR_NOT, {start: uniformly})
+    known = {start: uniformly}
+    search = means.search(family, partial(one_stiffness, near=near_states), STANDS_OR_NOT, known)
     uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
-    # each value begins at the rest states of the last one that stands for every stiffness
-    near_states = RestStates()
     full = means.search(family, partial(verdict, near=near_states), known={start: verdict_there})
     every = means.search(family, partial(every_stiffness, near=near_states), STANDS_OR_NOT)
     near = start if edge is None else edge

@@ -9,7 +9,7 @@ from drystone import stability
 from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.check import RestStates
+from drystone.stability.check import RestStates, stands_uniformly
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
@@ -19,18 +19,19 @@ SEARCHED = 500
 :func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
 ones are made instead."""
 
-_ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
-
 _UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
 the quick level gives the same limits as the patient one in half of the time."""
 
 
-def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+def one_stiffness(
+    model: Model, *, near: RestStates | None = None, stop: Stop | None = None
+) -> Result:
     """Whether it stands with uniform contact stiffness: the fastest proof."""
     if model.contacts.corner_count > SEARCHED:
-        return stability.try_rest(model, screening=_UNIFORM, stop=stop)
-    return stability.check(model, options=_ONE_STIFFNESS, stop=stop)
+        tried = None if near is None else near.tried_on(model)
+        return stability.try_rest(model, screening=_UNIFORM, tried=tried, stop=stop)
+    return stands_uniformly(model, near=near, stop=stop)
 
 
 def every_stiffness(

@@ -48,7 +48,12 @@ from drystone.stability.proofs import (
 )
 from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
-from drystone.stability.stiffness_samples import NONE_FOUND, attempt_sample, samples_to_try
+from drystone.stability.stiffness_samples import (
+    NONE_FOUND,
+    Tried,
+    attempt_sample,
+    samples_to_try,
+)
 
 UNBALANCED = "no contact forces can balance the loads"
 
@@ -95,6 +100,8 @@ class Cascade:
         The mechanism nearest to free fall, where it is known already.
     rest
         The rest state of uniform stiffness, where it is known already.
+    tried
+        What other checks of this model have tried. What is found here is added.
 
     Attributes
     ----------
@@ -115,6 +122,7 @@ class Cascade:
         witness: bool = True,
         nearest: NearestMechanism | None = None,
         rest: Candidate | None = None,
+        tried: Tried | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -126,6 +134,7 @@ class Cascade:
         self.witness = witness
         self.nearest = nearest
         self.rest = rest
+        self.tried = Tried() if tried is None else tried
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
@@ -182,6 +191,8 @@ class Cascade:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = self.uniform = attempts.attempt(smooth, again=True)
+                if uniform.stands:
+                    self.tried.uniform = uniform
         if uniform.stands:
             self.rests[0] = uniform.displacement
             if FOLLOWED in self.known:
@@ -246,10 +257,16 @@ class Cascade:
         self.answers.report("rest state", 0)
         if self._nearby is not None:
             return self._nearby
+        if self.tried.uniform is not None:
+            self.attempts.add(Record([self.tried.uniform], tried=1))
+            return self.tried.uniform
         # without friction equilibrium decides
         much = MUCH if self.problem.statics.friction.any() else CLEARLY
         springs = compliance.uniform(self.problem.statics)
-        return self.attempts.attempt(springs, falls=lambda: self.collapse is not None, much=much)
+        found = self.attempts.attempt(springs, falls=lambda: self.collapse is not None, much=much)
+        if found.stands:
+            self.tried.uniform = found
+        return found
 
     @cached_property
     def _nearby(self) -> Candidate | None:
@@ -314,7 +331,9 @@ class Cascade:
             return
         if not self.options.samples:
             return
-        samples = samples_to_try(attempts, self.options, uniform, self.known, self.within)
+        samples = samples_to_try(
+            attempts, self.options, uniform, self.known, self.within, self.tried
+        )
         self.answers.report("stiffness samples", 2)
         lead = self.options.uniform
         task = partial(attempt_sample, self.problem, self.clock, lead)
@@ -324,7 +343,11 @@ class Cascade:
             self.answers.report("stiffness samples", 2 + number)
             if record.standing:
                 self.rests[number] = record.standing[0].displacement
-            elif self.options.uniform or self.robust or not self.witness:
+                continue
+            whole = not samples[number - 1].briefly and not self.clock.late()
+            if whole and uniform is self.tried.uniform:
+                self.tried.failed[number] = record
+            if self.options.uniform or self.robust or not self.witness:
                 # settlement decides, or nothing is left
                 self.rests[number] = NONE_FOUND
                 break

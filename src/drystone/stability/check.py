@@ -19,6 +19,7 @@ from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
+from drystone.stability.stiffness_samples import Tried
 
 
 @checked_call
@@ -126,9 +127,36 @@ class RestStates:
     displacement : (n, 6) [m, rad] each
         Of the last model that stands with every stiffness, by the number of the contact stiffness,
         0 for the uniform one. Empty: there is none yet.
+    tried
+        What was tried on each model, so that it is tried once.
     """
 
     displacement: Mapping[int, Floats] = field(default_factory=dict)
+    tried: dict[Model, Tried] = field(default_factory=dict)
+
+    def tried_on(self, model: Model) -> Tried:
+        """What was tried on this model, for checks to add to."""
+        return self.tried.setdefault(model, Tried())
+
+
+@checked_call
+def stands_uniformly(
+    model: Model,
+    *,
+    near: RestStates | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+) -> Result:
+    """The verdict with uniform contact stiffness, for a search that asks for many.
+
+    Its rest state is kept for other checks of the same model. Parameters as for
+    :func:`stands_robustly`; the check begins at no other model.
+    """
+    options, clock = CheckOptions(samples=0, settle=False), Clock(time_limit_s, stop)
+    problem, tried = Problem.build(model), None if near is None else near.tried_on(model)
+    return Cascade(problem, options, progress, clock, executor, tried=tried).run()
 
 
 @checked_call
@@ -160,7 +188,8 @@ def stands_robustly(
     """
     options, clock = CheckOptions(settle=False), Clock(time_limit_s, stop)
     problem, known = Problem.build(model), None if near is None else near.displacement
-    cascade = Cascade(problem, options, progress, clock, executor, known, robust=True)
+    tried = None if near is None else near.tried_on(model)
+    cascade = Cascade(problem, options, progress, clock, executor, known, robust=True, tried=tried)
     found = cascade.run()
     if found.stable and model.assembly.free.size and not cascade.robustly:
         return replace(found, verdict=Verdict.UNDECIDED)
@@ -188,8 +217,10 @@ def verdict_alone(
     """
     clock = Clock(time_limit_s, stop)
     problem, known = Problem.build(model), None if near is None else near.displacement
-    options = CheckOptions()
-    return Cascade(problem, options, progress, clock, executor, known, witness=False).run()
+    options, tried = CheckOptions(), None if near is None else near.tried_on(model)
+    return Cascade(
+        problem, options, progress, clock, executor, known, witness=False, tried=tried
+    ).run()
 
 
 @checked_call

@@ -22,6 +22,7 @@ from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
+from drystone.stability.stiffness_samples import Tried
 
 
 @checked_call
@@ -31,6 +32,7 @@ def try_rest(
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
+    tried: Tried | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -52,6 +54,9 @@ def try_rest(
         ``displacement`` of the rest state of a similar model with the same blocks. The first law
         begins there, which halves the steps where few blocks differ. The size of the motion does
         not matter. A patient level that finds nothing from the start also begins from nothing.
+    tried
+        Keeps a rest state of the stick-slip law that is found from nothing, for other checks of the
+        same model.
 
     Returns
     -------
@@ -84,6 +89,9 @@ def try_rest(
         found = None if near is None else attempts.nearby(*near)
         if found is None:
             found = _first_standing(attempts, screening, near and near[1])
+            first = attempts.tried == 1 and screening.slip_lengths[0] is None and start is None
+            if tried is not None and first:
+                tried.uniform = found
         if found is not None:
             verdict, message, residuals = Verdict.STABLE, "stands", found.residuals
             force, displacement = found.force, found.displacement

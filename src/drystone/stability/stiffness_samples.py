@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,23 @@ NONE_FOUND = np.zeros((0, 6))
 """In place of a rest state that was not found."""
 
 
+@dataclass(eq=False)
+class Tried:
+    """What checks of one model have tried, which other checks of it need not try again.
+
+    Attributes
+    ----------
+    uniform
+        The rest state of uniform stiffness that was found from nothing.
+    failed
+        What came of the samples, by number, to which that rest state does not lead, nor a path from
+        nothing.
+    """
+
+    uniform: Candidate | None = None
+    failed: dict[int, Record] = field(default_factory=dict)
+
+
 class StiffnessSample(NamedTuple):
     """A stiffness to try.
 
@@ -34,14 +51,14 @@ class StiffnessSample(NamedTuple):
         Similar rest states.
     briefly
         Whether to try from those only.
-    found
-        The rest state, where it is known.
+    known
+        What came of it, where it was tried already.
     """
 
     springs: Compliance
     rests: Sequence[Rest]
     briefly: bool = False
-    found: Candidate | None = None
+    known: Record | None = None
 
 
 def samples_to_try(
@@ -50,6 +67,7 @@ def samples_to_try(
     uniform: Candidate,
     known: Mapping[int, Floats],
     within: tuple[Ints, int] | None,
+    tried: Tried,
 ) -> list[StiffnessSample]:
     """The samples of the stiffness; those near known rest states are tried here, at once.
 
@@ -60,6 +78,8 @@ def samples_to_try(
         The answer of uniform stiffness.
     known, within
         As for :class:`drystone.stability.cascade.Cascade`.
+    tried
+        What failed from the same rest state before is tried near other known ones only.
     """
     statics = attempts.problem.statics
     tangential = options.settlement.tangential
@@ -82,7 +102,12 @@ def samples_to_try(
         starts = [out[i].rests[0].displacement for i in first]
         found = several_nearby(attempts, [out[i].springs for i in first], starts)
         for i, one in zip(first, found, strict=True):
-            out[i] = out[i]._replace(rests=out[i].rests[1:], found=one)
+            stood = None if one is None else Record([one], tried=1)
+            out[i] = out[i]._replace(rests=out[i].rests[1:], known=stood)
+    for number, record in tried.failed.items() if uniform is tried.uniform else ():
+        again = out[number - 1]
+        if again.known is None and len(again.rests) == 1 and not again.briefly:
+            out[number - 1] = again._replace(known=record)
     return out
 
 
@@ -116,8 +141,8 @@ def several_nearby(
 @one_blas_thread()
 def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: StiffnessSample) -> Record:
     """One try of other stiffnesses, first from similar rest states."""
-    if sample.found is not None:
-        return Record([sample.found], tried=1)
+    if sample.known is not None:
+        return sample.known
     tries = Attempts(problem, clock)
     springs, rests, briefly, _ = sample
     tries.attempt_from(springs, rests, lead=lead, briefly=briefly)

@@ -30,10 +30,13 @@ from drystone.limits import (
     thrust_bounds,
     tilt_sweep,
 )
-from drystone.limits.limit_checks import verdict
+from drystone.limits.limit_checks import every_stiffness, verdict
+from drystone.limits.limit_families import ModelsOnce
 from drystone.model import Model
 from drystone.models import arch, ferris_wall, h_model, incline, tower, wedge
 from drystone.results import Samples
+from drystone.stability.attempts import Attempts
+from drystone.stability.check import RestStates
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -279,6 +282,27 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     assert limit.uniform.stands < limit.rest.stands
     assert limit.is_sensitive
     assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)
+
+
+def test_a_value_is_not_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    # uniform stiffness holds the wall, the first sample does not; then its blocks are followed
+    wall = ferris_wall(2)
+    push = LoadFactor(Model(wall, touching_faces(wall, 0.65)), LoadCase.seismic(wall, 1.0))
+    family, near = ModelsOnce(push), RestStates()
+    assert every_stiffness(family(0.56), near=near).verdict is Verdict.UNDECIDED
+
+    def never(*given: object, **how: object) -> None:
+        raise AssertionError(given, how)
+
+    monkeypatch.setattr(Attempts, "attempt", never)
+    monkeypatch.setattr(Attempts, "attempt_from", never)
+    assert every_stiffness(family(0.56), near=near).verdict is Verdict.UNDECIDED
+    again = verdict(family(0.56), near=near)
+    assert again.settlement is not None
+    assert again.stable
+    assert again.samples == Samples(2, 1)
+    sent = pickle.loads(pickle.dumps(family))
+    np.testing.assert_array_equal(sent(0.56).load.wrench, family(0.56).load.wrench)
 
 
 def stands_up_to(degrees: float, standing: int) -> Callable[..., Result]:
