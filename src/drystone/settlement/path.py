@@ -27,7 +27,7 @@ STIFFER = 1e-2
 """Overlap of the next try by the last where springs are too soft."""
 STIFF_STEPS = 1500
 """Increments on stiffer springs after which a verdict is undecided. The Armadillo vault rests after
-230 to 260 at 21 degrees and after 1,200 at 21.5. On stiffer springs a block takes a hundred times
+200 at 21 degrees and after 1,050 at 21.5. On stiffer springs a block takes a hundred times
 as many steps to leave."""
 
 
