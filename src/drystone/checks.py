@@ -74,12 +74,14 @@ def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
     loads = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
     total = np.repeat(loads[:, None], force.shape[1], axis=1)
     scale = lengths(total[..., :3]) + lengths(total[..., 3:])
-    strength = lengths(force)
-    for block, sign in zip(_corner_blocks(contacts), (-1.0, 1.0), strict=True):
+    joints = contacts.corners
+    pushed, strength = joints.sum(world), joints.sum(lengths(force))
+    for of_joint, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
+        block = of_joint[contacts.interface]
         arm = (contacts.point - assembly.centroid[block]) / size[block, None]
-        turning = cross(arm[:, None], world)
-        np.add.at(total, block, sign * np.concatenate([world, turning], axis=2))
-        np.add.at(scale, block, strength)
+        turned = joints.sum(cross(arm[:, None], world))
+        np.add.at(total, of_joint, sign * np.concatenate([pushed, turned], axis=2))
+        np.add.at(scale, of_joint, strength)
     return total, np.where(scale > 0.0, scale, 1.0)
 
 
@@ -148,8 +150,9 @@ def _residuals(
     moved = corner_motion(assembly, contacts, displacement)
     reach = lengths(moved)
     largest = np.zeros((len(assembly), force.shape[1]))
-    np.maximum.at(largest, a, reach)
-    np.maximum.at(largest, b, reach)
+    farthest = contacts.corners.max(reach)
+    np.maximum.at(largest, contacts.block_a, farthest)
+    np.maximum.at(largest, contacts.block_b, farthest)
     length = np.minimum(largest[a], largest[b])
     safe = np.where(length > 0.0, length, 1.0)
     opening = np.maximum(0.0, moved[..., 0]) / safe

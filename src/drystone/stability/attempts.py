@@ -39,6 +39,11 @@ LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
 4e-8 of the load of a block with 400 cubes."""
 
+FROM_FORCES = replace(AT_REST, tolerance=3e-9)
+"""From the forces of another rest state: a third of what a proof allows. Measured on eleven models:
+1.70 in place of 1.75 times the factorisations of the uniform stiffness, and a tenth fewer
+solutions."""
+
 NEARLY = 1e-7
 """Unbalanced share of a block at which weaker ground may still give a proof: with 400 cubes
 rounding alone leaves 3e-10."""
@@ -285,9 +290,11 @@ class Attempts(Record):
         motion = statics.scaled_motion(np.asarray(displacement), statics.mean_length)
         return start_from(self.problem.system, springs, motion)
 
-    def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
+    def nearby(
+        self, springs: Compliance, start: Start, options: RestOptions = AT_REST
+    ) -> Candidate | None:
         """The rest state near a start, if there is one and it stands."""
-        state = find_rest_nearby(self.problem.system, springs, AT_REST, start, self.clock.late)
+        state = find_rest_nearby(self.problem.system, springs, options, start, self.clock.late)
         if state is None:
             return None
         self.iterations += state.iterations
@@ -356,7 +363,7 @@ class Attempts(Record):
         """
         system = self.problem.system
         if rest is not None and self._nearly_rests(springs, rest):
-            return self.nearby(springs, rest), path
+            return self.nearby(springs, rest, FROM_FORCES), path
         try:
             start, steps, share = start_of_forces(system, springs, AT_REST, path)
         except SolverError:
@@ -364,7 +371,7 @@ class Attempts(Record):
         self.iterations += steps
         if share > FAR:
             return None, path
-        found = self.nearby(springs, start)
+        found = self.nearby(springs, start, FROM_FORCES)
         return found, start if share <= HALFWAY else path
 
     def _nearly_rests(self, springs: Compliance, start: Start) -> bool:

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from drystone import LoadCase, find_contacts, models
+from drystone.formulations.rest import tangent
 from drystone.formulations.rest.compliance import uniform
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, Start
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
+from drystone.solvers.multifrontal import BlockOrdering
 from drystone.stability.problem import Problem
 
 ARCH = models.arch(0.15)
@@ -76,3 +78,29 @@ def test_the_last_steps_have_the_factors_of_the_one_before(monkeypatch):
     assert found is not None
     assert 0 < len(factors) < found.iterations
     assert found.unbalanced <= OPTIONS.tolerance
+
+
+@pytest.mark.parametrize(("rough", "precision"), [(1e-3, np.float32), (0.0, np.float64)])
+def test_single_precision_where_it_leaves_little(monkeypatch, rough, precision):
+    _, start = upright(leaning(0.0), 10.0, 0.0)
+    problem = leaning(1.0)
+    springs = uniform(problem.statics, slip=10.0)
+    expected = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    monkeypatch.setattr(tangent, "SINGLE_FROM", 1)
+    monkeypatch.setattr(tangent, "ROUGH", rough)
+    monkeypatch.setattr(tangent, "FULL", 0)
+    used = []
+    factorise = BlockOrdering.factorise
+
+    def seen(ordering, blocks, precision=np.float64, **options):
+        factor = factorise(ordering, blocks, precision, **options)
+        used.append(precision)
+        return factor
+
+    monkeypatch.setattr(BlockOrdering, "factorise", seen)
+    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    assert expected is not None
+    assert found is not None
+    assert used[-1] is precision
+    assert found.unbalanced <= OPTIONS.tolerance
+    assert np.allclose(found.force, expected.force, rtol=0.0, atol=1e-8)

@@ -149,12 +149,26 @@ def _descend_together(
             tangent[..., 1:, 1:] = friction.by_slide
         for i in tuple(left):
             try:
-                step = solve[i] or system.factorise(tangent[i], weight)
+                step, solve[i] = _step(system, tangent[i], weight, rest[i], solve[i])
             except SolverError:
                 left.remove(i)
                 continue
-            motion[i] += step(rest[i])
-            solve[i] = step
+            motion[i] += step
         steps += 1
         left = [i for i in left if since[i] < STALL]
     return found, steps
+
+
+def _step(
+    system: TangentSystem,
+    tangent: Floats,
+    weight: Floats,
+    rest: Floats,
+    solve: Callable[[Floats], Floats] | None,
+) -> tuple[Floats, Callable[[Floats], Floats]]:
+    """A Newton step (n, 6) and its factors: given ones, or new ones in the least precision."""
+    nearly = system.roughly_solved(tangent, weight, rest) if solve is None else None
+    if nearly is not None:
+        return nearly.motion, nearly.solve
+    solve = solve or system.factorise(tangent, weight)
+    return solve(rest), solve

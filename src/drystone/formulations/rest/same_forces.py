@@ -87,9 +87,9 @@ def start_of_forces(
         tangent[:, 1:, 1:] = friction.by_slide
         place = np.concatenate([(slack - normal / kn)[:, None], slid], axis=1)
         force = np.concatenate([normal[:, None], -friction.force], axis=1)
-        right = statics.wrench(force + (tangent @ place[..., None])[..., 0]) + statics.load
+        right = statics.wrench(force + np.einsum("kij,kj->ki", tangent, place)) + statics.load
         motion, moved = system.solved(tangent, ground, right, rough=True)
-        force -= (tangent @ (moved - place)[..., None])[..., 0]
+        force -= np.einsum("kij,kj->ki", tangent, moved - place)
         normal = np.maximum(force[:, 0], LEAST_FORCE * normal)
         held, slide = -force[:, 1:], moved[:, 1:]
         share = unbalanced_share(system, compliance, moved)

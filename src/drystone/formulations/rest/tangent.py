@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -31,6 +32,22 @@ ROUGH = 1e-3
 
 FULL = 60
 """Largest number of unknowns with a full matrix: from timings."""
+
+
+class RoughSolution(NamedTuple):
+    """A motion by which springs nearly balance wrenches.
+
+    Attributes
+    ----------
+    motion : (n, 6)
+    moved : (k, 3) its corner displacements
+    solve
+        From other wrenches to motions, with the same factors.
+    """
+
+    motion: Floats
+    moved: Floats
+    solve: Callable[[Floats], Floats]
 
 
 class TangentSystem:
@@ -95,21 +112,34 @@ class TangentSystem:
         SolverError
             The matrix is singular.
         """
-        statics = self.statics
-        if rough and statics.free_count >= SINGLE_FROM:
-            try:
-                motion = self.factorise(tangent, weight, np.float32)(right)
-            except SolverError:
-                motion = np.full_like(right, np.nan)
-            moved = statics.displacement(motion)
-            carried = statics.wrench((tangent @ moved[..., None])[..., 0])
-            size = wrench_size(statics.load)
-            scale = np.where(size > 0.0, size, 1.0)[:, None]
-            left = (right - carried - weight * motion) / scale
-            if np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale):
-                return motion, moved
+        nearly = self.roughly_solved(tangent, weight, right) if rough else None
+        if nearly is not None:
+            return nearly.motion, nearly.moved
         motion = self.factorise(tangent, weight)(right)
-        return motion, statics.displacement(motion)
+        return motion, self.statics.displacement(motion)
+
+    def roughly_solved(
+        self, tangent: Floats, weight: Floats, right: Floats
+    ) -> RoughSolution | None:
+        """The motion by which springs nearly balance wrenches (n, 6), by single precision.
+
+        None where this takes as long as double precision, or leaves more than ROUGH.
+        """
+        statics = self.statics
+        if statics.free_count < SINGLE_FROM:
+            return None
+        try:
+            solve = self.factorise(tangent, weight, np.float32)
+        except SolverError:
+            return None
+        motion = solve(right)
+        moved = statics.displacement(motion)
+        carried = statics.wrench(np.einsum("kij,kj->ki", tangent, moved))
+        size = wrench_size(statics.load)
+        scale = np.where(size > 0.0, size, 1.0)[:, None]
+        left = (right - carried - weight * motion) / scale
+        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale)
+        return RoughSolution(motion, moved, solve) if near else None
 
 
 class SparseTangent:
