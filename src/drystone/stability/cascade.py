@@ -50,7 +50,7 @@ from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 from drystone.stability.stiffness_samples import (
     NONE_FOUND,
-    Tried,
+    TriedStiffnesses,
     attempt_sample,
     samples_to_try,
 )
@@ -122,7 +122,7 @@ class Cascade:
         witness: bool = True,
         nearest: NearestMechanism | None = None,
         rest: Candidate | None = None,
-        tried: Tried | None = None,
+        tried: TriedStiffnesses | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -134,7 +134,7 @@ class Cascade:
         self.witness = witness
         self.nearest = nearest
         self.rest = rest
-        self.tried = Tried() if tried is None else tried
+        self.tried = TriedStiffnesses() if tried is None else tried
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)

@@ -19,7 +19,7 @@ from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.stiffness_samples import Tried
+from drystone.stability.stiffness_samples import TriedStiffnesses
 
 
 @checked_call
@@ -132,11 +132,11 @@ class RestStates:
     """
 
     displacement: Mapping[int, Floats] = field(default_factory=dict)
-    tried: dict[Model, Tried] = field(default_factory=dict)
+    tried: dict[Model, TriedStiffnesses] = field(default_factory=dict)
 
-    def tried_on(self, model: Model) -> Tried:
+    def tried_on(self, model: Model) -> TriedStiffnesses:
         """What was tried on this model, for checks to add to."""
-        return self.tried.setdefault(model, Tried())
+        return self.tried.setdefault(model, TriedStiffnesses())
 
 
 @checked_call

@@ -22,7 +22,7 @@ from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
-from drystone.stability.stiffness_samples import Tried
+from drystone.stability.stiffness_samples import TriedStiffnesses
 
 
 @checked_call
@@ -32,7 +32,7 @@ def try_rest(
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
-    tried: Tried | None = None,
+    tried: TriedStiffnesses | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,

@@ -25,7 +25,7 @@ NONE_FOUND = np.zeros((0, 6))
 
 
 @dataclass(eq=False)
-class Tried:
+class TriedStiffnesses:
     """What checks of one model have tried, which other checks of it need not try again.
 
     Attributes
@@ -67,7 +67,7 @@ def samples_to_try(
     uniform: Candidate,
     known: Mapping[int, Floats],
     within: tuple[Ints, int] | None,
-    tried: Tried,
+    tried: TriedStiffnesses,
 ) -> list[StiffnessSample]:
     """The samples of the stiffness; those near known rest states are tried here, at once.
 

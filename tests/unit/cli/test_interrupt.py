@@ -134,11 +134,11 @@ def test_a_limit_tells_the_bracket_so_far(tmp_path: Path) -> None:
     code = (
         "from drystone.limits import inside\n"
         "asked, one = [], inside.one_stiffness\n"
-        "def slow(*model, stop):\n"
+        "def slow(*model, stop, **more):\n"
         "    asked.append(1)\n"
         "    if len(asked) == 4:\n"
         "        tell('fourth'); wait(stop)\n"
-        "    return one(*model, stop=stop)\n"
+        "    return one(*model, stop=stop, **more)\n"
         "inside.one_stiffness = slow"
     )
     run = child(code, "limit", "tilt", str(model), "--scan", "8", "--json")
