@@ -97,6 +97,7 @@ class Driver(Follower):
     ) -> None:
         super().__init__(bodies, fall=fall, pace=pace, step_limit=step_limit, stop=stop)
         self.rough, self.many = 0.0, 1.0
+        self.soft = self._springs()
         self.base = self.pose
         self.grown: Floats | None = None
         self.reached = self.distance = self.factor = self.next_factor = 0.0
@@ -212,7 +213,7 @@ class Driver(Follower):
     def _let_go(self) -> str:
         """Hold what drives, and let the blocks come to rest again or fall."""
         self.base, self.drag, self.guess = self.pose, self.first, None
-        self.farthest, self.stretch = 0.0, 1.0
+        self.farthest, self.stretch, self.soft = 0.0, 1.0, self._springs()
         ended = self.alone(self._to_rest())
         self.guess = None
         if ended == "rests":

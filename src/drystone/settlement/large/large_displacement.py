@@ -27,7 +27,7 @@ from drystone.settlement.faces.meeting import (
 from drystone.settlement.large.driven import DrivenState, Driver
 from drystone.settlement.large.large_states import large_state, of_corners, state_of
 from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
-from drystone.settlement.path import scaled_motion, support_motion
+from drystone.settlement.path import STIFFER, scaled_motion, support_motion
 from drystone.settlement.settlement_types import SettlementOptions
 
 Tell: TypeAlias = Callable[[float], None]
@@ -246,23 +246,33 @@ def _driven(
     apart = faces_apart(model, FARTHEST)
     part, gap = followed_model(model, apart)
     carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
-    bodies = build_bodies(
-        part, carrier, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
-    )
-    driver = Driver(
-        bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
-    )
+    most = 0
 
     def tell(share: float) -> None:
+        nonlocal most
+        most = max(most, min(int(100.0 * share), 99))
         if progress is not None:
-            progress(STAGE[drive], min(int(100.0 * share), 99), 100)
+            progress(STAGE[drive], most, 100)
 
-    ended = driver.rest()
-    length = load = 1.0
-    if ended == "rests":
-        ended, length, load = run(bodies, driver, tell)
-    else:
-        driver.note()
+    overlap = chosen.overlap
+    while True:
+        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+        driver = Driver(
+            bodies,
+            fall=chosen.fall,
+            pace=chosen.pace,
+            step_limit=chosen.step_limit,
+            stop=clock.late,
+        )
+        ended = driver.rest()
+        length = load = 1.0
+        if ended == "rests":
+            ended, length, load = run(bodies, driver, tell)
+        else:
+            driver.note()
+        if ended != "soft":
+            break
+        overlap *= STIFFER
     if progress is not None:
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
