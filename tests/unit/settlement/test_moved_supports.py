@@ -90,6 +90,19 @@ def test_an_arch_on_a_spreading_support_falls_at_its_capacity(share: float, rest
     assert found.outcome is (Outcome.RESTS if rests else Outcome.FALLS)
 
 
+def test_a_support_that_turns_does_work_until_blocks_slide() -> None:
+    model, radius = Model.of(tower(3), friction=0.4), float(np.sqrt(0.5))
+    # the corners of a cube turn about its centroid
+    found = move_supports(model, {0: (0.0, 0.0, 0.0, 0.45, 0.0, 0.0)})
+    assert found.end is End.FALLS
+    assert found.displacement[-1] == pytest.approx(radius * np.arctan(0.4), rel=1e-3)
+    held = move_supports(model, {0: (0.0, 0.0, 0.0, 0.35, 0.0, 0.0)})
+    done = np.trapezoid(held.load, held.displacement)
+    lowered = held.states[-1].positions[1:, 2] - held.states[0].positions[1:, 2]
+    # forces are those of the position before an increment of a thousandth of a block
+    assert done == pytest.approx(-9.81 * model.assembly.mass[1:] @ lowered, rel=5e-3)
+
+
 def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:
     model = Model.of(plug(), friction=0.01)
     without = reduce_friction(model)

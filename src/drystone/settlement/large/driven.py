@@ -127,9 +127,12 @@ class Driver(Follower):
         first = FIRST * self.bodies.overlap
         return self._drive(advance, first, reach, tell, lambda: self.factor <= 0.0)
 
-    def shift(self, motion: Floats, tell: Callable[[float], None]) -> str:
-        """Supports move by a motion (n, 6), from the share 0 to the share 1 of it."""
-        self.measure = lambda: (self.reached, self._on_supports(motion))
+    def shift(self, motion: Floats, reach: float, tell: Callable[[float], None]) -> str:
+        """Supports move by a motion (n, 6), from the share 0 to the share 1 of it.
+
+        ``reach`` is the largest motion of their corners.
+        """
+        self.measure = lambda: (self.reached, self._on_supports(motion, reach))
         far = np.abs(motion).max(initial=0.0)
         first = min(self._limit() / max(float(far), 1e-300), 1.0)
 
@@ -236,13 +239,19 @@ class Driver(Follower):
         gone = np.linalg.norm(self.pose.place - self.bodies.centroid, axis=1)
         return float(gone.max(initial=0.0))
 
-    def _on_supports(self, motion: Floats) -> float:
-        """Force of the blocks on the supports that move, along their translation (n, 6)."""
-        along = np.where((self.bodies.slot < 0)[:, None], motion[:, :3], 0.0)
-        along /= max(float(np.linalg.norm(along, axis=1).max(initial=0.0)), 1e-300)
+    def _on_supports(self, motion: Floats, far: float) -> float:
+        """Force of the blocks on the supports whose corners move by ``far``, along that motion.
+
+        The motion is (n, 6), its rotation by radius; the force times ``far`` is work.
+        """
+        turn = motion[:, 3:] / self.bodies.radius[:, None]
         world = np.einsum("ki,kij->kj", self.response.force, self.placed.axes)
-        on_b, on_a = along[self.bodies.block_b], along[self.bodies.block_a]
-        return float((world * (on_b - on_a)).sum())
+        work = 0.0
+        for block, sign in ((self.bodies.block_b, 1.0), (self.bodies.block_a, -1.0)):
+            arm = self.placed.point - self.pose.place[block]
+            moved = motion[block, :3] + np.cross(turn[block], arm)
+            work += sign * float((world * moved).sum())
+        return work / far
 
     def note(self) -> None:
         """Keep the moment; of too many, every other one but first, last and largest load."""
