@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from drystone.design.causes.prop_forces import PropForce as PropForce
     from drystone.design.mends.bench import Tried as Tried
     from drystone.design.mends.margin import DesignMargin as DesignMargin
+    from drystone.design.mends.mend_types import Mend as Mend
+    from drystone.design.mends.mend_types import MendOptions as MendOptions
+    from drystone.design.mends.mend_types import Mends as Mends
     from drystone.design.mends.mending import Mending as Mending
     from drystone.design.mends.mending import mend as mend
-    from drystone.design.mends.mends import Mend as Mend
-    from drystone.design.mends.mends import MendOptions as MendOptions
-    from drystone.design.mends.mends import Mends as Mends
     from drystone.design.mends.mends import find_mends as find_mends
     from drystone.design.shaping.free_moves import Moves as Moves
     from drystone.design.shaping.free_moves import block_moves as block_moves
@@ -68,8 +68,9 @@ _NAMES = {
     "causes.prop_forces": "PropForce",
     "mends.bench": "Tried",
     "mends.margin": "DesignMargin",
+    "mends.mend_types": "Mend MendOptions Mends",
     "mends.mending": "Mending mend",
-    "mends.mends": "Mend MendOptions Mends find_mends",
+    "mends.mends": "find_mends",
     "shaping.free_moves": "Moves block_moves free_vertices joint_moves thickening",
     "shaping.shape_options": "HelpMeasure ShapeAim ShapeOptions Shaped",
     "shaping.shaping": "shape",

@@ -20,6 +20,7 @@ from drystone.limits.limit_checks import (
     STANDS,
     STANDS_OR_NOT,
     Check,
+    RestStates,
     every_stiffness,
     one_stiffness,
     verdict,
@@ -29,7 +30,6 @@ from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import VerdictSearch
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.check import RestStates
 from drystone.statics import build_statics
 
 _COARSE = 1.0 / 96.0

@@ -3,13 +3,7 @@
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
-from drystone.stability.check import (
-    check,
-    check_near,
-    could_hold,
-    stands_robustly,
-    verdict_alone,
-)
+from drystone.stability.check import check, check_near, could_hold
 from drystone.stability.check_many import check_many
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.programs.cra import CRAOptions, solve_cra
@@ -41,7 +35,5 @@ __all__ = [
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",
-    "stands_robustly",
     "try_rest",
-    "verdict_alone",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Unpack
 
 from drystone.base.arrays import Floats, Ints
@@ -13,13 +13,12 @@ from drystone.base.settings import checked_call
 from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanisms
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.stiffness_samples import TriedStiffnesses
 
 
 @checked_call
@@ -116,111 +115,6 @@ def check_near(
         within = within[0][problem.model.active], within[1]
     cascade = Cascade(problem, options, progress, clock, executor, known, within, rest=rest)
     return cascade.run(), cascade.rests
-
-
-@dataclass(eq=False)
-class RestStates:
-    """Rest states that one check of a search hands to the next.
-
-    Attributes
-    ----------
-    displacement : (n, 6) [m, rad] each
-        Of the last model that stands with every stiffness, by the number of the contact stiffness,
-        0 for the uniform one. Empty: there is none yet.
-    tried
-        What was tried on each model, so that it is tried once.
-    """
-
-    displacement: Mapping[int, Floats] = field(default_factory=dict)
-    tried: dict[Model, TriedStiffnesses] = field(default_factory=dict)
-
-    def tried_on(self, model: Model) -> TriedStiffnesses:
-        """What was tried on this model, for checks to add to."""
-        return self.tried.setdefault(model, TriedStiffnesses())
-
-
-@checked_call
-def stands_uniformly(
-    model: Model,
-    *,
-    near: RestStates | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-) -> Result:
-    """The verdict with uniform contact stiffness, for a search that asks for many.
-
-    Its rest state is kept for other checks of the same model. Parameters as for
-    :func:`stands_robustly`; the check begins at no other model.
-    """
-    options, clock = CheckOptions(samples=0, settle=False), Clock(time_limit_s, stop)
-    problem, tried = Problem.build(model), None if near is None else near.tried_on(model)
-    return Cascade(problem, options, progress, clock, executor, tried=tried).run()
-
-
-@checked_call
-def stands_robustly(
-    model: Model,
-    *,
-    near: RestStates | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-) -> Result:
-    """Does it stand with every contact stiffness that :func:`drystone.check` tries?
-
-    No blocks are followed, and the first stiffness that does not hold the blocks ends the check.
-
-    Parameters
-    ----------
-    model
-    near
-        Rest states of a similar model with the same blocks, from which this check begins. Those of
-        this model take their place where it stands with every stiffness.
-
-    Returns
-    -------
-    Result
-        That of :func:`drystone.check` where it stands with all of them. Otherwise UNSTABLE where
-        no forces balance the loads, or else UNDECIDED.
-    """
-    options, clock = CheckOptions(settle=False), Clock(time_limit_s, stop)
-    problem, known = Problem.build(model), None if near is None else near.displacement
-    tried = None if near is None else near.tried_on(model)
-    cascade = Cascade(problem, options, progress, clock, executor, known, robust=True, tried=tried)
-    found = cascade.run()
-    if found.stable and model.assembly.free.size and not cascade.robustly:
-        return replace(found, verdict=Verdict.UNDECIDED)
-    if found.stable and near is not None:
-        near.displacement = cascade.rests
-    # the answer of the check with default options
-    return replace(found, options=CheckOptions()) if found.stable else found
-
-
-@checked_call
-def verdict_alone(
-    model: Model,
-    *,
-    near: RestStates | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-) -> Result:
-    """The verdict of :func:`drystone.check`, for a search that asks for many.
-
-    After the first stiffness that does not hold the blocks no other is tried: following them
-    decides. Where they were followed to a fall, the mechanism of the result is the motion that was
-    followed. Parameters as for :func:`stands_robustly`.
-    """
-    clock = Clock(time_limit_s, stop)
-    problem, known = Problem.build(model), None if near is None else near.displacement
-    options, tried = CheckOptions(), None if near is None else near.tried_on(model)
-    return Cascade(
-        problem, options, progress, clock, executor, known, witness=False, tried=tried
-    ).run()
 
 
 @checked_call

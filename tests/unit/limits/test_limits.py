@@ -30,13 +30,12 @@ from drystone.limits import (
     thrust_bounds,
     tilt_sweep,
 )
-from drystone.limits.limit_checks import every_stiffness, verdict
+from drystone.limits.limit_checks import RestStates, every_stiffness, verdict
 from drystone.limits.limit_families import ModelsOnce
 from drystone.model import Model
 from drystone.models import arch, ferris_wall, h_model, incline, tower, wedge
 from drystone.results import Samples
 from drystone.stability.attempts import Attempts
-from drystone.stability.check import RestStates
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 

@@ -5,16 +5,11 @@ import pytest
 
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
 from drystone.geometry.frames import rotation_about
+from drystone.limits.limit_checks import every_stiffness
 from drystone.models import concave, cube_curve, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.stability import (
-    could_hold,
-    stands_robustly,
-    try_rest,
-    verdict_alone,
-)
-from drystone.stability.check import RestStates
+from drystone.stability import could_hold, try_rest
 from drystone.stability.resting import stands_for_all
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -152,62 +147,6 @@ def test_a_plate_too_heavy_for_the_friction_of_its_neighbours_falls() -> None:
     assert check(Model.of(plate(density=40_000.0), friction=0.7)).verdict is Verdict.UNSTABLE
 
 
-def test_a_robust_check_ends_at_the_first_stiffness_that_does_not_hold() -> None:
-    stands, decides, falls = (
-        tilted(wedge("b", longer=0.2), X, angle) for angle in (20.0, 55.0, 59.5)
-    )
-    found, whole = stands_robustly(stands), check(stands)
-    assert found.verdict is whole.verdict is Verdict.STABLE
-    assert found.samples == whole.samples
-    for model in (decides, falls):
-        found = stands_robustly(model)
-        assert found.verdict is Verdict.UNDECIDED
-        assert found.samples.tried < 5
-        assert found.settlement is None
-
-
-def test_a_robust_check_begins_at_the_rest_states_of_the_last_model_that_stood() -> None:
-    first, second, falls = (
-        tilted(wedge("b", longer=0.2), X, angle) for angle in (20.0, 20.5, 59.5)
-    )
-    near = RestStates()
-    assert stands_robustly(first, near=near).stable
-    assert set(near.displacement) == {0, 1, 2, 3, 4}
-    found, alone = stands_robustly(second, near=near), stands_robustly(second)
-    assert found.verdict is alone.verdict is Verdict.STABLE
-    assert found.samples == alone.samples
-    assert found.iterations < alone.iterations
-    kept = near.displacement
-    assert stands_robustly(falls, near=near).verdict is Verdict.UNDECIDED
-    assert near.displacement is kept
-    assert verdict_alone(falls, near=near).verdict is Verdict.UNSTABLE
-
-
-def test_a_robust_check_keeps_the_proof_that_no_forces_balance_the_loads() -> None:
-    found = stands_robustly(tilted(wedge("c"), X, 47.5))
-    assert found.verdict is Verdict.UNSTABLE
-    assert found.mechanism is not None
-
-
-@pytest.mark.parametrize("angle", [20.0, 55.0, 59.5])
-def test_the_verdict_alone_is_that_of_the_check(angle: float) -> None:
-    model = tilted(wedge("b", longer=0.2), X, angle)
-    found, whole = verdict_alone(model), check(model)
-    assert found.verdict is whole.verdict
-    assert (found.mechanism is None) is (whole.mechanism is None)
-    assert found.samples.tried <= whole.samples.tried
-
-
-def test_the_verdict_alone_tries_no_stiffness_after_one_that_does_not_hold() -> None:
-    model = tilted(wedge("b", longer=0.2), X, 41.0)
-    found, whole = verdict_alone(model), check(model)
-    assert found.verdict is whole.verdict is Verdict.STABLE
-    assert found.settlement.outcome is Outcome.RESTS
-    assert found.settlement.travel == whole.settlement.travel
-    assert found.samples.standing == found.samples.tried - 1
-    assert found.samples.tried < whole.samples.tried
-
-
 @pytest.mark.parametrize("tilt", [65.7, 66.3])
 def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed(
     tilt: float,
@@ -221,7 +160,7 @@ def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed
 def test_a_rest_state_that_slides_far_is_followed() -> None:
     # close to its limit the hood slides 100 times its overlap; with other friction it falls
     model = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.7)
-    assert stands_robustly(model).verdict is Verdict.UNDECIDED
+    assert every_stiffness(model).verdict is Verdict.UNDECIDED
     assert not stands_for_all(model)
     found = check(model)
     assert found.verdict is Verdict.UNSTABLE
@@ -230,7 +169,7 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     assert settle(model).outcome is Outcome.FALLS
     # one that comes to rest stands for a search as well
     rests = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.3)
-    assert stands_robustly(rests).verdict is Verdict.UNDECIDED
+    assert every_stiffness(rests).verdict is Verdict.UNDECIDED
     assert stands_for_all(rests)
     found = check(rests)
     assert found.stable

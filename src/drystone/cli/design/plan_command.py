@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import Screen
+from drystone.cli.base.command import Option, command
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import apart, cad_jobs, refuse_missing
-from drystone.cli.inputs import options
+from drystone.cli.design.plan_answer import PlanFiles, show
+from drystone.cli.design.scaffold_command import (
+    SCAFFOLDS,
+    ScaffoldFoot,
+    ScaffoldLength,
+    ScaffoldLimit,
+    refuse_strutless,
+    scaffold_options,
+)
 from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
-    from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
     from drystone.model import Model
-    from drystone.sequence import (
-        ExecutorFactory,
-        Margins,
-        Plan,
-        Robot,
-        Rules,
-        Scaffolding,
-        ScaffoldOptions,
-    )
+    from drystone.sequence import ExecutorFactory, Plan, Robot, Rules
 
-_LISTED = 40
-"""Rows shown of a table; --json has all."""
-_REASONS = 3
-"""Steps whose need of help is explained."""
 _HANDS = 2
-SCAFFOLDS = ("strut", "rope", "clamp", "centring")
-STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -55,34 +44,6 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",")]
-
-
-ScaffoldLimit: TypeAlias = Annotated[
-    float | None,
-    Option("Largest force of one strut, rope, clamp or centring, in N (none).",
-           kind=kinds.POSITIVE, expert=True),
-]  # fmt: skip
-
-
-ScaffoldFoot: TypeAlias = Annotated[
-    str | None,
-    Option("Block on which struts stand, and which bears their force (the ground).",
-           metavar="BLOCK", expert=True),
-]  # fmt: skip
-ScaffoldLength: TypeAlias = Annotated[
-    float | None,
-    Option("Length of the longest strut, in m (no limit).", kind=kinds.POSITIVE, expert=True),
-]
-
-
-def scaffold_options(
-    limit: float | None, foot: str | None, length: float | None
-) -> ScaffoldOptions:
-    """Limits of scaffolding, from the command line."""
-    from drystone.sequence import ScaffoldOptions
-
-    free = float("inf")
-    return ScaffoldOptions(limit=limit or free, foot=foot, longest=length or free)
 
 
 def _robot(text: str) -> Robot:
@@ -127,11 +88,6 @@ def plan(
                "--hands and --payload are not used.",
                kind=kinds.OptionKind("NAME:X,Y,Z:REACH:PAYLOAD", _robot), expert=True),
     ] = (),
-    work: Annotated[
-        Path | None,
-        Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
-               kind=kinds.target(".json", ".csv"), expert=True),
-    ] = None,
     payload: Annotated[
         float, Option("Mass that each hand can lift or hold, in kg.", expert=True)
     ] = float("inf"),
@@ -182,18 +138,7 @@ def plan(
         str | None,
         Option("File with which an interrupted search continues.", kind=kinds.FILE, expert=True),
     ] = None,
-    html: options.Html = None,
-    png: options.Png = None,
-    cad: options.Cad = None,
-    instructions: Annotated[
-        Path | None,
-        Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
-               kinds.target(".html", ".htm"), expert=True),
-    ] = None,
-    csv: Annotated[
-        Path | None,
-        Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
-    ] = None,
+    wanted: PlanFiles,
     waiting: Waiting,
 ) -> Answer:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
@@ -201,8 +146,6 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input.
     """
-    apart([html, png, cad, instructions, csv, work])
-    refuse_missing(cad)
     _refuse_unused(scaffold, scaffold_limit, scaffold_foot, scaffold_length)
     rules = _rules(order, hands, payload, before, reach, robot)
     executor = _executor(workers, dask)
@@ -244,47 +187,8 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.stable and not helped else 1
-    files = partial(
-        _files, found, made, measured, html, png, cad, instructions, csv, work, robot, subject.model
-    )
-    return Answer(data, partial(_show, data, found), code, model.notes, files)
-
-
-def _files(
-    plan: Plan,
-    made: Scaffolding | None,
-    margins: Margins | None,
-    html: Path | None,
-    png: Path | None,
-    cad: Path | None,
-    steps: Path | None,
-    csv: Path | None,
-    work: Path | None,
-    robots: Sequence[Robot],
-    source: str,
-) -> Files:
-    wanted = [str(path) for path in (html, png, cad, steps, csv, work) if path is not None]
-    if not plan.steps:
-        return [], [f"not written: {', '.join(wanted)}"] if wanted else []
-    jobs: list[Job] = cad_jobs(cad, plan, source)
-    if html is not None or png is not None or steps is not None:
-        from drystone.view import save_figure, save_page
-        from drystone.view.paper.instructions import save_instructions
-
-        if html is not None:
-            jobs.append((html, partial(save_page, made or plan, source=source)))
-        if png is not None:
-            jobs.append((png, partial(save_figure, made or plan, source=source)))
-        if steps is not None:
-            jobs.append((steps, partial(save_instructions, plan)))
-    if work is not None:
-        from drystone.sequence import handling
-
-        placed = handling(plan, robots)
-        jobs.append((work, placed.save_csv if work.suffix == ".csv" else placed.save_json))
-    if csv is not None:
-        jobs.append((csv, (plan if margins is None else margins).table().to_csv))
-    return jobs, []
+    files = partial(wanted.of, found, made, measured, robot, subject.model)
+    return Answer(data, partial(show, data, found), code, model.notes, files)
 
 
 def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:
@@ -296,16 +200,6 @@ def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:
                 remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
             )
     refuse_strutless([] if scaffold is None else [scaffold], *limits[1:], flag="--scaffold-")
-
-
-def refuse_strutless(kinds: Sequence[str], *limits: float | str | None, flag: str) -> None:
-    """Refuse the foot and the length of struts where nothing is held by struts."""
-    for name, value in zip(("foot", "length"), limits, strict=True):
-        if value is not None and kinds and "strut" not in kinds:
-            raise InputError(
-                f"{flag}{name} is for struts, and there are none",
-                remedy="leave it out, or hold with struts",
-            )
 
 
 def _rules(
@@ -339,73 +233,3 @@ def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | No
     from drystone.sequence import LocalWorkers
 
     return LocalWorkers(workers)
-
-
-def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
-    counts = data["counts"]
-    if not found.steps:
-        screen.line(str(data["model"]), "NO PLAN", "bold red")
-        screen.line(data["message"])
-        _show_impossible(data, screen)
-        return
-    told = ", ".join(f"{counts[k]} {k}" for k in ("free", "held", "propped", "impossible"))
-    screen.line(f"{data['model']}  {told}", counted(len(data["steps"]), "step"))
-    screen.line(data["message"])
-    if any(found.help) and not found.proved:
-        screen.dim("another order may need less help; --best searches all, which may take long")
-    rows = list(found.table())
-    force = "prop force" if data["scaffolding"] is None else "ideal prop force"
-    screen.table(
-        ("step", "block", "status", "with", force, "for stages"),
-        [
-            (
-                str(row["stage"]), row["block"], row["status"], row["with"],
-                units.quantity(row["prop_force"], "N") if row["prop_stages"] else "",
-                str(row["prop_stages"] or ""),
-            )
-            for row in rows
-        ],
-        listed=_LISTED,
-        styles=[STYLE.get(row["status"], "") for row in rows],
-    )  # fmt: skip
-    _show_impossible(data, screen)
-    reasons = [(step["step"] + 1, step["why"]) for step in data["steps"] if step["why"]]
-    for number, why in reasons[:_REASONS]:
-        screen.line(why, f"step {number},", "bold", " ")
-    if len(reasons) > _REASONS:
-        screen.dim(
-            f"and {counted(len(reasons) - _REASONS, 'more step')} with help (--json has why)"
-        )
-    if data["scaffolding"] is not None:
-        made = data["scaffolding"]
-        fails = f"{counted(len(made['failed']), 'stage')} without a rest state or over the limit"
-        ends = fails if made["failed"] else "every stage stands"
-        known = " where a rest state was found" if made["failed"] else ""
-        screen.line(
-            f"on {made['support']}: {ends}; {made['metre_stages']:.3g} m times stages, at most "
-            f"{units.quantity(made['peak_force'], 'N')}{known}, {counted(made['moves'], 'move')}, "
-            f"cost {made['cost']:.3g}"
-        )
-    if data["margins"] is not None and data["margins"]["stopped"]:
-        screen.line(f"margins of some stages are not known: {data['margins']['stopped']}")
-    elif data["margins"] is not None:
-        weakest = data["margins"]["weakest"]
-        screen.line(
-            f"weakest stage: step {weakest['step'] + 1}, tilts {weakest['tilt_deg']:.1f} degrees; "
-            f"this order works down to friction {data['margins']['least_friction']:.3g}"
-        )
-    for row in data["friction_sweep"] or []:
-        if row["stands"]:
-            words = ", ".join(f"{row[kind]} {kind}" for kind in ("free", "held", "propped"))
-        else:
-            words = "does not stand when complete"
-        more = f" ({row['why_more']})" if row["why_more"] else ""
-        screen.line(f"friction {row['friction']:g}: {words}{more}")
-
-
-def _show_impossible(data: Mapping[str, Any], screen: Screen) -> None:
-    rows = [block for block in data["blocks"] if block["status"] == "impossible"]
-    for row in rows[:_LISTED]:
-        screen.line(f"{row['block']}: {row['why']}", "impossible:", "magenta", " ")
-    if len(rows) > _LISTED:
-        screen.dim(f"and {len(rows) - _LISTED} more (--json lists all)")

@@ -2,30 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base import units
+from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.design.plan_command import (
-    SCAFFOLDS,
-    ScaffoldFoot,
-    ScaffoldLength,
-    ScaffoldLimit,
-    refuse_strutless,
-    scaffold_options,
-)
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
+if TYPE_CHECKING:
+    from drystone.sequence import ScaffoldOptions
+
+SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 _ORDERS = ("top", "course", "boundary", "fewest-props")
 _FEW = 14
 """Free blocks up to which the order with the fewest props is searched without being asked for."""
+
+ScaffoldLimit: TypeAlias = Annotated[
+    float | None,
+    Option("Largest force of one strut, rope, clamp or centring, in N (none).",
+           kind=kinds.POSITIVE, expert=True),
+]  # fmt: skip
+ScaffoldFoot: TypeAlias = Annotated[
+    str | None,
+    Option("Block on which struts stand, and which bears their force (the ground).",
+           metavar="BLOCK", expert=True),
+]  # fmt: skip
+ScaffoldLength: TypeAlias = Annotated[
+    float | None,
+    Option("Length of the longest strut, in m (no limit).", kind=kinds.POSITIVE, expert=True),
+]
+
+
+def scaffold_options(
+    limit: float | None, foot: str | None, length: float | None
+) -> ScaffoldOptions:
+    """Limits of scaffolding, from the command line."""
+    from drystone.sequence import ScaffoldOptions
+
+    free = float("inf")
+    return ScaffoldOptions(limit=limit or free, foot=foot, longest=length or free)
+
+
+def refuse_strutless(kinds: Sequence[str], *limits: float | str | None, flag: str) -> None:
+    """Refuse the foot and the length of struts where nothing is held by struts."""
+    for name, value in zip(("foot", "length"), limits, strict=True):
+        if value is not None and kinds and "strut" not in kinds:
+            raise InputError(
+                f"{flag}{name} is for struts, and there are none",
+                remedy="leave it out, or hold with struts",
+            )
 
 
 @command(

@@ -12,14 +12,8 @@ from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design.mends.mends import (
-    Mend,
-    MendOptions,
-    Mends,
-    find_mends,
-    kept_blocks,
-    stands_already,
-)
+from drystone.design.mends.mend_types import Mend, MendOptions, Mends
+from drystone.design.mends.mends import find_mends, kept_blocks, stands_already
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
