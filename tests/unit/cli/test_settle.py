@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +98,17 @@ def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
     with joints.open(encoding="utf-8") as file:
         normal = [float(row["normal [N]"]) for row in csv.DictReader(file)]
     assert normal == pytest.approx([row["normal"] for row in told["joints"]])
+
+
+def test_a_support_turns_by_degrees(tmp_path: Path, capsys: Capsys) -> None:
+    path = tmp_path / "arch.json"
+    io.write(arch(0.2, 8), path)
+    motion = ("--move", "springer-right:0,0,0,0,0.2,0", "--friction", "0.7")
+    code, told = answer(capsys, "settle", str(path), *motion)
+    assert code == 0
+    assert told["motion"][0]["rotation"] == pytest.approx([0.0, math.radians(0.2), 0.0])
+    assert main(["settle", str(path), *motion]) == 0
+    assert "springer-right by 0, 0, 0 m, turned by 0, 0.2, 0 degrees" in capsys.readouterr().out
 
 
 def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -209,7 +210,8 @@ def _show(data: Mapping[str, Any], screen: Screen) -> None:
     screen.line(str(data["model"]), word, verdict.STYLE.get(data["verdict"], "bold"))
     screen.line(data["message"])
     for row in data["motion"]:
-        turn = f", turned by {_plain(row['rotation'])} rad" if any(row["rotation"]) else ""
+        degrees = [math.degrees(value) for value in row["rotation"]]
+        turn = f", turned by {_plain(degrees)} degrees" if any(degrees) else ""
         screen.line(f"moved: {row['block']} by {_plain(row['translation'])} m{turn}")
     if data["joints"]:
         _show_joints(screen, data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
@@ -38,7 +39,7 @@ Seismic: TypeAlias = Annotated[
 Moves: TypeAlias = Annotated[
     tuple[str, ...],
     Option(
-        "Motion of a support: a translation in m, and a small rotation vector in rad about its "
+        "Motion of a support: a translation in m, and a rotation vector in degrees about its "
         "centroid. Can be given several times.",
         LOADS,
         metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
@@ -119,7 +120,8 @@ def _parsed_move(text: str, assembly: Assembly) -> LoadCase:
         )
     values = [_number(part, "--move") for part in rest.split(",")]
     try:
-        return LoadCase.settlement(assembly, block, values)
+        turned = [math.radians(value) for value in values[3:]]
+        return LoadCase.settlement(assembly, block, values[:3] + turned)
     except InputError as error:
         raise error.located("--move") from error
 
