@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress
+from drystone.base.workers import WorkerPool
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Settlement
+from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import FALLING_SHARE, first_motion, moving_blocks
+from drystone.stability.programs.rbe import ANY_FORCES
+from drystone.stability.proofs import (
+    FALLING_SHARE,
+    balanced,
+    first_motion,
+    found_mechanism,
+    moving_blocks,
+    sound_mechanism,
+)
 
 SENSITIVE = "sensitive to how the joints press"
 NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
@@ -24,6 +39,10 @@ class Answers:
     Attributes
     ----------
     problem, options, progress, clock
+    nearest
+        The mechanism nearest to free fall, once it is known.
+    pool
+        Computes independent parts.
     attempts
         The rest states that were tried.
     iterations
@@ -37,12 +56,19 @@ class Answers:
     """
 
     def __init__(
-        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+        self,
+        problem: Problem,
+        options: CheckOptions,
+        progress: Progress | None,
+        clock: Clock,
+        nearest: NearestMechanism | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.progress = progress
         self.clock = clock
+        self.nearest = nearest
+        self.pool = WorkerPool(None)
         self.attempts = Attempts(problem, clock)
         self.iterations = 0
         self.balances = False
@@ -55,6 +81,34 @@ class Answers:
             self.stage = stage
         if self.progress is not None:
             self.progress(stage, done, 3 + self.options.samples)
+
+    @cached_property
+    def collapse(self) -> Floats | None:
+        """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
+        self.report("equilibrium", 1)
+        problem, late = self.problem, self.clock.late
+        if problem.statics.dry:
+            if self.nearest is None:
+                self.nearest = nearest_mechanism(problem.system, stop=late)
+            nearest = self.nearest
+            self.iterations += nearest.iterations
+            if nearest.motion is not None:
+                motion = sound_mechanism(problem, nearest.motion)
+                if motion is not None:
+                    self.left = nearest.force
+                    return motion
+            elif balanced(problem, nearest.force):
+                self.balances = True
+                return None
+        balance = solve_equilibrium(
+            problem.statics,
+            cone=FrictionCone.exact(),
+            options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
+            stop=late,
+        )
+        self.iterations += balance.raw.iterations
+        self.balances = balance.raw.status is ConicStatus.SOLVED
+        return None if self.balances else found_mechanism(problem, balance, late)
 
     def nothing_free(self) -> Result:
         """STABLE: there is nothing to calculate."""
