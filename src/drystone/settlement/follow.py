@@ -36,6 +36,7 @@ from drystone.settlement.steps.increments import (
     Place,
     Steps,
 )
+from drystone.settlement.steps.soft_springs import SoftSprings
 
 MANY = 5.0
 """Of many blocks: how much longer increments are, until they clearly move."""
@@ -64,6 +65,12 @@ NEAR = 1e-3
 """Drag by the initial one where the blocks are near a rest state."""
 SUPPORT_STEP = 1e-3
 """Largest step of a motion of supports, relative to the mean size of a block."""
+DRAGGED = 1e-2
+"""Share of the load that the drag may carry while blocks follow a support. A larger drag would let
+joints slide that friction holds. An arch moves alike, to 0.02 %, for 0.1 to 0.0001."""
+FOLLOWS = 10.0
+"""Motion of a block by that of the supports, above which it no longer follows them: it falls. It is
+taken in shorter steps, with a larger drag."""
 MOST_DRAG = 1e12
 """Largest drag relative to the initial one; beyond it no increment can be solved."""
 LEFT_STEPS = 250
@@ -74,25 +81,6 @@ SLOW_STEPS = 1000
 followed no farther: stones of 1/700 of the next one's size allow only tiny increments."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
-STIFFEST = 1e-9
-"""Smallest overlap: below it gaps are lost in rounding."""
-SOFT_AT, SOFT_AT_MANY = 0.05, 0.02
-"""Displacement of a block relative to its size where it is decided whether springs are too soft; of
-many blocks. It is the same however far they are followed, so that :func:`drystone.check` and
-:func:`drystone.settle` give one answer."""
-FADING = 0.5
-"""Of many blocks: share of the load that the contacts do not carry there, by that at half of the
-way, below which springs were too soft: it was about to come to rest. Measured on the Armadillo
-vault: 0.31 at 21 degrees and 0.48 at 21.5, where it rests on stiffer springs, 0.55 at 22 and 0.76
-at 24, where it falls."""
-SQUEEZED, GROWN = 20.0, 1.5
-"""Overlap of a corner by that under the mean load, and by its own at half of the travel, from which
-on springs are too soft: a plug that tapers by 0.05 degrees presses with 570 times its weight in the
-end, and the overlap grows with its travel. Forces on what slides or topples hardly change."""
-DOUBLED = 1.8
-"""Of many blocks: what presses on the block of such a corner, by the same at half of the travel. On
-a plug it doubles. In a vault that moves thrust goes from one corner of a joint to another: 1.62
-times at most on the Armadillo vault, tilted by 24 to 30 degrees."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,11 +154,9 @@ class Follower(Increments):
         self.stretch = 1.0
         self.smallest = float(bodies.size[bodies.free].min(initial=np.inf))
         self.travel = np.zeros(len(bodies.free))
-        self.farthest = 0.0
-        self.soft_at = min(fall, left_at, SOFT_AT_MANY if self.rough else SOFT_AT)
-        self.half_way: Floats | None = None
-        self.half_share = 0.0
-        self.asked = False
+        self.followed = self.travel
+        self.farthest = self.alone_by = 0.0
+        self.soft = self._springs()
         self.guess: tuple[Floats, float] | None = None
         self.steps = self.beyond = 0
         self.left_steps = step_limit
@@ -189,7 +175,7 @@ class Follower(Increments):
         self.maps.at(pose, self.placed)
         self.frames.append(pose)
         self.drag = NEAR * self.first
-        self.asked = True
+        self.soft.asked = True
 
     def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
         """Until they rest or fall; then, where they rest, with supports that move by (n, 6).
@@ -204,8 +190,6 @@ class Follower(Increments):
         """As :meth:`run`."""
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
-        if supports is not None:
-            self.soft_at = self.fall
         ended = yield from self._loaded(earlier)
         if ended == "rests":
             ended = yield from self._to_rest()
@@ -258,9 +242,9 @@ class Follower(Increments):
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
                 return "rests"
-            if self._too_soft():
+            if self.soft.told(self.alone_by, self.placed.gap, self.share):
                 return "soft"
-            if self.farthest > self.fall:
+            if self.alone_by > self.fall:
                 return "falls"
             if self.farthest > self.left_at:
                 return "leaves"
@@ -274,27 +258,48 @@ class Follower(Increments):
 
     def _supports(self, motion: Floats) -> Steps[str]:
         """Move the supports in small steps, with approximate rest after each."""
-        reach = np.linalg.norm(motion[:, :3], axis=1) + np.linalg.norm(motion[:, 3:], axis=1)
-        parts = max(int(np.ceil(float(reach.max(initial=0.0)) / (SUPPORT_STEP * self.pace))), 1)
+        each = np.linalg.norm(motion[:, :3], axis=1) + np.linalg.norm(motion[:, 3:], axis=1)
+        reach = float(each.max(initial=0.0))
+        parts = max(int(np.ceil(reach / (SUPPORT_STEP * self.pace))), 1)
         done, part = 0.0, 1.0 / parts
+        before: Floats | None = None
         while done < 1.0 - 1e-12:
             if self._late():
                 return "stopped"
             part = min(part, 1.0 - done)
-            self.drag, self.guess = NEAR * self.first, None
-            found = yield from self._increment(None, part * motion)
+            guess = None if before is None else part * before
+            found = yield from self._follow(part * motion, part * reach, guess)
             if found is None:
                 part *= 0.5
                 if part * parts < 1e-6:
                     return "lost"
                 continue
+            before = found.motion / part
             yield from self._accept(found, part * motion)
+            self.followed, self.soft = self.travel, self._springs()
             done += part
             part = min(2.0 * part, 1.0 / parts)
             ended = yield from self._to_rest(roughly=done < 1.0 - 1e-12)
             if ended != "rests":
                 return ended
         return "rests"
+
+    def _follow(
+        self, motion: Floats, reach: float, guess: Floats | None
+    ) -> Steps[Increment | None]:
+        """One increment with supports that move by (n, 6), at most by ``reach``; None: too long."""
+        self.drag, self.guess = 1.0, None
+        share, falling = self._carried(np.array([[reach]])), NEAR * self.first
+        self.drag = min(falling, DRAGGED / share) if share > 0.0 else falling
+        found = None
+        if guess is not None:
+            found = yield from self._increment(guess, motion)
+        if found is None:
+            found = yield from self._increment(None, motion)
+        if found is None or self.drag == falling:
+            return found
+        far = float(np.abs(found.motion).max(initial=0.0))
+        return found if far <= max(self._longest(), FOLLOWS * reach) else None
 
     def _accept(self, found: Increment, moving: Floats | None = None) -> Steps[None]:
         bodies = self.bodies
@@ -308,8 +313,8 @@ class Follower(Increments):
         self.met = self.met | found.response.pressed
         self.pose, self.placed, self.travel = yield Place(self.pose, found.motion)
         self.farthest = float(self.travel.max(initial=0.0))
-        if self.half_way is None and self.farthest >= 0.5 * self.soft_at:
-            self.half_way, self.half_share = self.placed.gap, self.share
+        self.alone_by = float((self.travel - self.followed).max(initial=0.0))
+        self.soft.pass_by(self.alone_by, self.placed.gap, self.share)
         self.steps += 1
         self.beyond += self.farthest > FAR
         self.since += 1
@@ -322,36 +327,15 @@ class Follower(Increments):
         if self.tell is not None:
             self.tell(self.farthest)
 
+    def _springs(self) -> SoftSprings:
+        """Asked of a motion that begins here."""
+        return SoftSprings(self.bodies, self.rough > 0.0, min(self.fall, self.left_at))
+
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
         clear = self.share > CLEAR or self.farthest > FAR
         stretched = min(self.stretch * (LONG_STEP if clear else self.many * STEP), LONGEST)
         return self.pace * self.smallest * stretched
-
-    def _too_soft(self) -> bool:
-        """Whether stiffer springs are to be tried; asked once, at a given displacement."""
-        if self.farthest <= self.soft_at or self.asked or self.bodies.overlap <= STIFFEST:
-            return False
-        self.asked = True
-        return self._squeezed() or bool(self.rough and self.share < FADING * self.half_share)
-
-    def _squeezed(self) -> bool:
-        """Whether forces far above the loads have grown."""
-        bodies, gap = self.bodies, self.placed.gap
-        before = gap if self.half_way is None else GROWN * self.half_way
-        grown = (gap < -SQUEEZED * bodies.overlap) & (gap <= before)
-        if self.rough and self.half_way is not None and grown.any():
-            more = self._pressing(gap) >= DOUBLED * self._pressing(self.half_way)
-            more[bodies.slot < 0] = False
-            grown &= more[bodies.block_a] | more[bodies.block_b]
-        return bool(grown.any())
-
-    def _pressing(self, gap: Floats) -> Floats:
-        """Sum (n,) of the normal forces on each block."""
-        bodies = self.bodies
-        force = bodies.normal * np.maximum(0.0, -gap)
-        both = np.concatenate([bodies.block_a, bodies.block_b])
-        return np.asarray(np.bincount(both, np.tile(force, 2), minlength=len(bodies.centroid)))
 
     def _late(self) -> bool:
         if self.steps >= self.step_limit or self.beyond >= self.left_steps or self._creeps():

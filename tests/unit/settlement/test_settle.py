@@ -13,7 +13,6 @@ from drystone.settlement import (
     Settlement,
     SettlementOptions,
     settle,
-    support_response,
 )
 from drystone.settlement.bodies import gyration_radii
 from drystone.settlement.settling import settle_for_verdict
@@ -195,25 +194,6 @@ def test_many_blocks_are_followed_like_few() -> None:
     slope = np.rad2deg(np.arctan(1.0 / 29.0))
     assert tilted(slender, X, 0.95 * slope).outcome is Outcome.RESTS
     assert tilted(slender, X, 1.05 * slope).outcome is Outcome.FALLS
-
-
-def test_blocks_follow_supports_by_finite_ways() -> None:
-    assembly = arch(0.2, 8)
-    model = Model.of(assembly, friction=0.7)
-    small, large = (
-        settle(model, {"springer-right": (move, 0.0, 0.0)}, options=MOVING)
-        for move in (0.001, 0.02)
-    )
-    assert small.rests
-    assert large.rests
-    crown = 4
-    first = support_response(model, {"springer-right": (0.001, 0.0, 0.0)}).result.displacement
-    assert first is not None
-    # to first order where the support moves little
-    assert small.displacement[crown, 4] == pytest.approx(first[crown, 4], rel=2e-3)
-    foot = assembly.index("springer-right")
-    np.testing.assert_allclose(large.displacement[foot, :3], (0.02, 0.0, 0.0), atol=1e-12)
-    assert large.displacement[crown, 2] < 0.0
 
 
 def test_a_fall_tells_who_moves_and_how_it_ended_early_is_told() -> None:

@@ -40,8 +40,8 @@ def settle(
     to: Annotated[
         float | None,
         Option(
-            "Follow the blocks by finite steps until the largest translation of --move is this "
-            "long, m, or they fall.",
+            "Follow the blocks by finite steps until the corner of a support that moves farthest "
+            "has moved by this, m, or they fall.",
             kind=kinds.POSITIVE,
         ),
     ] = None,

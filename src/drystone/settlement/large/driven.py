@@ -97,6 +97,7 @@ class Driver(Follower):
     ) -> None:
         super().__init__(bodies, fall=fall, pace=pace, step_limit=step_limit, stop=stop)
         self.rough, self.many = 0.0, 1.0
+        self.soft = self._springs()
         self.base = self.pose
         self.grown: Floats | None = None
         self.reached = self.distance = self.factor = self.next_factor = 0.0
@@ -126,9 +127,12 @@ class Driver(Follower):
         first = FIRST * self.bodies.overlap
         return self._drive(advance, first, reach, tell, lambda: self.factor <= 0.0)
 
-    def shift(self, motion: Floats, tell: Callable[[float], None]) -> str:
-        """Supports move by a motion (n, 6), from the share 0 to the share 1 of it."""
-        self.measure = lambda: (self.reached, self._on_supports(motion))
+    def shift(self, motion: Floats, reach: float, tell: Callable[[float], None]) -> str:
+        """Supports move by a motion (n, 6), from the share 0 to the share 1 of it.
+
+        ``reach`` is the largest motion of their corners.
+        """
+        self.measure = lambda: (self.reached, self._on_supports(motion, reach))
         far = np.abs(motion).max(initial=0.0)
         first = min(self._limit() / max(float(far), 1e-300), 1.0)
 
@@ -212,7 +216,7 @@ class Driver(Follower):
     def _let_go(self) -> str:
         """Hold what drives, and let the blocks come to rest again or fall."""
         self.base, self.drag, self.guess = self.pose, self.first, None
-        self.farthest, self.stretch = 0.0, 1.0
+        self.farthest, self.stretch, self.soft = 0.0, 1.0, self._springs()
         ended = self.alone(self._to_rest())
         self.guess = None
         if ended == "rests":
@@ -235,13 +239,19 @@ class Driver(Follower):
         gone = np.linalg.norm(self.pose.place - self.bodies.centroid, axis=1)
         return float(gone.max(initial=0.0))
 
-    def _on_supports(self, motion: Floats) -> float:
-        """Force of the blocks on the supports that move, along their translation (n, 6)."""
-        along = np.where((self.bodies.slot < 0)[:, None], motion[:, :3], 0.0)
-        along /= max(float(np.linalg.norm(along, axis=1).max(initial=0.0)), 1e-300)
+    def _on_supports(self, motion: Floats, far: float) -> float:
+        """Force of the blocks on the supports whose corners move by ``far``, along that motion.
+
+        The motion is (n, 6), its rotation by radius; the force times ``far`` is work.
+        """
+        turn = motion[:, 3:] / self.bodies.radius[:, None]
         world = np.einsum("ki,kij->kj", self.response.force, self.placed.axes)
-        on_b, on_a = along[self.bodies.block_b], along[self.bodies.block_a]
-        return float((world * (on_b - on_a)).sum())
+        work = 0.0
+        for block, sign in ((self.bodies.block_b, 1.0), (self.bodies.block_a, -1.0)):
+            arm = self.placed.point - self.pose.place[block]
+            moved = motion[block, :3] + np.cross(turn[block], arm)
+            work += sign * float((world * moved).sum())
+        return work / far
 
     def note(self) -> None:
         """Keep the moment; of too many, every other one but first, last and largest load."""

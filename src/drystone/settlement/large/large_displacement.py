@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import frozen, frozen_floats, number
+from drystone.base.arrays import Floats, frozen, frozen_floats, number
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -27,7 +27,7 @@ from drystone.settlement.faces.meeting import (
 from drystone.settlement.large.driven import DrivenState, Driver
 from drystone.settlement.large.large_states import large_state, of_corners, state_of
 from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
-from drystone.settlement.path import scaled_motion, support_motion
+from drystone.settlement.path import STIFFER, scaled_motion, support_motion
 from drystone.settlement.settlement_types import SettlementOptions
 
 Tell: TypeAlias = Callable[[float], None]
@@ -160,28 +160,25 @@ def move_supports(
         Per support its translation [m] (3,), or translation and rotation vector [m, rad] (6,), as
         in :func:`drystone.settle`.
     to : [m]
-        The motion is made larger or smaller until its largest translation is this; left out, it is
-        taken as it is.
+        The motion is made larger or smaller until the corner of a support that moves farthest moves
+        by this; left out, it is taken as it is.
     watch
         Called with the blocks as they are while they are followed, a few times a second.
 
     Raises
     ------
     InputError
-        No support moves, or ``to`` is given for a motion without translation.
+        No support moves, or ``to`` is not above zero.
     """
     del executor  # one chain of increments
     model = as_model(given, **how)
     moving = support_motion(model, motion)
-    if moving is None:
+    longest = 0.0 if moving is None else _longest(model, moving)
+    if moving is None or longest == 0.0:
         raise InputError("no support moves", remedy='give a motion, such as {"base": (0, 0, -0.1)}')
-    longest = float(np.linalg.norm(moving[:, :3], axis=1).max())
     if to is not None:
-        if not number(to, "to") > 0.0 or longest == 0.0:
-            raise InputError(
-                f"to is {to:g} and the largest translation {longest:g} m",
-                remedy="give a length in m above zero, and a translation",
-            )
+        if not number(to, "to") > 0.0:
+            raise InputError(f"to is {to:g} m", remedy="give a length above zero")
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
 
@@ -198,7 +195,7 @@ def move_supports(
                 unit = bodies.force_unit
                 watch(large_state(still, apart, bodies, driver.last, driver.met, longest, unit))
 
-        ended = driver.shift(scaled_motion(bodies, moving), told)
+        ended = driver.shift(scaled_motion(bodies, moving), longest / bodies.length_unit, told)
         return ended, longest, bodies.force_unit
 
     return _driven(still, Drive.SUPPORTS, run, options, progress, clock)
@@ -246,23 +243,33 @@ def _driven(
     apart = faces_apart(model, FARTHEST)
     part, gap = followed_model(model, apart)
     carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
-    bodies = build_bodies(
-        part, carrier, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
-    )
-    driver = Driver(
-        bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
-    )
+    most = 0
 
     def tell(share: float) -> None:
+        nonlocal most
+        most = max(most, min(int(100.0 * share), 99))
         if progress is not None:
-            progress(STAGE[drive], min(int(100.0 * share), 99), 100)
+            progress(STAGE[drive], most, 100)
 
-    ended = driver.rest()
-    length = load = 1.0
-    if ended == "rests":
-        ended, length, load = run(bodies, driver, tell)
-    else:
-        driver.note()
+    overlap = chosen.overlap
+    while True:
+        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+        driver = Driver(
+            bodies,
+            fall=chosen.fall,
+            pace=chosen.pace,
+            step_limit=chosen.step_limit,
+            stop=clock.late,
+        )
+        ended = driver.rest()
+        length = load = 1.0
+        if ended == "rests":
+            ended, length, load = run(bodies, driver, tell)
+        else:
+            driver.note()
+        if ended != "soft":
+            break
+        overlap *= STIFFER
     if progress is not None:
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
@@ -283,6 +290,16 @@ def _driven(
         fallen, stopped, chosen, {"solve": clock.elapsed_s},
     )  # fmt: skip
     return replace(found, message=_said(found, driver))
+
+
+def _longest(model: Model, motion: Floats) -> float:
+    """Largest motion [m] of a corner of a support, to first order, for motions (n, 6) [m, rad]."""
+    blocks, centroid = model.assembly.blocks, model.assembly.centroid
+    ways = [
+        motion[i, :3] + np.cross(motion[i, 3:], blocks[i].vertices - centroid[i])
+        for i in np.flatnonzero(motion.any(axis=1))
+    ]
+    return max((float(np.linalg.norm(way, axis=1).max()) for way in ways), default=0.0)
 
 
 def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:

@@ -131,7 +131,7 @@ class LargeDisplacement(OfModel, OneLine):
     ========  =======================================  ==========================================
     load      mean displacement of the forces of the   load factor
               load, along themselves, by their size
-    supports  largest translation of a support         force of the blocks on the moving
+    supports  largest motion of a corner of a support  force of the blocks on the moving
                                                        supports, along their motion [N]
     friction  largest displacement of a centroid       share of the friction coefficients
     ========  =======================================  ==========================================

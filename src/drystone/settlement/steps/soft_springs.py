@@ -1,0 +1,78 @@
+"""Whether the springs of a run are too soft: asked once, at a given displacement of the blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.settlement.bodies import Bodies
+
+STIFFEST = 1e-9
+"""Smallest overlap: below it gaps are lost in rounding."""
+SOFT_AT, SOFT_AT_MANY = 0.05, 0.02
+"""Displacement of a block relative to its size where it is decided whether springs are too soft; of
+many blocks. It is the same however far they are followed, so that :func:`drystone.check` and
+:func:`drystone.settle` give one answer."""
+FADING = 0.5
+"""Of many blocks: share of the load that the contacts do not carry there, by that at half of the
+way, below which springs were too soft: it was about to come to rest. Measured on the Armadillo
+vault: 0.31 at 21 degrees and 0.48 at 21.5, where it rests on stiffer springs, 0.55 at 22 and 0.76
+at 24, where it falls."""
+SQUEEZED, GROWN = 20.0, 1.5
+"""Overlap of a corner by that under the mean load, and by its own at half of the travel, from which
+on springs are too soft: a plug that tapers by 0.05 degrees presses with 570 times its weight in the
+end, and the overlap grows with its travel. Forces on what slides or topples hardly change."""
+DOUBLED = 1.8
+"""Of many blocks: what presses on the block of such a corner, by the same at half of the travel. On
+a plug it doubles. In a vault that moves thrust goes from one corner of a joint to another: 1.62
+times at most on the Armadillo vault, tilted by 24 to 30 degrees."""
+
+
+class SoftSprings:
+    """What a run remembers of half of the way, to tell springs that are too soft.
+
+    Parameters
+    ----------
+    bodies
+    many
+        There are many blocks.
+    most
+        Displacement of a block relative to its size at which the run ends.
+    """
+
+    def __init__(self, bodies: Bodies, many: bool, most: float) -> None:
+        self.bodies, self.many = bodies, many
+        self.at = min(most, SOFT_AT_MANY if many else SOFT_AT)
+        self.asked = bodies.overlap <= STIFFEST
+        self.half_way: Floats | None = None
+        self.half_share = 0.0
+
+    def pass_by(self, farthest: float, gap: Floats, share: float) -> None:
+        """At half of the way, remember the gaps (k,) and the share that contacts do not carry."""
+        if self.half_way is None and farthest >= 0.5 * self.at:
+            self.half_way, self.half_share = gap, share
+
+    def told(self, farthest: float, gap: Floats, share: float) -> bool:
+        """Whether stiffer springs are to be tried."""
+        if farthest <= self.at or self.asked:
+            return False
+        self.asked = True
+        return self._squeezed(gap) or (self.many and share < FADING * self.half_share)
+
+    def _squeezed(self, gap: Floats) -> bool:
+        """Whether forces far above the loads have grown."""
+        bodies = self.bodies
+        before = gap if self.half_way is None else GROWN * self.half_way
+        grown = (gap < -SQUEEZED * bodies.overlap) & (gap <= before)
+        if self.many and self.half_way is not None and grown.any():
+            more = self._pressing(gap) >= DOUBLED * self._pressing(self.half_way)
+            more[bodies.slot < 0] = False
+            grown &= more[bodies.block_a] | more[bodies.block_b]
+        return bool(grown.any())
+
+    def _pressing(self, gap: Floats) -> Floats:
+        """Sum (n,) of the normal forces on each block."""
+        bodies = self.bodies
+        force = bodies.normal * np.maximum(0.0, -gap)
+        both = np.concatenate([bodies.block_a, bodies.block_b])
+        return np.asarray(np.bincount(both, np.tile(force, 2), minlength=len(bodies.centroid)))

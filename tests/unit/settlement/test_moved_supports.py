@@ -1,0 +1,118 @@
+"""Supports that move by finite amounts, and the blocks that follow them."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Model, settle
+from drystone.models import arch, tower
+from drystone.models.solids import prism
+from drystone.settlement import (
+    End,
+    Outcome,
+    Settlement,
+    SettlementOptions,
+    SupportResponseOptions,
+    move_supports,
+    push,
+    reduce_friction,
+    support_response,
+)
+
+LEAN = float(np.deg2rad(0.05))
+RIGHT = "springer-right"
+
+
+def moved(model: Model, motion: dict[int | str, tuple[float, ...]], overlap: float) -> Settlement:
+    options = SettlementOptions(carrier="moving", overlap=overlap)  # type: ignore[arg-type]
+    return settle(model, motion, options=options)
+
+
+def plug() -> Assembly:
+    """A plug that tapers by 0.05 degrees to either side, between two walls."""
+    y, lean = (-0.5, 0.5), float(np.tan(LEAN))
+    wall = [(0.5, 0.0), (1.5, 0.0), (1.5 + lean, 1.0), (0.5 + lean, 1.0)]
+    between = [(-0.5, 0.0), (0.5, 0.0), (0.5 + lean, 1.0), (-0.5 - lean, 1.0)]
+    blocks = (
+        prism([(-x, z) for x, z in wall], y, "left"),
+        prism(wall, y, "right"),
+        prism(between, y, "plug"),
+    )
+    return Assembly(blocks, np.array([True, True, False]))
+
+
+@pytest.mark.parametrize("overlap", [1e-6, 1e-7, 1e-8])
+def test_what_friction_holds_goes_with_its_support(overlap: float) -> None:
+    model = Model.of(tower(3), friction=0.4)
+    found = moved(model, {0: (0.02, 0.0, 0.0)}, overlap)
+    assert found.rests
+    np.testing.assert_allclose(found.displacement[:, 0], 0.02, rtol=1e-9)
+    # atan(0.4) = 21.8 degrees = 0.381
+    turned = moved(model, {0: (0.0, 0.0, 0.0, 0.37, 0.0, 0.0)}, overlap)
+    assert turned.rests
+    np.testing.assert_allclose(turned.displacement[:, 3], 0.37, rtol=1e-4)
+
+
+def test_what_friction_does_not_hold_slides_off_a_support_that_turns() -> None:
+    found = moved(Model.of(tower(3), friction=0.4), {0: (0.0, 0.0, 0.0, 0.39, 0.0, 0.0)}, 1e-6)
+    assert found.outcome is Outcome.FALLS
+
+
+@pytest.mark.parametrize(("overlap", "agree"), [(1e-7, 2e-3), (1e-8, 4e-4)])
+def test_voussoirs_move_as_to_first_order_where_the_support_moves_little(
+    overlap: float, agree: float
+) -> None:
+    model, crown = Model.of(arch(0.2, 8), friction=0.7), 4
+    motion = {RIGHT: (0.0005, 0.0, 0.0)}
+    rigid = SupportResponseOptions(compliance=1e-6)
+    first = support_response(model, motion, options=rigid).result.displacement
+    assert first is not None
+    found = moved(model, motion, overlap)
+    assert found.displacement[crown, 4] == pytest.approx(first[crown, 4], rel=agree)
+
+
+@pytest.mark.parametrize("to", [0.02, 0.1])
+def test_two_ways_to_move_a_support_agree(to: float) -> None:
+    model = Model.of(arch(0.2, 8), friction=0.7)
+    found = moved(model, {RIGHT: (to, 0.0, 0.0)}, 1e-6)
+    # at the larger motion voussoirs have moved by 0.35 of their size, and rest
+    assert found.rests
+    driven = move_supports(model, {RIGHT: (1.0, 0.0, 0.0)}, to=to).states[-1].positions
+    np.testing.assert_allclose(found.displacement, driven, atol=2e-4 * to)
+    np.testing.assert_allclose(found.displacement[model.assembly.index(RIGHT), :3], (to, 0, 0))
+
+
+@pytest.mark.parametrize(("share", "rests"), [(0.98, True), (1.02, False)])
+def test_an_arch_on_a_spreading_support_falls_at_its_capacity(share: float, rests: bool) -> None:
+    model = Model.of(arch(0.15, 12), friction=1.5)
+    capacity = move_supports(model, {RIGHT: (1.0, 0.0, 0.0)}).capacity
+    assert capacity == pytest.approx(0.1411, rel=1e-3)
+    found = moved(model, {RIGHT: (share * capacity, 0.0, 0.0)}, 1e-6)
+    assert found.outcome is (Outcome.RESTS if rests else Outcome.FALLS)
+
+
+def test_a_support_that_turns_does_work_until_blocks_slide() -> None:
+    model, radius = Model.of(tower(3), friction=0.4), float(np.sqrt(0.5))
+    # the corners of a cube turn about its centroid
+    found = move_supports(model, {0: (0.0, 0.0, 0.0, 0.45, 0.0, 0.0)})
+    assert found.end is End.FALLS
+    assert found.displacement[-1] == pytest.approx(radius * np.arctan(0.4), rel=1e-3)
+    held = move_supports(model, {0: (0.0, 0.0, 0.0, 0.35, 0.0, 0.0)})
+    done = np.trapezoid(held.load, held.displacement)
+    lowered = held.states[-1].positions[1:, 2] - held.states[0].positions[1:, 2]
+    # forces are those of the position before an increment of a thousandth of a block
+    assert done == pytest.approx(-9.81 * model.assembly.mass[1:] @ lowered, rel=5e-3)
+
+
+def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:
+    model = Model.of(plug(), friction=0.01)
+    without = reduce_friction(model)
+    assert without.end is not End.FALLS
+    assert without.load[-1] == 0.0
+    # without friction its weight lifts it out
+    drawn = push(Model.of(plug(), friction=0.0), (0.0, 0.0, 1.0))
+    assert drawn.peak == pytest.approx(1.0, rel=1e-5)
+    dropped = [
+        moved(Model.of(plug(), friction=0.0), {"right": (out, 0.0, 0.0)}, 1e-6) for out in (0, 1e-4)
+    ]
+    fall = dropped[0].displacement[2, 2] - dropped[1].displacement[2, 2]
+    assert fall == pytest.approx(1e-4 / (2.0 * np.tan(LEAN)), rel=1e-2)
