@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -134,14 +135,7 @@ class Answers:
         left = 1 + self.options.samples - tried
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"
-        best = uniform if uniform.stands else self.attempts.standing[0]
-        return self.answer(
-            Verdict.STABLE,
-            words,
-            force=best.force,
-            displacement=best.displacement,
-            residuals=best.residuals,
-        )
+        return self._standing(uniform if uniform.stands else self.attempts.standing[0], words)
 
     def sensitive(self, found: Candidate, ratio: float, *, equal_overlap: bool) -> Result:
         """STABLE with a state of the search, whose joints differ in stiffness by a ratio."""
@@ -149,15 +143,8 @@ class Answers:
         if not equal_overlap:
             times = f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.1f}"
             how = f"it can rest where one joint is {times} times as stiff as another"
-        return self.answer(
-            Verdict.STABLE,
-            f"{how}, but none of {self.attempts.tried} contact stiffnesses tried leads to rest: "
-            f"{SENSITIVE}",
-            force=found.force,
-            displacement=found.displacement,
-            residuals=found.residuals,
-            stiffness_ratio=ratio,
-        )
+        tried = f"none of {self.attempts.tried} contact stiffnesses tried leads to rest"
+        return self._standing(found, f"{how}, but {tried}: {SENSITIVE}", stiffness_ratio=ratio)
 
     def rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
@@ -166,15 +153,8 @@ class Answers:
         that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
-        for one in self.attempts.standing[:1]:
-            return self.answer(
-                Verdict.STABLE,
-                words,
-                force=one.force,
-                displacement=one.displacement,
-                residuals=one.residuals,
-                settlement=found,
-            )
+        if self.attempts.standing:
+            return self._standing(self.attempts.standing[0], words, settlement=found)
         path = found.path
         contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
@@ -186,6 +166,17 @@ class Answers:
             displacement=path.displacement,
             residuals=path.residuals,
             settlement=found,
+        )
+
+    def _standing(self, rest: Candidate, words: str, **more: Any) -> Result:
+        """STABLE with a rest state in place."""
+        return self.answer(
+            Verdict.STABLE,
+            words,
+            force=rest.force,
+            displacement=rest.displacement,
+            residuals=rest.residuals,
+            **more,
         )
 
     def undecided(self, found: Settlement, why: str) -> Result:
