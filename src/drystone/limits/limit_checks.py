@@ -11,10 +11,10 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.stiffness_samples import TriedStiffnesses
+from drystone.stability.verdict.cascade import Cascade
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
@@ -100,9 +100,9 @@ def every_stiffness(
     found = cascade.run()
     if not found.stable:
         return found
-    if model.assembly.free.size and not cascade.robustly:
+    if model.assembly.free.size and not cascade.stiffnesses.robustly:
         return replace(found, verdict=Verdict.UNDECIDED)
-    near.displacement = cascade.rests
+    near.displacement = cascade.stiffnesses.rests
     return replace(found, options=CheckOptions())  # the answer of the check with these
 
 

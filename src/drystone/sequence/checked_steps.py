@@ -8,7 +8,7 @@ from drystone.base.arrays import Floats
 from drystone.sequence.plans import Step
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
-from drystone.stability.cascade import SETTLES_ALIKE
+from drystone.stability.verdict.following import SETTLES_ALIKE
 
 CHECKED = 1000
 """Most corners of a connected part with which screened stages of a plan are also checked, and with

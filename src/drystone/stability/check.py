@@ -16,9 +16,9 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Candidate
-from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
+from drystone.stability.verdict.cascade import Cascade
 
 
 @checked_call
@@ -114,7 +114,7 @@ def check_near(
     if within is not None:
         within = within[0][problem.model.active], within[1]
     cascade = Cascade(problem, options, progress, clock, executor, known, within, rest=rest)
-    return cascade.run(), cascade.rests
+    return cascade.run(), cascade.stiffnesses.rests
 
 
 @checked_call

@@ -16,13 +16,14 @@ from drystone.settlement import Outcome
 from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate, Rest
-from drystone.stability.cascade import SLIDES_FAR, Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
 from drystone.stability.stiffness_samples import TriedStiffnesses
+from drystone.stability.verdict.check_answers import Answers
+from drystone.stability.verdict.each_stiffness import SLIDES_FAR
 
 
 @checked_call
@@ -143,17 +144,17 @@ def stands_for_all(
     """
     count = CheckOptions().samples if samples is None else samples
     clock = Clock(float("inf"), stop)
-    cascade = Cascade(Problem.build(model), CheckOptions(settle=False), None, clock)
-    problem, attempts = cascade.problem, cascade.attempts
+    answers = Answers(Problem.build(model), CheckOptions(), None, clock)
+    problem, attempts = answers.problem, answers.attempts
     statics = problem.statics
     if statics.free_count == 0:
         return True
     if _falls_freely(problem, PATIENT, clock):
         return False
     springs = compliance.uniform(statics)
-    found = attempts.attempt(springs, falls=lambda: cascade.collapse is not None)
+    found = attempts.attempt(springs, falls=lambda: answers.collapse is not None)
     if not found.stands:
-        if attempts.falling or clock.late() or cascade.collapse is not None:
+        if attempts.falling or clock.late() or answers.collapse is not None:
             return False
         # as in a check: a smooth law converges more easily
         found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
@@ -164,7 +165,7 @@ def stands_for_all(
         near = Rest(found.displacement, compliance.is_even(statics, springs))
         return attempts.attempt_from(springs, (near,) if statics.dry else ())  # as in a check
 
-    tangential = cascade.options.settlement.tangential
+    tangential = answers.options.settlement.tangential
     like_settlement: Candidate | None = None
     for springs in compliance.samples(statics, count, seed, tangential=tangential):
         other = tried(springs)
@@ -175,7 +176,7 @@ def stands_for_all(
         return True
     if problem.slide_by_overlap(like_settlement.displacement) <= SLIDES_FAR:
         return True
-    followed = settle_for_verdict(model, options=cascade.options.settlement, stop=stop)
+    followed = settle_for_verdict(model, options=answers.options.settlement, stop=stop)
     return followed.outcome is Outcome.RESTS
 
 

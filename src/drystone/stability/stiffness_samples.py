@@ -77,7 +77,7 @@ def samples_to_try(
     uniform
         The answer of uniform stiffness.
     known, within
-        As for :class:`drystone.stability.cascade.Cascade`.
+        As for :class:`drystone.stability.verdict.cascade.Cascade`.
     tried
         What failed from the same rest state before is tried near other known ones only.
     """

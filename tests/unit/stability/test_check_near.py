@@ -15,10 +15,11 @@ from drystone.sequence.stage.structure import Structure
 from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest
 from drystone.stability.attempts import Attempts
-from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE, SLIDES_FAR
 from drystone.stability.problem import Problem
 from drystone.stability.screening import QUICK, SMOOTH
 from drystone.stability.stiffness_samples import NONE_FOUND, several_nearby
+from drystone.stability.verdict.each_stiffness import SLIDES_FAR
+from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE
 
 LEANING = Model.of(leaning_column(), friction=0.6)
 HARD = 2

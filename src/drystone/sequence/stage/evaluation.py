@@ -24,8 +24,8 @@ from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
 from drystone.stability.attempts import Candidate
-from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE
 from drystone.stability.stiffness_samples import NONE_FOUND
+from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""

@@ -27,8 +27,8 @@ from drystone.sequence.stage.stage_checks import Check, check_both, check_both_n
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening, try_rest
 from drystone.stability.attempts import Candidate
-from drystone.stability.cascade import SETTLES_ALIKE
 from drystone.stability.problem import Problem
+from drystone.stability.verdict.following import SETTLES_ALIKE
 
 LOADED = 1e-6
 """Corners with less than this share of the largest force of their part are ignored in the required

@@ -23,10 +23,10 @@ from drystone.formulations.stiffness_range import stiffness_ratio
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Residuals, Result, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.search_starts import SEARCH_LIMIT, StateSearch
+from drystone.stability.verdict.cascade import Cascade
+from drystone.stability.verdict.search_starts import SEARCH_LIMIT, StateSearch
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,11 @@ from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
+from drystone.stability.verdict.cascade import Cascade
 from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)

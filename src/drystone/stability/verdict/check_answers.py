@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any
+
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress
+from drystone.base.workers import WorkerPool
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Settlement
+from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import FALLING_SHARE, first_motion, moving_blocks
+from drystone.stability.programs.rbe import ANY_FORCES
+from drystone.stability.proofs import (
+    FALLING_SHARE,
+    balanced,
+    first_motion,
+    found_mechanism,
+    moving_blocks,
+    sound_mechanism,
+)
 
 SENSITIVE = "sensitive to how the joints press"
 NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
@@ -24,6 +40,10 @@ class Answers:
     Attributes
     ----------
     problem, options, progress, clock
+    nearest
+        The mechanism nearest to free fall, once it is known.
+    pool
+        Computes independent parts.
     attempts
         The rest states that were tried.
     iterations
@@ -37,12 +57,19 @@ class Answers:
     """
 
     def __init__(
-        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+        self,
+        problem: Problem,
+        options: CheckOptions,
+        progress: Progress | None,
+        clock: Clock,
+        nearest: NearestMechanism | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.progress = progress
         self.clock = clock
+        self.nearest = nearest
+        self.pool = WorkerPool(None)
         self.attempts = Attempts(problem, clock)
         self.iterations = 0
         self.balances = False
@@ -55,6 +82,34 @@ class Answers:
             self.stage = stage
         if self.progress is not None:
             self.progress(stage, done, 3 + self.options.samples)
+
+    @cached_property
+    def collapse(self) -> Floats | None:
+        """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
+        self.report("equilibrium", 1)
+        problem, late = self.problem, self.clock.late
+        if problem.statics.dry:
+            if self.nearest is None:
+                self.nearest = nearest_mechanism(problem.system, stop=late)
+            nearest = self.nearest
+            self.iterations += nearest.iterations
+            if nearest.motion is not None:
+                motion = sound_mechanism(problem, nearest.motion)
+                if motion is not None:
+                    self.left = nearest.force
+                    return motion
+            elif balanced(problem, nearest.force):
+                self.balances = True
+                return None
+        balance = solve_equilibrium(
+            problem.statics,
+            cone=FrictionCone.exact(),
+            options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
+            stop=late,
+        )
+        self.iterations += balance.raw.iterations
+        self.balances = balance.raw.status is ConicStatus.SOLVED
+        return None if self.balances else found_mechanism(problem, balance, late)
 
     def nothing_free(self) -> Result:
         """STABLE: there is nothing to calculate."""
@@ -80,14 +135,7 @@ class Answers:
         left = 1 + self.options.samples - tried
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"
-        best = uniform if uniform.stands else self.attempts.standing[0]
-        return self.answer(
-            Verdict.STABLE,
-            words,
-            force=best.force,
-            displacement=best.displacement,
-            residuals=best.residuals,
-        )
+        return self._standing(uniform if uniform.stands else self.attempts.standing[0], words)
 
     def sensitive(self, found: Candidate, ratio: float, *, equal_overlap: bool) -> Result:
         """STABLE with a state of the search, whose joints differ in stiffness by a ratio."""
@@ -95,15 +143,8 @@ class Answers:
         if not equal_overlap:
             times = f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.1f}"
             how = f"it can rest where one joint is {times} times as stiff as another"
-        return self.answer(
-            Verdict.STABLE,
-            f"{how}, but none of {self.attempts.tried} contact stiffnesses tried leads to rest: "
-            f"{SENSITIVE}",
-            force=found.force,
-            displacement=found.displacement,
-            residuals=found.residuals,
-            stiffness_ratio=ratio,
-        )
+        tried = f"none of {self.attempts.tried} contact stiffnesses tried leads to rest"
+        return self._standing(found, f"{how}, but {tried}: {SENSITIVE}", stiffness_ratio=ratio)
 
     def rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
@@ -112,15 +153,8 @@ class Answers:
         that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
-        for one in self.attempts.standing[:1]:
-            return self.answer(
-                Verdict.STABLE,
-                words,
-                force=one.force,
-                displacement=one.displacement,
-                residuals=one.residuals,
-                settlement=found,
-            )
+        if self.attempts.standing:
+            return self._standing(self.attempts.standing[0], words, settlement=found)
         path = found.path
         contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
@@ -132,6 +166,17 @@ class Answers:
             displacement=path.displacement,
             residuals=path.residuals,
             settlement=found,
+        )
+
+    def _standing(self, rest: Candidate, words: str, **more: Any) -> Result:
+        """STABLE with a rest state in place."""
+        return self.answer(
+            Verdict.STABLE,
+            words,
+            force=rest.force,
+            displacement=rest.displacement,
+            residuals=rest.residuals,
+            **more,
         )
 
     def undecided(self, found: Settlement, why: str) -> Result:

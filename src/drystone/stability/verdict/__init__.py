@@ -1,0 +1,1 @@
+"""The verdict of a check: the order of its tests, and each test."""
