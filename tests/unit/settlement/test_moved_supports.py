@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Model, settle
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
 from drystone.models.solids import prism
 from drystone.settlement import (
     End,
@@ -79,6 +79,26 @@ def test_two_ways_to_move_a_support_agree(to: float) -> None:
     driven = move_supports(model, {RIGHT: (1.0, 0.0, 0.0)}, to=to).states[-1].positions
     np.testing.assert_allclose(found.displacement, driven, atol=2e-4 * to)
     np.testing.assert_allclose(found.displacement[model.assembly.index(RIGHT), :3], (to, 0, 0))
+
+
+@pytest.mark.parametrize(
+    "motion", [(0.0, 0.0, -0.01), (0.0, 0.0, 0.0, 0.0, -0.03, 0.0)], ids=["sinks", "turns"]
+)
+def test_a_wall_is_followed_to_the_end_on_a_foot_that(motion: tuple[float, ...]) -> None:
+    """Its joints open and slide many times meanwhile; it was lost after 0.1 and 0.4 mm."""
+    feet = [box((1.0, 0.5, 0.5), (x, 0.0, -0.5), f"foot {x}") for x in (-1.0, 0.0)]
+    courses = [
+        box((0.5, 0.5, 0.25), (-1.0 + 0.25 * (c % 2) + 0.5 * i, 0.0, 0.25 * c), f"block {c} {i}")
+        for c in range(4)
+        for i in range(4 - c % 2)
+    ]
+    assembly = Assembly((*feet, *courses), np.arange(16) < 2)
+    model = Model.of(assembly, friction=0.6)
+    driven = move_supports(model, {1: motion})
+    assert driven.end is End.REACHED
+    found = moved(model, {1: motion}, 1e-6)
+    assert found.rests
+    np.testing.assert_allclose(driven.states[-1].positions, found.displacement, atol=2e-4)
 
 
 @pytest.mark.parametrize(("share", "rests"), [(0.98, True), (1.02, False)])

