@@ -214,6 +214,14 @@ class Model(Card):
                 remedy="ask 'check' or 'solve_rbe', or give model.with_capacity(None)",
             )
 
+    def require_still(self) -> None:
+        """Raise InputError where the load moves supports, of an analysis whose supports stay."""
+        if self.load.motion is not None:
+            raise InputError(
+                f"the load case '{self.load.name}' moves supports",
+                remedy="ask 'settle' what that does, or take a case without settlement",
+            )
+
     def with_supports(self, supports: str | Sequence[int | str], up: Sequence[float] = UP) -> Model:
         """The same model with exactly these blocks fixed; see :meth:`of`.
 

@@ -19,7 +19,6 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
-from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 
@@ -342,11 +341,7 @@ def build_statics(model: Model) -> Statics:
     """
     assembly, contacts, load = model.assembly, model.contacts, model.load
     count = len(assembly)
-    if load.motion is not None:
-        raise InputError(
-            f"the load case '{load.name}' moves supports",
-            remedy="ask 'settle' what that does, or take a case without settlement",
-        )
+    model.require_still()
     free = assembly.free
     slot = np.full(count, -1, dtype=np.intp)
     slot[free] = np.arange(len(free))

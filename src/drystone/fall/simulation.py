@@ -79,6 +79,7 @@ def fall(
     del executor  # one chain of frames
     chosen = FallOptions.of(options)
     model = as_model(given, **how)
+    model.require_still()
     if motion is not None:
         motion = frozen_floats(motion, (len(model), 6), "the first motion")
     mujoco = require_mujoco()

@@ -1,9 +1,12 @@
 """Supports that move by finite amounts, and the blocks that follow them."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from drystone import Assembly, Model, settle
+from drystone import Assembly, InputError, LoadCase, Model, check, settle
+from drystone.fall import fall
 from drystone.models import arch, box, tower
 from drystone.models.solids import prism
 from drystone.settlement import (
@@ -121,6 +124,18 @@ def test_a_support_that_turns_does_work_until_blocks_slide() -> None:
     lowered = held.states[-1].positions[1:, 2] - held.states[0].positions[1:, 2]
     # forces are those of the position before an increment of a thousandth of a block
     assert done == pytest.approx(-9.81 * model.assembly.mass[1:] @ lowered, rel=5e-3)
+
+
+@pytest.mark.parametrize("analysis", [push, reduce_friction, check, fall])
+def test_an_analysis_whose_supports_stay_refuses_a_load_that_moves_them(
+    analysis: Callable[[Model], object],
+) -> None:
+    block = tower(2)
+    load = LoadCase.gravity(block) + LoadCase.settlement(block, 0, (0.01, 0.0, 0.0))
+    model = Model.of(block, friction=0.5, load=load)
+    with pytest.raises(InputError, match=r"moves supports.*ask 'settle'"):
+        analysis(model)
+    assert move_supports(model).displacement[-1] == pytest.approx(0.01)
 
 
 def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:

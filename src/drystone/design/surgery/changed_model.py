@@ -233,11 +233,7 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     kept : (s,)
         Positions of the kept blocks in the model.
     """
-    if model.load.motion is not None:
-        raise InputError(
-            f"the load case '{model.load.name}' moves supports",
-            remedy="leave the motion out: only 'settle' uses it",
-        )
+    model.require_still()
     acceleration = acceleration_of(model)
     before = model.assembly
     wrench = np.zeros((len(assembly), 6))

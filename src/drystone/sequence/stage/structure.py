@@ -69,12 +69,7 @@ class Structure(OfModel, OneLine):
     screening: tuple[Screening, ...] = ()
 
     def __post_init__(self) -> None:
-        load = self.model.load
-        if load.motion is not None:
-            raise InputError(
-                f"the load case '{load.name}' moves supports",
-                remedy="take a case without settlement",
-            )
+        self.model.require_still()
         if not self.assembly.fixed.any():
             raise InputError("no block is fixed", remedy="fix the supports")
 

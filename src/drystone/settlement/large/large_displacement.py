@@ -238,6 +238,7 @@ def _driven(
     model.require_dry(
         "large displacement", "what a joint still carries after it has moved is not known"
     )
+    model.require_still()
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
     apart = faces_apart(model, FARTHEST)
