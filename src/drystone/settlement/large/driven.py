@@ -35,10 +35,11 @@ PASSED = 1e-2
 joints are placed anew after an increment, and a support would leave a block without a fall."""
 CARRIED = 1e-6
 """Share of the mean load of a block that the drag carries in the longest increment."""
-HELD_BACK, LAST = 1e-2, 1e-3
+HELD_BACK, LAST = 1e-3, 1e-3
 """The same where supports move and no increment is found. Below that share of the first increment
 it is for this increment, not for the longest one. Measured on walls of 14 to 60 blocks on a foot
-that sinks or turns: five of twelve were lost before, none now, and the forces agree to 0.1 %."""
+that sinks or turns: five of twelve were lost before, none now. At 1e-2 forces differ by 0.6 % where
+blocks are numbered otherwise, and one of ten walls took another path."""
 NEWTON = 20
 """Newton steps after which an increment is taken to be too long: most take fewer than five."""
 CALM = 5
