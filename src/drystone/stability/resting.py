@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from drystone.base.arrays import Floats
@@ -15,15 +17,15 @@ from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome
 from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempts, Candidate, Rest
+from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
-from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
+from drystone.stability.screening import PATIENT, Screening
 from drystone.stability.stiffness_samples import TriedStiffnesses
 from drystone.stability.verdict.check_answers import Answers
-from drystone.stability.verdict.each_stiffness import SLIDES_FAR
+from drystone.stability.verdict.each_stiffness import EachStiffness
 
 
 @checked_call
@@ -142,42 +144,27 @@ def stands_for_all(
     stop
         Asked often; True ends the analysis, and what is left counts as not found.
     """
-    count = CheckOptions().samples if samples is None else samples
-    clock = Clock(float("inf"), stop)
-    answers = Answers(Problem.build(model), CheckOptions(), None, clock)
+    chosen = CheckOptions()
+    options = replace(chosen, samples=chosen.samples if samples is None else samples, seed=seed)
+    answers = Answers(Problem.build(model), options, None, Clock(float("inf"), stop))
     problem, attempts = answers.problem, answers.attempts
-    statics = problem.statics
-    if statics.free_count == 0:
+    if problem.statics.free_count == 0:
         return True
-    if _falls_freely(problem, PATIENT, clock):
+    if _falls_freely(problem, PATIENT, answers.clock):
         return False
-    springs = compliance.uniform(statics)
-    found = attempts.attempt(springs, falls=lambda: answers.collapse is not None)
-    if not found.stands:
-        if attempts.falling or clock.late() or answers.collapse is not None:
+    stiffnesses = EachStiffness(answers, {}, None, TriedStiffnesses(), first_ends=True)
+    if not stiffnesses.uniform.stands:
+        if attempts.falling or answers.clock.late() or answers.collapse is not None:
             return False
-        # as in a check: a smooth law converges more easily
-        found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
-    if not found.stands:
+        stiffnesses.try_smooth()
+    if not stiffnesses.uniform.stands:
         return False
-
-    def tried(springs: Compliance) -> Candidate:
-        near = Rest(found.displacement, compliance.is_even(statics, springs))
-        return attempts.attempt_from(springs, (near,) if statics.dry else ())  # as in a check
-
-    tangential = answers.options.settlement.tangential
-    like_settlement: Candidate | None = None
-    for springs in compliance.samples(statics, count, seed, tangential=tangential):
-        other = tried(springs)
-        if not other.stands:
-            return False
-        like_settlement = like_settlement or other
-    if like_settlement is None or not statics.dry:
+    stiffnesses.try_others()
+    if len(attempts.standing) < attempts.tried or answers.clock.late():
+        return False
+    if stiffnesses.robustly:
         return True
-    if problem.slide_by_overlap(like_settlement.displacement) <= SLIDES_FAR:
-        return True
-    followed = settle_for_verdict(model, options=answers.options.settlement, stop=stop)
-    return followed.outcome is Outcome.RESTS
+    return settle_for_verdict(model, options=options.settlement, stop=stop).outcome is Outcome.RESTS
 
 
 def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:

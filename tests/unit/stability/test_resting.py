@@ -82,6 +82,15 @@ def test_what_stands_for_all_is_what_a_check_finds_to_stand_for_all(model):
     assert not stands_for_all(model, stop=lambda: True)
 
 
+def test_what_is_stopped_on_the_way_does_not_stand_for_all():
+    asked = itertools.count()
+    assert stands_for_all(Model(ARCH, JOINTS), stop=lambda: next(asked) < 0)
+    last = next(asked) - 1
+    for left in (last // 2, last - 2):
+        asked = itertools.count()
+        assert not stands_for_all(Model(ARCH, JOINTS), stop=lambda: next(asked) > left)  # noqa: B023
+
+
 def test_what_does_not_rest_is_undecided_after_every_law():
     leaning = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)
     found = try_rest(Model(ARCH, JOINTS, leaning), screening=BOTH_LAWS)

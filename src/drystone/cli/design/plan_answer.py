@@ -34,26 +34,17 @@ class PlanFiles:
 
     work: Annotated[
         Path | None,
-        Option(
-            "Write the placements for robots: paths, grips and holds, .json or .csv.",
-            OUTPUT,
-            kind=kinds.target(".json", ".csv"),
-            expert=True,
-        ),
-    ] = None
+        Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
+               kind=kinds.target(".json", ".csv"), expert=True),
+    ] = None  # fmt: skip
     html: options.Html = None
     png: options.Png = None
     cad: options.Cad = None
     instructions: Annotated[
         Path | None,
-        Option(
-            "Write numbered instructions for printing, .html.",
-            OUTPUT,
-            ("--print",),
-            kinds.target(".html", ".htm"),
-            expert=True,
-        ),
-    ] = None
+        Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
+               kinds.target(".html", ".htm"), expert=True),
+    ] = None  # fmt: skip
     csv: Annotated[
         Path | None,
         Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
@@ -89,10 +80,8 @@ class PlanFiles:
         if self.work is not None:
             from drystone.sequence import handling
 
-            placed = handling(plan, robots)
-            jobs.append(
-                (self.work, placed.save_csv if self.work.suffix == ".csv" else placed.save_json)
-            )
+            placed, flat = handling(plan, robots), self.work.suffix == ".csv"
+            jobs.append((self.work, placed.save_csv if flat else placed.save_json))
         if self.csv is not None:
             jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
         return jobs, []

@@ -51,16 +51,7 @@ def mends_of_kind(
 
 
 class _Held(NamedTuple):
-    """The structure with a change that holds it.
-
-    Attributes
-    ----------
-    value
-    model
-    result
-    settles
-        Whether standing after settling was enough.
-    """
+    """The structure with a change that holds it, at least after settling where it ``settles``."""
 
     value: float
     model: Model

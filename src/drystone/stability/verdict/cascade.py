@@ -231,14 +231,15 @@ class Cascade:
             if not apart and self._caught(falling):
                 return None
             why = "hardly anything presses on some of its blocks at first"
-            # a plug that hardly tapers presses more and more on a long way
-            followed = None if surely else self.following.settlement(settle)
-            if followed is not None and followed.outcome is Outcome.RESTS:
-                return self.answers.rests(followed, why)
-            if followed is not None and followed.outcome is Outcome.ENDS_DECIDE:
-                return self.answers.undecided(followed, why)
-            if followed is not None and followed.outcome is Outcome.UNKNOWN and not apart:
-                return None
+            if not surely:
+                # a plug that hardly tapers presses more and more on a long way
+                followed = self.following.settlement(settle)
+                if followed.outcome is Outcome.RESTS:
+                    return self.answers.rests(followed, why)
+                if followed.outcome is Outcome.ENDS_DECIDE:
+                    return self.answers.undecided(followed, why)
+                if followed.outcome is Outcome.UNKNOWN and not apart:
+                    return None
         rest = problem.without(falling)
         if rest is not None:
             part = Cascade(rest, self.options, None, self.clock, self.answers.pool.executor).run()
@@ -260,6 +261,5 @@ class Cascade:
         model, state = self.problem.model, self.stiffnesses.uniform
         if not state.stands:
             return False
-        return bool(
-            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
-        )
+        closing = closing_blocks(model.assembly, model.contacts, state.displacement)
+        return bool(closing[falling].all())
