@@ -281,11 +281,18 @@ class SparseMaps:
             for slot in (a, b)
         ]
         self.carry = np.tile(np.eye(6), (m, 1, 1))
+        columns = (6 * self.joint[:, None, None] + np.arange(6)).repeat(3, axis=1)
+        ends = np.arange(0, 18 * k + 1, 6)
+        self.across = sparse.csr_matrix(
+            (np.zeros(18 * k), columns.ravel(), ends), shape=(3 * k, 6 * m)
+        )
+        self.back = self.across.T  # of the same numbers
 
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         bodies, corner = self.bodies, np.arange(len(placed.gap))
         self.rows = corner_rows(bodies, pose, placed, corner, bodies.block_b, 1.0)
+        self.across.data[:] = self.rows.ravel()
         # motion of a as if it were fixed to the centroid of b
         radius = bodies.radius[self.block_a]
         x, y, z = ((pose.place[self.block_b] - pose.place[self.block_a]) / radius[:, None]).T
@@ -299,13 +306,12 @@ class SparseMaps:
     def moved(self, motion: Floats) -> Floats:
         """As in :class:`DenseMaps`."""
         every = np.concatenate([motion, np.zeros((1, 6))])  # a support has the number -1
-        across = every[self.b] - (self.carry @ every[self.a, :, None])[:, :, 0]
-        result: Floats = (self.rows @ across[self.joint, :, None])[:, :, 0]
-        return result
+        joint = every[self.b] - (self.carry @ every[self.a, :, None])[:, :, 0]
+        return np.asarray(self.across @ joint.ravel()).reshape(-1, 3)
 
     def wrench(self, force: Floats) -> Floats:
         """As in :class:`DenseMaps`."""
-        on_b = np.add.reduceat((force[:, None] @ self.rows)[:, 0], self.first)
+        on_b = np.asarray(self.back @ force.ravel()).reshape(-1, 6)
         on_a = (on_b[:, None] @ self.carry)[:, 0]
         return np.asarray(self.gather[1] @ on_b - self.gather[0] @ on_a)
 

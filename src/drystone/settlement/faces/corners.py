@@ -215,16 +215,18 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
     """
     along = (ends.outward @ slide[:, :, None])[:, :, 0]
     beyond = ends.sense * along > ends.reach
-    if not beyond.any():
-        carried = (ends.tangent @ slide[:, :, None])[:, :, 0]
-        return carried, ends.tangent, _on_both(ends, carried)
-    weight = np.where(beyond, 1.0 - ends.share, ends.share)
-    # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
-    shift = weight * along + np.where(beyond, ends.reach, 0.0)
-    right = np.concatenate([shift[:, :, None], weight[:, :, None] * ends.outward], axis=2)
-    solved: Floats = np.asarray(np.linalg.solve(ends.outward, right), dtype=np.float64)
-    carried = solved[:, :, 0]
-    return carried, solved[:, :, 1:], _on_both(ends, carried)
+    carried, tangent = (ends.tangent @ slide[:, :, None])[:, :, 0], ends.tangent
+    some = np.flatnonzero(beyond.any(axis=1))
+    if len(some):
+        outward, over = ends.outward[some], beyond[some]
+        weight = np.where(over, 1.0 - ends.share[some], ends.share[some])
+        # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
+        shift = weight * along[some] + np.where(over, ends.reach[some], 0.0)
+        right = np.concatenate([shift[:, :, None], weight[:, :, None] * outward], axis=2)
+        solved: Floats = np.asarray(np.linalg.solve(outward, right), dtype=np.float64)
+        tangent = tangent.copy()
+        carried[some], tangent[some] = solved[:, :, 0], solved[:, :, 1:]
+    return carried, tangent, _on_both(ends, carried)
 
 
 def _on_both(ends: Ends, carried: Floats) -> Bools:
