@@ -20,6 +20,7 @@ from drystone.formulations.rest.rest_state import RestOptions, RestState, Start,
 from drystone.formulations.rest.same_forces import (
     FAR,
     relaxed_again,
+    sliding_share,
     start_of_forces,
     unbalanced_share,
 )
@@ -73,6 +74,11 @@ not converge."""
 NEARLY_RESTS = 0.01
 """Unbalanced share of a block up to which other springs begin at the rest state itself, in place of
 its forces. Walls at rest slide nowhere: with every friction law they rest there at once."""
+
+FEW_SLIDE = 0.02
+"""Share of the normal force at corners that slide up to which they begin there as well. Where all
+stick, the first step of Newton's method is exact. Measured on 11 models, tilted or not: up to 0.019
+it takes 0 to 2 factorisations, from the forces 2 to 4; from 0.028 on up to 23, from them 3."""
 
 SHARES = (0.0, 0.5, 1.0)
 """Steps of the stiffness, by the logarithm, from the uniform one to another. Measured on the
@@ -291,15 +297,23 @@ class Attempts(Record):
         return start_from(self.problem.system, springs, motion)
 
     def nearby(
-        self, springs: Compliance, start: Start, options: RestOptions = AT_REST
+        self,
+        springs: Compliance,
+        start: Start,
+        options: RestOptions = AT_REST,
+        *,
+        onwards: bool = True,
     ) -> Candidate | None:
-        """The rest state near a start, if there is one and it stands."""
+        """The rest state near a start, if there is one and it stands.
+
+        With ``onwards``, other springs may begin on its path.
+        """
         state = find_rest_nearby(self.problem.system, springs, options, start, self.clock.late)
         if state is None:
             return None
         self.iterations += state.iterations
         found = self._stood(state)
-        if found is None or not self.problem.statics.dry:
+        if found is None or not (onwards and self.problem.statics.dry):
             return found
         return replace(found, path=relaxed_again(self.problem.statics, springs, state))
 
@@ -318,20 +332,21 @@ class Attempts(Record):
         """
         for one in rests:
             if one.same and not one.path:
-                found = self.nearby(springs, self.start(springs, one.displacement))
+                start = self.start(springs, one.displacement)
+                found = self.nearby(springs, start, onwards=False)
                 if found is not None:
                     return found
         if rests:
-            path, same = rests[-1].path, rests[-1].same
-            last = self.start(springs, rests[-1].displacement)
-            from_other = _after_newton(FROM_OTHER) if same and not path else FROM_OTHER
-            ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
+            displacement, same, path = rests[-1]
+            ways: list[tuple[RestOptions, Start | None]] = []
             if path and not briefly:
-                near, onwards = self._with_forces(springs, path, last if same else None)
+                near, onwards = self._with_forces(springs, path, displacement if same else None)
                 if near is not None:
                     return near
-                ways = [(_on_path(onwards, same), onwards), (STRAIGHT, None), *ways]
-            elif not briefly:
+                ways = [(_on_path(onwards, same), onwards), (STRAIGHT, None)]
+            from_other = _after_newton(FROM_OTHER) if same and not path else FROM_OTHER
+            ways.append((from_other, self.start(springs, displacement)))
+            if not path and not briefly:
                 ways.append((STRAIGHT, None))
             for options, begin in ways:
                 state = self._rest(springs, options, begin)
@@ -354,16 +369,23 @@ class Attempts(Record):
         return self._by_longer_slips(springs) or found
 
     def _with_forces(
-        self, springs: Compliance, path: Start, rest: Start | None
+        self, springs: Compliance, path: Start, rest: Floats | None
     ) -> tuple[Candidate | None, Start]:
         """The rest state that Newton's method reaches from the forces of another one.
 
-        Where these springs nearly rest at the other ``rest`` state, it begins there. With the start
-        for the relaxed law where it does not converge.
+        Where these springs nearly rest at the displacement (n, 6) [m, rad] of the other ``rest``
+        state, or stick there, it begins there. With the start for the relaxed law where it does not
+        converge.
         """
         system = self.problem.system
-        if rest is not None and self._nearly_rests(springs, rest):
-            return self.nearby(springs, rest, FROM_FORCES), path
+        if rest is not None:
+            start = self.start(springs, rest)
+            moved = system.statics.displacement(start.motion)
+            nearly = unbalanced_share(system, springs, moved) <= NEARLY_RESTS
+            if nearly or sliding_share(springs, moved) <= FEW_SLIDE:
+                found = self.nearby(springs, start, FROM_FORCES, onwards=False)
+                if found is not None or nearly:
+                    return found, path
         try:
             start, steps, share = start_of_forces(system, springs, AT_REST, path)
         except SolverError:
@@ -371,13 +393,8 @@ class Attempts(Record):
         self.iterations += steps
         if share > FAR:
             return None, path
-        found = self.nearby(springs, start, FROM_FORCES)
+        found = self.nearby(springs, start, FROM_FORCES, onwards=False)
         return found, start if share <= HALFWAY else path
-
-    def _nearly_rests(self, springs: Compliance, start: Start) -> bool:
-        system = self.problem.system
-        moved = system.statics.displacement(start.motion)
-        return unbalanced_share(system, springs, moved) <= NEARLY_RESTS
 
     def _by_longer_slips(self, springs: Compliance) -> Candidate | None:
         """The rest state where a path from nothing did not converge, from those of longer slips.
