@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError, SolverError
+from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import POLISH_AGAIN, find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
-from drystone.formulations.rest.same_forces import (
-    FAR,
-    relaxed_again,
-    start_of_forces,
-    unbalanced_share,
-)
+from drystone.formulations.rest.same_forces import relaxed_again
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
@@ -39,49 +32,9 @@ LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
 4e-8 of the load of a block with 400 cubes."""
 
-FROM_FORCES = replace(AT_REST, tolerance=3e-9)
-"""From the forces of another rest state: a third of what a proof allows. Measured on eleven models:
-1.70 in place of 1.75 times the factorisations of the uniform stiffness, and a tenth fewer
-solutions."""
-
 NEARLY = 1e-7
 """Unbalanced share of a block at which weaker ground may still give a proof: with 400 cubes
 rounding alone leaves 3e-10."""
-
-STRAIGHT = replace(AT_REST, iteration_limit=16)
-"""From nothing, where the model stands with other stiffnesses: no state on stronger ground is
-needed. Measured: far from the limits of their models 8 to 13 steps lead so near that the unrelaxed
-law converges. Very near the limits it takes 40, and stronger ground saves some."""
-
-FROM_OTHER = replace(AT_REST, warm_relaxation=1e-4, stall=8, give_up=0.02)
-"""From the rest state of other stiffnesses: given up early. Measured: where it converges, on walls
-and domes, it takes 6 to 16 steps, from nothing 12 to 18; elsewhere it ends after 3 or 4."""
-
-FROM_PATH = replace(AT_REST, stall=8, give_up=0.02)
-"""From the last iterate of the relaxed law with uniform stiffness. With another friction law
-Newton's method on the unrelaxed law converges after one to three steps there."""
-
-SLOW = 0.35
-"""Share of the merit function after two such steps from which on other normal stiffnesses begin
-from nothing. Measured on 15 arches, walls, vaults and domes: 650 factorisations for all stiffnesses
-in place of 667 without it, and of 717 without starts on the path."""
-
-HALFWAY = 0.3
-"""Unbalanced share of a block up to which the relaxed law begins there, where Newton's method did
-not converge."""
-
-NEARLY_RESTS = 0.01
-"""Unbalanced share of a block up to which other springs begin at the rest state itself, in place of
-its forces. Walls at rest slide nowhere: with every friction law they rest there at once."""
-
-SHARES = (0.0, 0.5, 1.0)
-"""Steps of the stiffness, by the logarithm, from the uniform one to another. Measured on the
-bridge and on vaults: of 8 rest states that were not found from the uniform one at once or from
-nothing, all are found, in a tenth of the time that it takes to follow the blocks."""
-
-LONGER = (10.0, 3.0)
-"""Slip lengths, by its own, that lead to a law whose path did not converge. Chosen: each rest state
-of an arch of 100 blocks near its least thickness is then four to seven steps from the last one."""
 
 FALLS_FROM = 1e-4
 """Share of a block's load on the ground from which on it falls."""
@@ -97,15 +50,9 @@ MUCH = 1e-2
 tried: more than in any structure that stands."""
 
 
-def _after_newton(options: RestOptions) -> RestOptions:
+def after_newton(options: RestOptions) -> RestOptions:
     """Options for a start from which Newton's method on the unrelaxed law was tried already."""
     return replace(options, polish=POLISH_AGAIN * options.warm_relaxation)
-
-
-def _on_path(start: Start, same: bool) -> RestOptions:
-    """Options for an iterate of the relaxed law, with the same normal stiffnesses or others."""
-    below = 0.5 * (start.relaxation or 1.0)
-    return replace(FROM_PATH, polish=below, slow=np.inf if same else SLOW)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,24 +78,6 @@ class Candidate:
     def stands(self) -> bool:
         """Whether every residual is small enough for a proof."""
         return self.residuals.largest <= FORCE_TOLERANCE
-
-
-class Rest(NamedTuple):
-    """A rest state from which another one begins.
-
-    Attributes
-    ----------
-    displacement : (n, 6) [m, rad]
-    same
-        Whether the normal stiffnesses are the same. Newton's method on the unrelaxed law reaches
-        the other one then in a few steps, or it stops soon.
-    path
-        The last iterate of the relaxed law before it.
-    """
-
-    displacement: Floats
-    same: bool
-    path: Start | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,8 +172,8 @@ class Attempts(Record):
         numerics = screening.numerics
         # at the beginning of a path steps are often reduced
         begun = start is not None
-        numerics = _after_newton(numerics) if begun else replace(numerics, give_up=0.0)
-        state = self._rest(springs, numerics, start, falls)
+        numerics = after_newton(numerics) if begun else replace(numerics, give_up=0.0)
+        state = self.find(springs, numerics, start, falls)
         share = self.problem.ground_share(state.ground)
         most = share.max()
         rests = state.converged and most < CLEARLY
@@ -255,11 +184,11 @@ class Attempts(Record):
         if not over and falls is not None and (most >= much or not state.converged):
             # weaker ground helps hardly ever then: in none of 47 piles, arches and domes
             over = falls()
-        final = state if over else self._rest(springs, AT_REST, state)
+        final = state if over else self.find(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
         nearly = not (over or candidate.stands) and final.unbalanced < NEARLY
         if nearly and self.problem.ground_share(final.ground).max() < CLEARLY:
-            final = self._rest(springs, LEAST_GROUND, final)
+            final = self.find(springs, LEAST_GROUND, final)
             candidate = self.examine(final.motion, final.force)
         falling = state.converged and most > FALLS_FROM
         if not again and (candidate.stands or falling or not self.clock.late()):
@@ -291,128 +220,27 @@ class Attempts(Record):
         return start_from(self.problem.system, springs, motion)
 
     def nearby(
-        self, springs: Compliance, start: Start, options: RestOptions = AT_REST
+        self,
+        springs: Compliance,
+        start: Start,
+        options: RestOptions = AT_REST,
+        *,
+        onwards: bool = True,
     ) -> Candidate | None:
-        """The rest state near a start, if there is one and it stands."""
+        """The rest state near a start, if there is one and it stands.
+
+        With ``onwards``, other springs may begin on its path.
+        """
         state = find_rest_nearby(self.problem.system, springs, options, start, self.clock.late)
         if state is None:
             return None
         self.iterations += state.iterations
-        found = self._stood(state)
-        if found is None or not self.problem.statics.dry:
+        found = self.stood(state)
+        if found is None or not (onwards and self.problem.statics.dry):
             return found
         return replace(found, path=relaxed_again(self.problem.statics, springs, state))
 
-    def attempt_from(
-        self,
-        springs: Compliance,
-        rests: Sequence[Rest],
-        *,
-        lead: bool = False,
-        briefly: bool = False,
-    ) -> Candidate:
-        """As :meth:`attempt`, first from similar rest states.
-
-        With ``lead``, where nothing is found from nothing either, the last of them, of uniform
-        stiffness, is led to these springs. ``briefly``: from those states only.
-        """
-        for one in rests:
-            if one.same and not one.path:
-                found = self.nearby(springs, self.start(springs, one.displacement))
-                if found is not None:
-                    return found
-        if rests:
-            path, same = rests[-1].path, rests[-1].same
-            last = self.start(springs, rests[-1].displacement)
-            from_other = _after_newton(FROM_OTHER) if same and not path else FROM_OTHER
-            ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
-            if path and not briefly:
-                near, onwards = self._with_forces(springs, path, last if same else None)
-                if near is not None:
-                    return near
-                ways = [(_on_path(onwards, same), onwards), (STRAIGHT, None), *ways]
-            elif not briefly:
-                ways.append((STRAIGHT, None))
-            for options, begin in ways:
-                state = self._rest(springs, options, begin)
-                found = self._stood(state) if state.converged else None
-                if found is not None:
-                    return found
-            if briefly:
-                self.tried += 1
-                return self.examine(state.motion, state.force)
-        afresh = Attempts(self.problem, self.clock)
-        found = afresh.attempt(springs)
-        if lead and rests and not (found.stands or rests[-1].same):
-            led = self._led(springs, rests[-1].displacement)
-            if led is not None:
-                self.iterations += afresh.iterations
-                return led
-        self.add(afresh)
-        if found.stands or afresh.falling or self.clock.late():
-            return found
-        return self._by_longer_slips(springs) or found
-
-    def _with_forces(
-        self, springs: Compliance, path: Start, rest: Start | None
-    ) -> tuple[Candidate | None, Start]:
-        """The rest state that Newton's method reaches from the forces of another one.
-
-        Where these springs nearly rest at the other ``rest`` state, it begins there. With the start
-        for the relaxed law where it does not converge.
-        """
-        system = self.problem.system
-        if rest is not None and self._nearly_rests(springs, rest):
-            return self.nearby(springs, rest, FROM_FORCES), path
-        try:
-            start, steps, share = start_of_forces(system, springs, AT_REST, path)
-        except SolverError:
-            return None, path
-        self.iterations += steps
-        if share > FAR:
-            return None, path
-        found = self.nearby(springs, start, FROM_FORCES)
-        return found, start if share <= HALFWAY else path
-
-    def _nearly_rests(self, springs: Compliance, start: Start) -> bool:
-        system = self.problem.system
-        moved = system.statics.displacement(start.motion)
-        return unbalanced_share(system, springs, moved) <= NEARLY_RESTS
-
-    def _by_longer_slips(self, springs: Compliance) -> Candidate | None:
-        """The rest state where a path from nothing did not converge, from those of longer slips.
-
-        With a longer slip friction changes more smoothly, and each rest state is a few steps from
-        the next one.
-        """
-        law = springs.friction
-        if not isinstance(law, SlipLength):
-            return None
-        state: RestState | None = None
-        for factor in (*LONGER, 1.0):
-            smoother = replace(springs, friction=replace(law, slip=factor * law.slip))
-            state = self._rest(smoother, AT_REST, state)
-            if not state.converged:
-                return None
-        candidate = None if state is None else self.examine(state.motion, state.force)
-        if candidate is None or not candidate.stands:
-            return None
-        self.standing.append(candidate)
-        return candidate
-
-    def _led(self, springs: Compliance, displacement: Floats) -> Candidate | None:
-        """The rest state to which one of uniform stiffness leads while the stiffness changes."""
-        base = self.problem.statics.normal_stiffness
-        for share in SHARES:
-            between = replace(springs, normal=base ** (1.0 - share) * springs.normal**share)
-            state = self._rest(between, AT_REST, self.start(between, displacement))
-            candidate = self.examine(state.motion, state.force)
-            if not candidate.stands:
-                return None
-            displacement = candidate.displacement
-        return self._stood(state)
-
-    def _stood(self, state: RestState) -> Candidate | None:
+    def stood(self, state: RestState) -> Candidate | None:
         """A state counted as a rest state that was found, if it is one."""
         candidate = self.examine(state.motion, state.force)
         if not candidate.stands:
@@ -437,15 +265,16 @@ class Attempts(Record):
             yield trial.state
         for trial in self.falling:
             if not self.clock.late():
-                yield self._rest(trial.springs, SHARPER)
+                yield self.find(trial.springs, SHARPER)
 
-    def _rest(
+    def find(
         self,
         springs: Compliance,
         options: RestOptions,
         start: RestState | Start | None = None,
         falls: Callable[[], bool] | None = None,
     ) -> RestState:
+        """A state on ground springs."""
         system, late = self.problem.system, self.clock.late
         state = find_rest(system, springs, options, start=start, stop=late, falls=falls)
         self.iterations += state.iterations

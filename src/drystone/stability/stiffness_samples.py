@@ -16,9 +16,10 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.nearby import find_rests_nearby
 from drystone.formulations.rest.rest_state import start_from
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import AT_REST, Attempts, Candidate, Record, Rest
+from drystone.stability.attempts import AT_REST, Attempts, Candidate, Record
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
+from drystone.stability.similar_attempts import Rest, SimilarAttempts
 
 NONE_FOUND = np.zeros((0, 6))
 """In place of a rest state that was not found."""
@@ -143,7 +144,7 @@ def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: Stiffness
     """One try of other stiffnesses, first from similar rest states."""
     if sample.known is not None:
         return sample.known
-    tries = Attempts(problem, clock)
+    tries = SimilarAttempts(problem, clock)
     springs, rests, briefly, _ = sample
     tries.attempt_from(springs, rests, lead=lead, briefly=briefly)
     return Record(*(getattr(tries, each.name) for each in fields(Record)))

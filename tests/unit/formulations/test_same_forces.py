@@ -5,11 +5,12 @@ import pytest
 
 from drystone import CheckOptions, LoadCase, find_contacts, models
 from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions
-from drystone.formulations.rest.same_forces import start_of_forces, unbalanced_share
+from drystone.formulations.rest.same_forces import sliding_share, start_of_forces, unbalanced_share
 from drystone.model import Model
 from drystone.stability import check
 from drystone.stability.problem import Problem
@@ -62,3 +63,20 @@ def test_all_stiffnesses_cost_little_more_than_one():
     whole = check(LEANING)
     assert (whole.samples.tried, whole.samples.standing) == (5, 5)
     assert whole.iterations <= 2.5 * alone.iterations
+
+
+def test_the_share_of_the_force_at_corners_that_slide():
+    bound = FrictionBound(np.full(3, 0.5))
+    moved = np.array([[-1.0, 0.0, 6.0], [-3.0, 6.0, 0.0], [1.0, 8.0, 0.0]])
+    sharp = Compliance(np.ones(3), StickSlip(bound, np.full(3, 0.1)))
+    assert sliding_share(sharp, moved) == 0.25
+    assert sliding_share(Compliance(np.ones(3), SlipLength(bound, np.ones(3))), 0.0 * moved) == 1.0
+
+
+def test_where_few_corners_slide_other_springs_begin_at_the_rest_state():
+    thick = models.arch(0.2)
+    load = LoadCase.tilt(thick, (0.0, 1.0, 0.0), 2.0)
+    model = Model(thick, find_contacts(thick, friction=0.93).contacts, load)
+    alone, whole = (check(model, options=CheckOptions(samples=n, settle=False)) for n in (0, 1))
+    assert whole.samples.standing == 2
+    assert whole.iterations <= alone.iterations + 2

@@ -36,6 +36,7 @@ from drystone.model import Model
 from drystone.models import arch, ferris_wall, h_model, incline, tower, wedge
 from drystone.results import Samples
 from drystone.stability.attempts import Attempts
+from drystone.stability.similar_attempts import SimilarAttempts
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -294,7 +295,7 @@ def test_a_value_is_not_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
         raise AssertionError(given, how)
 
     monkeypatch.setattr(Attempts, "attempt", never)
-    monkeypatch.setattr(Attempts, "attempt_from", never)
+    monkeypatch.setattr(SimilarAttempts, "attempt_from", never)
     assert every_stiffness(family(0.56), near=near).verdict is Verdict.UNDECIDED
     again = verdict(family(0.56), near=near)
     assert again.settlement is not None
