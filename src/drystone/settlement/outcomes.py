@@ -34,6 +34,8 @@ def _said(path: SettlementPath) -> str:
         name = path.model.assembly.names[int(np.argmax(path.travel))]
         return f"it falls: '{name}' has moved by {travel:.2f} of its size and still moves"
     moved = float(np.linalg.norm(path.displacement[:, :3], axis=1).max(initial=0.0))
+    if path.displacement[path.model.assembly.fixed].any():
+        return f"it comes to rest on the moved supports, blocks moved by {moved:.2g} m at most"
     far = "" if path.outcome is Outcome.RESTS else ", farther than what stands does"
     return (
         f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"

@@ -131,7 +131,7 @@ def _carried(
 ) -> Settlement:
     """The paths of all carriers; those after one that is unknown are left out."""
     if not len(model.assembly.free):
-        return _nothing_free(model, chosen, clock.elapsed_s)
+        return _nothing_free(model, moving, chosen, clock.elapsed_s)
     carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
     tries = [(one, one is not carriers[-1]) for one in carriers]
@@ -295,15 +295,20 @@ def _told(
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": spent_s})
 
 
-def _nothing_free(model: Model, chosen: SettlementOptions, spent_s: float) -> Settlement:
+def _nothing_free(
+    model: Model, moving: Floats | None, chosen: SettlementOptions, spent_s: float
+) -> Settlement:
     """Every block is a support."""
     contacts, count = model.contacts, len(model.assembly)
     corners = contacts.corner_count
+    positions = np.zeros((1, count, 6))
+    if moving is not None:
+        positions = np.stack([positions[0], moving])
     path = SettlementPath(
         Carrier.MOVING,
         Outcome.RESTS,
         model,
-        np.zeros((1, count, 6)),
+        positions,
         np.zeros(count),
         np.zeros((corners, 3)),
         contacts.point,

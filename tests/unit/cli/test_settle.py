@@ -108,7 +108,11 @@ def test_a_support_turns_by_degrees(tmp_path: Path, capsys: Capsys) -> None:
     assert code == 0
     assert told["motion"][0]["rotation"] == pytest.approx([0.0, math.radians(0.2), 0.0])
     assert main(["settle", str(path), *motion]) == 0
-    assert "springer-right by 0, 0, 0 m, turned by 0, 0.2, 0 degrees" in capsys.readouterr().out
+    small = capsys.readouterr().out
+    assert "springer-right by 0, 0, 0 m, turned by 0, 0.2, 0 degrees" in small
+    assert "--to follows the blocks" not in small
+    assert main(["settle", str(path), "--move", "springer-right:0,0,0,0,20,0"]) == 0
+    assert "this answer is for small ones: --to follows the blocks" in capsys.readouterr().out
 
 
 def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(

@@ -138,6 +138,22 @@ def test_an_analysis_whose_supports_stay_refuses_a_load_that_moves_them(
     assert move_supports(model).displacement[-1] == pytest.approx(0.01)
 
 
+def test_what_is_told_of_moved_supports() -> None:
+    model = Model.of(tower(2), friction=0.5)
+    lifted = settle(model, {0: (0.0, 0.0, 0.5)})
+    assert lifted.message == (
+        "it comes to rest on the moved supports, blocks moved by 0.5 m at most"
+    )
+    # the force along the motion is rounding
+    aside = move_supports(model, {0: (0.3, 0.0, 0.0)})
+    assert aside.message == "at most 0 N; followed to 0.3 m, where it is 0 N"
+    weight = f"{9.81 * model.assembly.mass[1]:.4g}"
+    down = move_supports(model, {0: (0.0, 0.0, 0.3)})
+    assert down.message.startswith(f"from -{weight} to -{weight} N; followed to 0.3 m")
+    alone = settle(model.with_supports([0, 1]), {0: (1.0, 0.0, 0.0)})
+    assert alone.displacement[0, 0] == 1.0
+
+
 def test_a_plug_that_tapers_is_driven_on_stiffer_springs() -> None:
     model = Model.of(plug(), friction=0.01)
     without = reduce_friction(model)

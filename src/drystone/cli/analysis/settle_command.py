@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from drystone.settlement import SupportResponse
 
 
+LARGE = 0.1
+"""Motion of a support by the mean size of a block from which on it is no longer small."""
+
+
 @command(
     "drystone settle arch.json --gravity 0,1,-9.81 --html settled.html",
     "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
@@ -99,7 +103,12 @@ def settle(
     data = _content(found, subject.model)
     code = verdict.exit_code(found.result, strict=False)
     files = partial(_files, found, wanted, subject.model)
-    return Answer(data, partial(_show, data), code, model.notes, files)
+    notes = model.notes
+    if found.size > LARGE * model.assembly.size[model.assembly.free].mean():
+        notes += (
+            "the motion is large, and this answer is for small ones: --to follows the blocks",
+        )
+    return Answer(data, partial(_show, data), code, notes, files)
 
 
 def _far(

@@ -38,6 +38,9 @@ STAGE = {
     Drive.SUPPORTS: "moving the supports",
     Drive.FRICTION: "reducing the friction",
 }
+ROUNDING = 1e-6
+"""Force on moving supports by the weight of all blocks that is told as zero: where a load moves with
+its supports, the drag leaves as much."""
 WATCHED = 0.3
 """[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 ENDS = {
@@ -330,7 +333,11 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
         reached = found.end is End.REACHED
         what = "without any friction" if reached else f"at {last:.3g} of its friction"
         return f"it is still at rest {what}, moved by {far:.3g} m"
-    peak = f"at most {found.peak:.4g}{unit}"
+    load = _plain(found)
+    last = load[-1]
+    peak = f"at most {load.max():.4g}{unit}"
+    if found.drive is Drive.SUPPORTS and load.min() < 0.0:
+        peak = f"from {load.min():.4g} to {load.max():.4g}{unit}"
     if found.end is End.SPENT:
         return f"{peak}; no load is needed any more at {found.capacity:.4g} m"
     if found.end is End.FALLS:
@@ -340,6 +347,15 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
     why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
     told = why.get(found.end, f"{found.stopped}, followed")
     return f"{peak}; {told} to {far:.4g} m, where it is {last:.4g}{unit}"
+
+
+def _plain(found: LargeDisplacement) -> Floats:
+    """The load (s,) without what is only rounding: a millionth of the weight."""
+    load = found.load
+    if found.drive is not Drive.SUPPORTS:
+        return load
+    weight = np.linalg.norm(found.model.load.wrench[:, :3], axis=1).sum()
+    return np.where(np.abs(load) > ROUNDING * weight, load, 0.0)
 
 
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
