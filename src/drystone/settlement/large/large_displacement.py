@@ -39,8 +39,8 @@ STAGE = {
     Drive.FRICTION: "reducing the friction",
 }
 ROUNDING = 1e-6
-"""Force on moving supports by the weight of all blocks that is told as zero: where a load moves with
-its supports, the drag leaves as much."""
+"""Force on moving supports that is told as zero, by the weight of all blocks: where nothing resists
+the motion, the drag leaves as much."""
 WATCHED = 0.3
 """[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 ENDS = {
