@@ -104,7 +104,7 @@ def settle(
     code = verdict.exit_code(found.result, strict=False)
     files = partial(_files, found, wanted, subject.model)
     notes = model.notes
-    if found.size > LARGE * model.assembly.size[model.assembly.free].mean():
+    if found.size > LARGE * model.assembly.size.mean():
         notes += (
             "the motion is large, and this answer is for small ones: --to follows the blocks",
         )
