@@ -14,14 +14,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.geometry.body.polyhedron import fan_triangles
 from drystone.model import Model
 from drystone.settlement.faces.corners import Carrier, Ends, joint_ends
+from drystone.settlement.faces.roles import as_turned, turned_joints
 
 LEAST_AREA = 0.05
 """Least tributary area of a corner, as a share of the mean of its interface: slivers would make the
 system ill-conditioned. Lines and points get this share of the mean of all corners."""
+
+TURNED = np.array([-1.0, 1.0, -1.0])
+"""Signs of the axes n, u and v of a corner whose blocks have changed their roles. The forces along
+them, which then act on the other block, have the same signs times -1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +42,8 @@ class Bodies:
     mass : (f,) by the mean
     load : (f, 6) force, and moment by the radius of gyration
     size : (n,) cube root of the volume
-    block_a, block_b : (k,) positions of the blocks
+    block_a, block_b : (k,) positions of the blocks: the corner slides over the face of a
+    turned : (k,) whether these are b and a of the interface, see :mod:`.faces.roles`
     arm_a, arm_b : (k, 3) from the centroid to the corner, before the motion
     frame : (k, 3, 3) rows n, u, v, before the motion
     ends : where the corners are when blocks slide
@@ -57,6 +63,7 @@ class Bodies:
     size: Floats
     block_a: Ints
     block_b: Ints
+    turned: Bools
     arm_a: Floats
     arm_b: Floats
     frame: Floats
@@ -105,12 +112,17 @@ def build_bodies(
     load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
     unit = float(strength.mean()) if strength.any() else 1.0
+    turned = turned_joints(model)[contacts.interface]
     a, b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+    a, b = np.where(turned, b, a), np.where(turned, a, b)
     point = (contacts.point - origin) / length
     mass = assembly.mass[free]
     away = np.zeros((len(point), 2)) if gap is None else gap
-    ends = joint_ends(assembly, contacts, carrier, away)
-    n = contacts.frame[contacts.interface, 0]
+    ends = as_turned(joint_ends(assembly, contacts, carrier, away), turned)
+    away = np.where(turned[:, None], away[:, ::-1], away)
+    frame = contacts.frame[contacts.interface]
+    frame = np.where(turned[:, None, None], TURNED[:, None] * frame, frame)
+    n = frame[:, 0]
     stiffness = _weights(contacts.tributary, contacts.interface)
     touching = ~away.any(axis=1)
     if touching.any():
@@ -126,9 +138,10 @@ def build_bodies(
         size=size / length,
         block_a=a,
         block_b=b,
+        turned=turned,
         arm_a=point - away[:, :1] / length * n - centroid[a],
         arm_b=point + away[:, 1:] / length * n - centroid[b],
-        frame=contacts.frame[contacts.interface],
+        frame=frame,
         ends=ends._replace(reach=ends.reach / length, place=ends.place / length),
         friction=contacts.friction[contacts.interface],
         normal=stiffness,
@@ -137,6 +150,16 @@ def build_bodies(
         length_unit=length,
         force_unit=unit,
     )
+
+
+def numbered_axes(bodies: Bodies, axes: Floats) -> Floats:
+    """Axes (k, 3, 3) of corners as the interfaces have them: n from block a to block b."""
+    return np.where(bodies.turned[:, None, None], TURNED[:, None] * axes, axes)
+
+
+def numbered_forces(bodies: Bodies, force: Floats) -> Floats:
+    """Forces (k, 3) local n, u, v, on block b of the interfaces; or the same way back."""
+    return np.where(bodies.turned[:, None], -TURNED * force, force)
 
 
 def _weights(area: Floats, interface: Ints) -> Floats:

@@ -13,7 +13,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
 from drystone.settlement.faces.both_carriers import ends_alike
 from drystone.settlement.faces.corners import Carrier, flush_ends
 from drystone.settlement.faces.meeting import Apart, followed_model, model_with_met
@@ -126,9 +126,10 @@ def _from_rest(
     pose = BlockPositions(
         bodies.centroid + moved[:, :3] / bodies.length_unit, rotations(moved[:, 3:])
     )
-    friction = np.zeros((len(bodies.block_a), 2))
-    own = other.force[model.active[model.contacts.interface], 1:]
-    friction[: len(own)] = own / bodies.force_unit
+    own = np.zeros((len(bodies.block_a), 3))
+    kept = other.force[model.active[model.contacts.interface]]
+    own[: len(kept)] = kept / bodies.force_unit
+    friction = numbered_forces(bodies, own)[:, 1:]
     follower.begin_at(pose, friction)
     follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
     track = follower.run()
@@ -219,12 +220,12 @@ def _physical(
     contacts = model.contacts
     positions = block_motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))
-    force[corners] = track.response.force[kept] * bodies.force_unit
+    force[corners] = numbered_forces(bodies, track.response.force)[kept] * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
     gap = np.zeros(contacts.corner_count)
     origin = model.assembly.centroid[bodies.free].mean(axis=0) if len(bodies.free) else 0.0
     point[corners] = track.placed.point[kept] * bodies.length_unit + origin
-    axes[corners] = track.placed.axes[kept]
+    axes[corners] = numbered_axes(bodies, track.placed.axes)[kept]
     gap[corners] = track.placed.gap[kept] * bodies.length_unit
     travel = np.zeros(len(model.assembly))
     travel[bodies.free] = track.travel

@@ -144,7 +144,7 @@ class Together:
             name: getattr(whole, name).reshape(many, -1, *getattr(whole, name).shape[1:])
             for name in (
                 *("centroid", "radius", "size", "arm_a", "arm_b", "frame"),
-                *("friction", "normal", "tangential"),
+                *("friction", "normal", "tangential", "turned"),
             )
         }
         self.stack["block_a"] = whole.block_a.reshape(many, -1) - self.blocks * first

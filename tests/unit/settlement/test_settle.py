@@ -169,11 +169,11 @@ def test_the_way_depends_on_no_unit_place_density_direction_or_numbering() -> No
         "renumbered": Assembly(plain.blocks[::-1], plain.fixed[::-1]),
     }
     for name, copy in copies.items():
-        assert tilted(copy, X, 55.0).travel == pytest.approx(reference, rel=2e-2), name
+        assert tilted(copy, X, 55.0).travel == pytest.approx(reference, rel=1e-6), name
     load = LoadCase.tilt(plain, X, 55.0).wrench[2, :3] / plain.mass[2]
     turned = plain.transformed(turn)
     model = Model.of(turned, friction=0.84, load=turn @ load)
-    assert settle(model, options=MOVING).travel == pytest.approx(reference, rel=2e-2)
+    assert settle(model, options=MOVING).travel == pytest.approx(reference, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from drystone.base.arrays import Floats
 from drystone.contacts import Contacts
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import Carrier, joint_ends
+from drystone.settlement.faces.roles import as_turned
 from drystone.settlement.springs import BlockPositions
 
 ALIKE = 2e-4
@@ -50,7 +51,8 @@ def ends_alike(
         Their poses.
     """
     other = Carrier.RESTING if carrier is Carrier.MOVING else Carrier.MOVING
-    change = bodies.ends.tangent - joint_ends(assembly, contacts, other, gap).tangent
+    ends = as_turned(joint_ends(assembly, contacts, other, gap), bodies.turned)
+    change = bodies.ends.tangent - ends.tangent
     corner = np.flatnonzero(change.any(axis=(1, 2)))
     step = max(ROWS // max(len(corner), 1), 1)
     return all(

@@ -89,7 +89,7 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     after, before = _neighbours(contacts)
     edges_of = _Edges(assembly, contacts, gap)
     of_a, of_b = edges_of.owned
-    away = _distance_from_supports(assembly, contacts)
+    away = distance_from_supports(assembly, contacts)
     far = np.sign(away[contacts.block_b] - away[contacts.block_a])
     joint = contacts.interface
     both = (0.5 + 0.5 * (far if carrier is Carrier.MOVING else -far))[joint]
@@ -116,7 +116,7 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
     """Whether the carrier makes a difference: somewhere an edge belongs to both blocks."""
     edges = _Edges(assembly, contacts, np.zeros((contacts.corner_count, 2)))
-    away = _distance_from_supports(assembly, contacts)
+    away = distance_from_supports(assembly, contacts)
     unlike = (away[contacts.block_a] != away[contacts.block_b])[contacts.interface]
     return bool(((edges.owned[0] == edges.owned[1]) & unlike & ~edges.fitted).any())
 
@@ -244,7 +244,7 @@ def _on_both(ends: Ends, carried: Floats) -> Bools:
     return np.asarray((flat | ((area > 0.0) & forward))[ends.joint])
 
 
-def _distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
+def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
     """Number of joints (n,) between each block and the nearest support; n if not connected."""
     count = len(assembly)
     away = np.where(assembly.fixed, 0, count)

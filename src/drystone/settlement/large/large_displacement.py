@@ -25,7 +25,7 @@ from drystone.settlement.faces.meeting import (
     model_with_met,
 )
 from drystone.settlement.large.driven import DrivenState, Driver
-from drystone.settlement.large.large_states import large_state, of_corners, state_of
+from drystone.settlement.large.large_states import large_state, state_of
 from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.path import STIFFER, scaled_motion, support_motion
 from drystone.settlement.settlement_types import SettlementOptions
@@ -278,9 +278,7 @@ def _driven(
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
     model, mine, kept = model_with_met(model, apart, driver.met)
-    states = tuple(
-        state_of(model, bodies, of_corners(one, kept), mine, length, load) for one in driver.kept()
-    )
+    states = tuple(state_of(model, bodies, one, mine, kept, length, load) for one in driver.kept())
     end = ENDS[ended]
     stopped = ""
     if end is End.STOPPED:
@@ -288,7 +286,7 @@ def _driven(
     fallen = None
     if end is End.FALLS:
         now = DrivenState(*driver.measure(), driver.pose, driver.placed, driver.response)
-        fallen = state_of(model, bodies, of_corners(now, kept), mine, length, load)
+        fallen = state_of(model, bodies, now, mine, kept, length, load)
     found = LargeDisplacement(
         drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
         fallen, stopped, chosen, {"solve": clock.elapsed_s},
