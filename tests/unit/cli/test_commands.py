@@ -229,7 +229,13 @@ def test_check_tells_a_person_the_same(tmp_path: Path, capsys: Capsys) -> None:
     assert main(["check", file(tmp_path, model)]) == 1
     out, err = capsys.readouterr()
     assert err == ""
-    for words in ("UNSTABLE", "falls: 1 block", "bad", "prop force", "3 blocks (2 free, 4.8 t)"):
+    for words in (
+        "UNSTABLE",
+        "gives way: 1 block",
+        "bad",
+        "prop force",
+        "3 blocks (2 free, 4.8 t)",
+    ):
         assert words in out
     assert main(["check", file(tmp_path, tower(2))]) == 0
     out, _ = capsys.readouterr()

@@ -151,7 +151,7 @@ def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
     out = capsys.readouterr().out
     assert "limit of tilt [deg] about x" in out
     assert "some forces balance the loads" in out
-    assert "falls: block-1" in out
+    assert "gives way: block-1" in out
     assert main(["limit", "tilt", model, "--polar", "2", "--equilibrium-only"]) == 0
     assert "weakest" in capsys.readouterr().out
     assert main(["limit", "imperfections", model, "--offset", "0.01", "--draws", "2"]) == 0

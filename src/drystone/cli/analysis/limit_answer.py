@@ -87,7 +87,7 @@ def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> No
         for key, title in _TITLES.items()
         if data[key] is not None and (key != "robust" or data["sensitive"])
     ]
-    screen.table(("", "stands at", "falls at"), rows)
+    screen.table(("", "stands at", "gives way at"), rows)
     for name, figure in more.items():
         screen.line(f"{name}: {figure:.4g}")
     for remark in data["remarks"]:
@@ -95,7 +95,7 @@ def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> No
     for low, high in data["islands"]:
         screen.line(f"it stands again from {low:.6g} to {high:.6g}", "island:", "yellow", " ")
     if data["falling"]:
-        screen.line(f"falls: {named(data['falling'], LISTED)}")
+        screen.line(f"gives way: {named(data['falling'], LISTED)}")
         screen.line(data["message"])
     _show_stopped(data, screen)
 

@@ -205,13 +205,13 @@ def push(
     *,
     subject: Subject,
     live: Annotated[
-        str,
+        str | None,
         Argument(
             "CASE",
             "The load that grows: a load case of the file by name, seismic:KX,KY, or "
             "BLOCK:WHAT[@X,Y,Z] as for --load (seismic:1,0).",
         ),
-    ] = _SIDEWAYS,
+    ] = None,
     to: Annotated[
         float | None,
         Option("Displacement at which it ends, m (the mean size of a block).", kind=kinds.POSITIVE),
@@ -234,7 +234,7 @@ def push(
     Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does
     not stand at the beginning.
     """
-    if lose_friction and (live != _SIDEWAYS or to is not None):
+    if lose_friction and (live is not None or to is not None):
         raise InputError(
             "--lose-friction and a load that grows contradict each other",
             remedy="leave out CASE and --to",
@@ -251,7 +251,9 @@ def push(
         if lose_friction:
             found = reduce_friction(model, options=options, **common)
         else:
-            case = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
+            case = loading.chosen_case(
+                live or _SIDEWAYS, model.assembly, model.cases, subject.gravity
+            )
             notes += case.notes
             found = pushed(model, case, to=to, options=options, **common)
     stood = len(found.displacement) > 1

@@ -185,7 +185,7 @@ def show(data: Mapping[str, Any], screen: Screen) -> None:
 def _show_falling(screen: Screen, data: Mapping[str, Any]) -> None:
     needs = {row["block"]: row for row in data["props"]}
     names = [*needs, *(name for name in data["falling"] if name not in needs)]
-    screen.line(f"falls: {counted(len(names), 'block')}")
+    screen.line(f"gives way: {counted(len(names), 'block')}")
     rows = []
     force, moment = (
         max((abs(part) for need in needs.values() for part in need[key]), default=0.0)
