@@ -107,7 +107,7 @@ def test_many_blocks_go_the_same_way_in_every_order() -> None:
     order = tuple(int(i) for i in np.random.default_rng(4).permutation(len(plain)))
     other = tilted(in_order(plain, order), Y, 5.0, options)
     assert first.outcome is other.outcome is Outcome.RESTS
-    # springs of many blocks are solved to a hundredth of what the drag carries
+    # increments of many blocks leave a tenth of what the drag carries to the next one
     assert other.travel == pytest.approx(first.travel, rel=1e-3)
 
 
