@@ -27,6 +27,7 @@ from drystone.solvers.front_factors import (
     eliminated,
     eliminated_symmetric,
 )
+from drystone.solvers.front_memory import FrontMemory
 
 MOST_RUNS = 16
 """Runs up to which a front is added to the next one run by run, by slices."""
@@ -61,7 +62,8 @@ class BlockOrdering:
             neighbours = _adjacency(self.count, row, column)
             tree = _dissect(position, neighbours)
             self.fronts = _fronts(tree, neighbours, self.count, width)
-        self.entry, self.size = _places(self.fronts, self.count, row, column, width)
+        self.memory = FrontMemory(self.fronts, width)
+        self.entry = self.memory.entries(self.count, row, column)
         self._free: list[Floats] = []
 
     def __getstate__(self) -> dict[str, Any]:
@@ -82,28 +84,18 @@ class BlockOrdering:
         SolverError
             A front is exactly singular, or not positive definite where it is said to be symmetric.
         """
-        w = self.width
         schur: dict[int, Floats] = {}
         factors = []
         memory, parts = self._zeros(precision)
         parts[self.entry] = blocks
-        at = 0
         for number, front in enumerate(self.fronts):
-            p, b = len(front.pivots), len(front.boundary)
-            first, right, below = _parts(parts, at, p * w, b * w)
-            at += (p + 2 * b) * p * w * w
-            rest: Any = np.zeros((b * w, b * w), precision)
-            quarter = ((rest, right), (below, first))
-            for child, runs in front.children:
-                update = schur.pop(child)
-                for turn, of in enumerate(runs):
-                    # of a symmetric matrix, the half above the diagonal: runs are in its order
-                    for by in runs[turn if symmetric else 0 :]:
-                        target = quarter[of.inner][by.inner]
-                        if isinstance(of.there, slice) or isinstance(by.there, slice):
-                            target[of.there, by.there] += update[of.here, by.here]
-                        else:
-                            target[of.there[:, None], by.there] += update[of.here, by.here]
+            first, right, below, rest = self.memory.views(parts, number)
+            if self.memory.flat:
+                whole = self.memory.of_front(parts, number)
+                for (child, _), index in zip(front.children, self.memory.flat[number], strict=True):
+                    np.add.at(whole, index, schur.pop(child).ravel())
+            else:
+                _add_runs(front, schur, first, right, below, rest, symmetric=symmetric)
             try:
                 if symmetric:
                     done, left = eliminated_symmetric(first, below, rest)
@@ -112,14 +104,14 @@ class BlockOrdering:
             except SolverError as error:
                 raise SolverError(f"front {number} of the elimination is {error}") from None
             factors.append(done)
-            if b:
+            if len(front.boundary):
                 schur[number] = left
         factor = (
             SymmetricFactor(self.fronts, factors)
             if symmetric
             else BlockFactor(self.fronts, factors, precision)
         )
-        if self.size <= KEPT:
+        if self.memory.size <= KEPT:
             weakref.finalize(factor, self._free.append, memory).atexit = False
         return factor
 
@@ -130,31 +122,42 @@ class BlockOrdering:
         on the Armadillo vault: with half of the memory for single precision the system takes back
         what is freed ten times as often, and a check takes a tenth longer.
         """
-        if self.size > KEPT:
-            parts: Any = np.zeros(self.size, precision)
+        if self.memory.size > KEPT:
+            parts: Any = np.zeros(self.memory.size, precision)
             return parts, parts
         memory: Any
         try:
             memory = self._free.pop()
         except IndexError:
-            memory = np.zeros(self.size)
-            return memory, memory.view(precision)[: self.size]
-        parts = memory.view(precision)[: self.size]
+            memory = np.zeros(self.memory.size)
+            return memory, memory.view(precision)[: self.memory.size]
+        parts = memory.view(precision)[: self.memory.size]
         parts.fill(0.0)
         return memory, parts
 
 
-def _parts(parts: Floats, at: int, p: int, b: int) -> tuple[Floats, Floats, Floats]:
-    """Pivots by pivots, pivots by boundary and boundary by pivots of a front, from one place on.
-
-    They are transposed: column by column in memory, as LAPACK takes them.
-    """
-    right, below, end = at + p * p, at + (p + b) * p, at + (p + 2 * b) * p
-    return (
-        parts[at:right].reshape(p, p),
-        parts[right:below].reshape(b, p),
-        parts[below:end].reshape(p, b),
-    )
+def _add_runs(
+    front: Front,
+    schur: dict[int, Floats],
+    first: Floats,
+    right: Floats,
+    below: Floats,
+    rest: Floats,
+    *,
+    symmetric: bool,
+) -> None:
+    """Add what earlier fronts left to a front, run by run."""
+    quarter = ((rest, right), (below, first))
+    for child, runs in front.children:
+        update = schur.pop(child)
+        for turn, of in enumerate(runs):
+            # of a symmetric matrix, the half above the diagonal: runs are in its order
+            for by in runs[turn if symmetric else 0 :]:
+                target = quarter[of.inner][by.inner]
+                if isinstance(of.there, slice) or isinstance(by.there, slice):
+                    target[of.there, by.there] += update[of.here, by.here]
+                else:
+                    target[of.there[:, None], by.there] += update[of.here, by.here]
 
 
 def _one_front(count: int) -> list[Front]:
@@ -252,35 +255,6 @@ def _fronts(
         )
         fronts.append(Front(pivots, boundary, moved))
     return fronts
-
-
-def _places(
-    fronts: list[Front], count: int, row: Ints, column: Ints, width: int
-) -> tuple[Ints, int]:
-    """The place (e, w, w) of the matrix blocks in the parts of all fronts, and their size."""
-    front_of = np.empty(count, dtype=np.intp)
-    for number, front in enumerate(fronts):
-        front_of[front.pivots] = number
-    by_front = np.minimum(front_of[row], front_of[column])
-    order = np.argsort(by_front, kind="stable")
-    bounds = np.searchsorted(by_front[order], np.arange(len(fronts) + 1))
-    place = np.empty(count, dtype=np.intp)
-    corner, stride = np.empty(len(row), dtype=np.intp), np.empty(len(row), dtype=np.intp)
-    at = 0
-    for number, front in enumerate(fronts):
-        p, b = len(front.pivots), len(front.boundary)
-        place[front.pivots], place[front.boundary] = np.arange(p), np.arange(b)
-        here = order[bounds[number] : bounds[number + 1]]
-        outer_row, outer_column = front_of[row[here]] > number, front_of[column[here]] > number
-        skipped = np.where(outer_row, p + b, np.where(outer_column, p, 0)) * p * width * width
-        stride[here] = np.where(outer_row, b, p) * width
-        corner[here] = (
-            at + skipped + width * (place[row[here]] + place[column[here]] * stride[here])
-        )
-        at += (p + 2 * b) * p * width * width
-    inside = np.arange(width)
-    entry = corner[:, None, None] + inside[:, None] + inside * stride[:, None, None]
-    return entry, at
 
 
 def _ranks(front_of: Ints, neighbours: tuple[Ints, Ints]) -> Ints:

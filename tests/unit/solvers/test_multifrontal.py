@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from drystone.base.errors import SolverError
+from drystone.solvers import front_memory
 from drystone.solvers.multifrontal import BlockOrdering
+
+
+@pytest.fixture(params=["number by number", "run by run"], autouse=True)
+def adding(request, monkeypatch):
+    """What one front adds to the next one, in small models and in large ones."""
+    if request.param == "run by run":
+        monkeypatch.setattr(front_memory, "FLAT", 0)
 
 
 def random_system(count, width, rng, reach):

@@ -33,9 +33,9 @@ otherwise they change between the same corners, and the increment counts as too 
 BALANCED = 1e-10
 """Unbalanced share of the load at which an increment has converged."""
 ROUGH = 0.1
-"""Of many blocks: the same by the share that the drag carries. Corner forces meet the contact law at
-any motion, and the next increment balances what was left. At 0.01 the Armadillo vault takes a fifth
-more Newton steps near its limit; arches, vaults and domes have the same limits."""
+"""Of many blocks: the same by the share that the drag carries. Corner forces meet the contact law
+at any motion, and the next increment balances what was left. At 0.01 the Armadillo vault takes a
+fifth more Newton steps near its limit; arches, vaults and domes have the same limits."""
 LOST = 10.0
 """Of many blocks: unbalanced share by what the drag carries, and by that at the beginning of the
 increment, above which Newton's method has left the path, and the increment counts as too long. On
