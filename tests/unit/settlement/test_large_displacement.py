@@ -276,8 +276,11 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--gravity", "9,0,-9"]) == 1
     assert "does not stand before the load grows" in capsys.readouterr().out
-    assert main(["push", file, "--lose-friction", "--to", "1"]) == 2
-    assert "contradict" in capsys.readouterr().err
+    for named in (["--to", "1"], ["seismic:1,0"], [""]):
+        assert main(["push", file, "--lose-friction", *named]) == 2
+        assert "contradict" in capsys.readouterr().err
+    assert main(["push", file, ""]) == 2
+    assert "no load case is called ''" in capsys.readouterr().err
 
 
 def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: Capsys) -> None:

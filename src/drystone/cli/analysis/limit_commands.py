@@ -251,9 +251,8 @@ def push(
         if lose_friction:
             found = reduce_friction(model, options=options, **common)
         else:
-            case = loading.chosen_case(
-                live or _SIDEWAYS, model.assembly, model.cases, subject.gravity
-            )
+            chosen = _SIDEWAYS if live is None else live
+            case = loading.chosen_case(chosen, model.assembly, model.cases, subject.gravity)
             notes += case.notes
             found = pushed(model, case, to=to, options=options, **common)
     stood = len(found.displacement) > 1

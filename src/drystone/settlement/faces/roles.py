@@ -16,6 +16,8 @@ from drystone.settlement.faces.corners import Ends, distance_from_supports
 
 SAME = 1e-6
 """Difference of two lengths, by the size of the blocks, that does not decide."""
+BALANCED = 1e-9
+"""Sum of all loads, by the sum of their sizes, below which it has no direction."""
 
 
 def turned_joints(model: Model) -> Bools:
@@ -30,9 +32,11 @@ def turned_joints(model: Model) -> Bools:
     away = distance_from_supports(assembly, contacts)
     size = np.cbrt(assembly.volume)
     least = SAME * np.minimum(size[a], size[b])
-    load = model.load.wrench[assembly.free, :3].sum(axis=0)
+    loads = model.load.wrench[assembly.free, :3]
+    load = loads.sum(axis=0)
     strength = float(np.linalg.norm(load))
-    down = load / strength if strength > 0.0 else load
+    some = strength > BALANCED * float(np.linalg.norm(loads, axis=1).sum())
+    down = load / strength if some else np.zeros(3)
     middle = assembly.volume @ assembly.centroid / assembly.volume.sum()
     from_middle = assembly.centroid - middle
     turned = np.zeros(len(a), dtype=bool)

@@ -25,7 +25,14 @@ from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.follow import Follower
 from drystone.settlement.springs import BlockPositions, Placed, Response, respond, tangents
-from drystone.settlement.steps.increments import BALANCED, EASY, Increment, Steps, travelled
+from drystone.settlement.steps.increments import (
+    BALANCED,
+    EASY,
+    Increment,
+    Steps,
+    longest_way,
+    travelled,
+)
 
 LONGEST = 1e-3
 """Motion of a block in one increment by its size. A block that rocks by 26 degrees in such steps
@@ -138,20 +145,20 @@ class Driver(Follower):
         ``reach`` is the largest motion of their corners.
         """
         self.measure = lambda: (self.reached, self._on_supports(motion, reach))
-        far = np.abs(motion).max(initial=0.0)
-        first = min(self._limit() / max(float(far), 1e-300), 1.0)
+        far = longest_way(motion)
+        first = min(self._limit() / max(far, 1e-300), 1.0)
 
         def advance(step: float) -> tuple[Increment | None, Floats]:
             part = step * motion
             found, limit = self._next(step, part), self._limit()
-            ways = (limit, step * float(far)) if step < LAST * first else (limit,)
+            ways = (limit, step * far) if step < LAST * first else (limit,)
             for way in ways:
                 if found is None:
                     self.drag = HELD_BACK / way
                     found = self._next(step, part)
             return found, part
 
-        most = PASSED / max(float(far), 1e-300)
+        most = PASSED / max(far, 1e-300)
         return self._drive(advance, first, 1.0, tell, lambda: False, most)
 
     def slacken(self, tell: Callable[[float], None]) -> str:
@@ -194,7 +201,7 @@ class Driver(Follower):
                 self.drag = CARRIED / limit
                 step = min(step, most, reach - self.reached)
                 found, moving = advance(step)
-                longest = np.inf if found is None else float(np.abs(found.motion).max(initial=0.0))
+                longest = np.inf if found is None else longest_way(found.motion)
                 if found is None or longest > limit:
                     step *= 0.5 if found is None else max(0.8 * limit / longest, 0.1)
                     calm = CALM if found is None else 0

@@ -221,11 +221,22 @@ class Increments:
         return self.drag * _length(self.bodies.mass[:, None] * motion) / self.load_size
 
 
+def longest_way(motion: Floats) -> float:
+    """The longest translation, or rotation by radius, of the motions (f, 6) of some blocks.
+
+    A length, not a component along an axis: increments do not depend on the axes of the model.
+    """
+    parts = motion.reshape(-1, 2, 3)
+    return float(np.sqrt((parts * parts).sum(axis=2)).max(initial=0.0))
+
+
 def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Floats:
     """Displacement (f,) by the size, from translations (f, 3) and rotations (f, 3, 3) by radius."""
     way = np.sqrt((gone * gone).sum(axis=1))
-    trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
-    turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
+    # |R - 1| = 2 sqrt(2) sin(angle / 2); the trace of R would lose half of the digits
+    off = turn - np.eye(3)
+    half = np.sqrt((off * off).sum(axis=(1, 2)) / 8.0)
+    turned = 2.0 * np.arcsin(np.minimum(half, 1.0))
     travel: Floats = (way + turned * radius) / size
     return travel
 
@@ -246,5 +257,6 @@ __all__ = [
     "ResponseAsked",
     "StepAsked",
     "Steps",
+    "longest_way",
     "travelled",
 ]
