@@ -16,7 +16,7 @@ many blocks. It is the same however far they are followed, so that :func:`drysto
 FADING = 0.5
 """Of many blocks: share of the load that the contacts do not carry there, by that at half of the
 way, below which springs were too soft: it was about to come to rest. Measured on the Armadillo
-vault: 0.31 at 21 degrees and 0.48 at 21.5, where it rests on stiffer springs, 0.55 at 22 and 0.76
+vault: 0.30 at 21 degrees and 0.48 at 21.5, where it rests on stiffer springs, 0.53 at 22 and 0.76
 at 24, where it falls."""
 SQUEEZED, GROWN = 20.0, 1.5
 """Overlap of a corner by that under the mean load, and by its own at half of the travel, from which
