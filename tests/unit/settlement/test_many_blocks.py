@@ -101,3 +101,19 @@ def test_both_carriers_of_many_blocks_are_followed_on_springs_of_one_stiffness(
     assert asked == [(Carrier.MOVING, None), (Carrier.RESTING, None), (Carrier.MOVING, 1e-8)]
     assert found.outcome is Outcome.RESTS
     assert [path.overlap for path in found.paths] == [1e-8, 1e-8]
+
+
+def test_blocks_that_springs_move_far_are_followed_on_stiffer_ones() -> None:
+    """The answer is that of the stiffer springs; where blocks hardly move, nothing is repeated."""
+    ring = arch(0.3, 30)
+    tilted = Model.of(ring, friction=0.84, load=LoadCase.tilt(ring, (0.0, 1.0, 0.0), 15.0))
+
+    def followed(overlap: float) -> SettlementPath:
+        options = SettlementOptions(carrier="moving", overlap=overlap)  # type: ignore[arg-type]
+        return settle(tilted, options=options).path
+
+    soft, stiff = followed(1e-4), followed(1e-5)
+    assert soft.overlap == pytest.approx(1e-5)
+    assert stiff.overlap == pytest.approx(1e-5)
+    assert 0.003 < stiff.travel.max() < 0.005
+    assert soft.travel == pytest.approx(stiff.travel, rel=1e-9, abs=1e-12)
