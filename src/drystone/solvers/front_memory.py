@@ -103,7 +103,8 @@ class FrontMemory:
     def _index(self, number: int, runs: Sequence[Run], count: int) -> Ints:
         """The place of every number that a child with ``count`` rows adds to a front."""
         p, b = self.rows[number]
-        quarter = (((p * p + 2 * p * b, b), (p * p, p)), ((p * p + p * b, b), (0, p)))
+        first, right, below, rest = (begin - self.at[number] for begin in self._begins(number))
+        quarter = (((rest, b), (right, p)), ((below, b), (first, p)))
         index = np.empty((count, count), dtype=np.intp)
         for of in runs:
             for by in runs:
