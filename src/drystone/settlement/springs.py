@@ -287,12 +287,15 @@ class SparseMaps:
             (np.zeros(18 * k), columns.ravel(), ends), shape=(3 * k, 6 * m)
         )
         self.back = self.across.T  # of the same numbers
+        self.parts = np.zeros((4, m, 6, 6))
+        self.tangent: Floats | None = None  # that of the parts, unless the rows have changed
 
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         bodies, corner = self.bodies, np.arange(len(placed.gap))
         self.rows = corner_rows(bodies, pose, placed, corner, bodies.block_b, 1.0)
         self.across.data[:] = self.rows.ravel()
+        self.tangent = None
         # motion of a as if it were fixed to the centroid of b
         radius = bodies.radius[self.block_a]
         x, y, z = ((pose.place[self.block_b] - pose.place[self.block_a]) / radius[:, None]).T
@@ -317,20 +320,35 @@ class SparseMaps:
 
     def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """As in :class:`DenseMaps`."""
-        parts = np.empty((4, len(self.first), 6, 6))
-        along = tangent @ self.rows
-        for joints, corners in self.groups:
-            shape = len(joints), -1, 6
-            back = self.rows[corners].reshape(shape).swapaxes(1, 2)
-            parts[3, joints] = back @ along[corners].reshape(shape)
-        back = self.carry.swapaxes(1, 2)
-        parts[1] = -(back @ parts[3])
-        parts[2] = -(parts[3] @ self.carry)
-        parts[0] = -(back @ parts[2])
-        blocks = np.asarray(self.sum @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
+        self._renew(tangent)
+        blocks = np.asarray(self.sum @ self.parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         blocks[self.diagonal[:, None], index, index] += weight
         return self.ordering.factorise(blocks).solve
+
+    def _renew(self, tangent: Floats) -> None:
+        """The stiffness of each joint. Where no tangent has changed it is that of the last time.
+
+        Between two steps of Newton's method more than half of the joints of a vault do not change.
+        """
+        last, self.tangent = self.tangent, tangent
+        if last is None:
+            changed = np.ones(len(self.first), dtype=bool)
+        else:
+            differs = (tangent != last).any(axis=(1, 2))
+            changed = np.logical_or.reduceat(differs, self.first)
+        for joints, corners in self.groups:
+            here = changed[joints]
+            corner = corners.reshape(len(joints), -1)[here]
+            rows = self.rows[corner]
+            along = tangent[corner] @ rows
+            shape = len(rows), 3 * corner.shape[1], 6
+            back = rows.reshape(shape).swapaxes(1, 2)
+            self.parts[3, joints[here]] = back @ along.reshape(shape)
+        part, carry = self.parts[3, changed], self.carry[changed]
+        back = carry.swapaxes(1, 2)
+        on_a = -(part @ carry)
+        self.parts[:3, changed] = -(back @ on_a), -(back @ part), on_a
 
 
 def imposed(bodies: Bodies, pose: BlockPositions, placed: Placed, motion: Floats) -> Floats:

@@ -18,6 +18,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import SolverError
+from drystone.solvers.dissection import LEAF, adjacency, dissect
 from drystone.solvers.front_factors import (
     BlockFactor,
     Front,
@@ -37,10 +38,6 @@ KEPT = 32_000_000
 Armadillo vault of 399 blocks: a check takes a quarter less time, since no pages are given back to
 the system and taken again."""
 
-LEAF = 20
-"""Nodes that are not divided further. Chosen by timing: smaller fronts cost more in bookkeeping
-than they save in arithmetic."""
-
 
 class BlockOrdering:
     """The symbolic factorisation: the place of every matrix block, for a fixed graph.
@@ -59,8 +56,8 @@ class BlockOrdering:
         if self.count <= LEAF:
             self.fronts = _one_front(self.count)
         else:
-            neighbours = _adjacency(self.count, row, column)
-            tree = _dissect(position, neighbours)
+            neighbours = adjacency(self.count, row, column)
+            tree = dissect(position, neighbours)
             self.fronts = _fronts(tree, neighbours, self.count, width)
         self.memory = FrontMemory(self.fronts, width)
         self.entry = self.memory.entries(self.count, row, column)
@@ -165,66 +162,6 @@ def _one_front(count: int) -> list[Front]:
     if not count:
         return []
     return [Front(np.arange(count), np.zeros(0, dtype=np.intp), ())]
-
-
-def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
-    """Neighbours of each node, itself excluded: (start, neighbour)."""
-    off = row != column
-    order = np.argsort(row[off], kind="stable")
-    start = np.concatenate([[0], np.cumsum(np.bincount(row[off], minlength=count))])
-    return start.astype(np.intp), column[off][order].astype(np.intp)
-
-
-def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints, list[int]]]:
-    """Nested dissection: (nodes, children) per front, children first.
-
-    Of the cuts along the three axes the one with the fewest nodes between the halves is taken.
-    Measured: walls, domes and vaults need 6 to 26 % less arithmetic than with cuts across the
-    longest axis, and the Armadillo vault 8 % more.
-    """
-    start, other = neighbours
-    tree: list[tuple[Ints, list[int]]] = []
-    side = np.zeros(len(position), dtype=np.int8)
-
-    def neighbours_of(nodes: Ints) -> tuple[Ints, Ints]:
-        lengths = start[nodes + 1] - start[nodes]
-        index = np.repeat(start[nodes] - np.concatenate([[0], np.cumsum(lengths)[:-1]]), lengths)
-        index += np.arange(lengths.sum())
-        return np.repeat(np.arange(len(nodes)), lengths), other[index]
-
-    def cut(nodes: Ints, axis: int) -> tuple[Ints, Ints, Ints]:
-        """The separator of two halves along an axis, and what is left of them."""
-        ranked = nodes[np.argsort(position[nodes, axis], kind="stable")]
-        low, high = ranked[: len(ranked) // 2], ranked[len(ranked) // 2 :]
-        side[low], side[high] = 1, 2
-        touching = []
-        for nodes_here, opposite in ((low, 2), (high, 1)):
-            which, near = neighbours_of(nodes_here)
-            touching.append(np.unique(which[side[near] == opposite]))
-        side[nodes] = 0
-        if len(touching[0]) <= len(touching[1]):
-            return low[touching[0]], np.delete(low, touching[0]), high
-        return high[touching[1]], low, np.delete(high, touching[1])
-
-    def split(nodes: Ints) -> list[int]:
-        """Fronts of these nodes appended to the tree; the topmost ones are returned."""
-        if len(nodes) == 0:
-            return []
-        if len(nodes) <= LEAF:
-            tree.append((nodes, []))
-            return [len(tree) - 1]
-        here = position[nodes]
-        longest_first = np.argsort(here.min(axis=0) - here.max(axis=0), kind="stable")
-        cuts = (cut(nodes, axis) for axis in longest_first.tolist())
-        separator, low, high = min(cuts, key=lambda one: len(one[0]))
-        below = [*split(low), *split(high)]
-        if len(separator) == 0:
-            return below
-        tree.append((separator, below))
-        return [len(tree) - 1]
-
-    split(np.arange(len(position)))
-    return tree
 
 
 def _fronts(

@@ -56,6 +56,27 @@ def test_the_maps_of_many_blocks_are_those_of_few() -> None:
     )
 
 
+def test_joints_that_have_not_changed_keep_their_stiffness() -> None:
+    """Few tangents change, then none, then all blocks move: the solution is that of new maps."""
+    bodies, dense, many = moved_arch()
+    rng = np.random.default_rng(7)
+    wrench = rng.normal(size=(len(bodies.free), 6))
+    weight = np.full((len(bodies.free), 6), 1e3)
+    tangent = np.tile(np.diag([3e6, 1e6, 1e6]), (len(bodies.block_a), 1, 1))
+    few = tangent.copy()
+    few[4:7] *= rng.random((3, 1, 1))
+    start = BlockPositions(bodies.centroid, np.tile(np.eye(3), (len(bodies.centroid), 1, 1)))
+    for asked in (tangent, few, few, tangent):
+        np.testing.assert_allclose(
+            many.factorise(asked, weight)(wrench), dense.factorise(asked, weight)(wrench), rtol=1e-9
+        )
+    for one in (dense, many):
+        one.at(start, place_corners(bodies, start))
+    np.testing.assert_allclose(
+        many.factorise(tangent, weight)(wrench), dense.factorise(tangent, weight)(wrench), rtol=1e-9
+    )
+
+
 def test_the_other_carrier_is_followed_from_where_many_blocks_rest() -> None:
     assembly = arch(0.15, 37)
     load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 8.0)

@@ -1,0 +1,92 @@
+"""Nested dissection by coordinates: in which order the nodes of a graph in space are eliminated.
+
+Source: George 1973.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+
+LEAF = 20
+"""Nodes that are not divided further. Chosen by timing: smaller fronts cost more in bookkeeping
+than they save in arithmetic."""
+
+LEAST_SIDE = 0.4
+"""Share of the nodes on each side of a cut, at least. Measured: the Armadillo takes 51 million
+operations, with cuts through the middle 62. Walls, a dome and a vault take 0.96 to 1.02 times as
+many. With a share of 0.3 it would take 47, and the vault 1.06 times as many."""
+
+
+def adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
+    """Neighbours of each node, itself excluded: (start, neighbour)."""
+    off = row != column
+    order = np.argsort(row[off], kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(row[off], minlength=count))])
+    return start.astype(np.intp), column[off][order].astype(np.intp)
+
+
+def dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints, list[int]]]:
+    """Nested dissection: (nodes, children) per front, children first.
+
+    Of the cuts across the three axes the one with the fewest nodes between its sides is taken.
+    """
+    start, other = neighbours
+    tree: list[tuple[Ints, list[int]]] = []
+    place = np.full(len(position), -1)
+
+    def pairs_of(nodes: Ints) -> tuple[Ints, Ints]:
+        """Places in ``nodes`` of all pairs of neighbours, in both orders."""
+        lengths = start[nodes + 1] - start[nodes]
+        index = np.repeat(start[nodes] - np.concatenate([[0], np.cumsum(lengths)[:-1]]), lengths)
+        index += np.arange(lengths.sum())
+        place[nodes] = np.arange(len(nodes))
+        one, two = np.repeat(place[nodes], lengths), place[other[index]]
+        place[nodes] = -1
+        return one[two >= 0], two[two >= 0]
+
+    def split(nodes: Ints) -> list[int]:
+        """Fronts of these nodes appended to the tree; the topmost ones are returned."""
+        if len(nodes) == 0:
+            return []
+        if len(nodes) <= LEAF:
+            tree.append((nodes, []))
+            return [len(tree) - 1]
+        here = position[nodes]
+        longest_first = np.argsort(here.min(axis=0) - here.max(axis=0), kind="stable")
+        pairs = pairs_of(nodes)
+        cuts = (_cut(np.argsort(here[:, axis], kind="stable"), pairs) for axis in longest_first)
+        separator, low, high = min(cuts, key=lambda one: len(one[0]))
+        below = [*split(nodes[low]), *split(nodes[high])]
+        if len(separator) == 0:
+            return below
+        tree.append((nodes[separator], below))
+        return [len(tree) - 1]
+
+    split(np.arange(len(position)))
+    return tree
+
+
+def _cut(order: Ints, pairs: tuple[Ints, Ints]) -> tuple[Ints, Ints, Ints]:
+    """The smallest separator of nodes in an order (n,), and the nodes before and after it.
+
+    It is on one side of a cut near the middle, next to the other side. A node is needed there for
+    every cut between itself and its farthest neighbour.
+    """
+    count = len(order)
+    rank = np.empty(count, dtype=np.intp)
+    rank[order] = at = np.arange(count)
+    first, last = at.copy(), at.copy()
+    one, two = rank[pairs[0]], rank[pairs[1]]
+    np.minimum.at(first, one, two)
+    np.maximum.at(last, one, two)
+    own, lowest, highest = (np.bincount(x + 1, minlength=count + 1) for x in (at, first, last))
+    before, after = np.cumsum(own - highest), np.cumsum(lowest - own)
+    least = max(int(LEAST_SIDE * count), 1)
+    cuts = np.arange(least, count - least + 1)
+    fewest = np.minimum(before[cuts], after[cuts])
+    cut = cuts[np.lexsort((np.abs(2 * cuts - count), fewest))[0]]
+    low, high = at < cut, at >= cut
+    parted = low & (last >= cut) if before[cut] <= after[cut] else high & (first < cut)
+    return order[parted], order[low & ~parted], order[high & ~parted]
