@@ -19,9 +19,10 @@ from drystone.settlement.faces.corners import Carrier, flush_ends
 from drystone.settlement.faces.meeting import Apart, followed_model, model_with_met
 from drystone.settlement.follow import Follower, Track
 from drystone.settlement.loading_order import earlier_loads
+from drystone.settlement.maps import DENSE
 from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import Outcome, SettlementOptions, SettlementPath
-from drystone.settlement.springs import DENSE, BlockPositions, rotation_vectors, rotations
+from drystone.settlement.springs import BlockPositions, rotation_vectors, rotations
 from drystone.settlement.steps.soft_springs import STIFFEST
 
 STIFFER = 1e-2

@@ -24,6 +24,7 @@ from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import Apart, faces_apart
 from drystone.settlement.follow import Follower
 from drystone.settlement.loading_order import earlier_loads
+from drystone.settlement.maps import DENSE
 from drystone.settlement.outcomes import outcome_of
 from drystone.settlement.path import (
     STIFFER,
@@ -39,7 +40,6 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.springs import DENSE
 from drystone.settlement.together import tracks_of
 
 SMALL, AT_ONCE = 8, 32

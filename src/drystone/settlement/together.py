@@ -19,12 +19,11 @@ from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import Ends
 from drystone.settlement.follow import Follower, Track
+from drystone.settlement.maps import DenseMaps, corner_rows
 from drystone.settlement.springs import (
     BlockPositions,
-    DenseMaps,
     Placed,
     Response,
-    corner_rows,
     place_corners,
     respond,
     tangents,

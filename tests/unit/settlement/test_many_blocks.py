@@ -13,15 +13,9 @@ from drystone.settlement import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import Apart, faces_apart
+from drystone.settlement.maps import DenseMaps, SparseMaps
 from drystone.settlement.path import path_of
-from drystone.settlement.springs import (
-    BlockPositions,
-    DenseMaps,
-    SparseMaps,
-    place_corners,
-    respond,
-    tangents,
-)
+from drystone.settlement.springs import BlockPositions, place_corners, respond, tangents
 
 
 def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:

@@ -14,16 +14,8 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
-from drystone.settlement.springs import (
-    BlockPositions,
-    Response,
-    SparseMaps,
-    imposed,
-    maps_of,
-    place_corners,
-    respond,
-    tangents,
-)
+from drystone.settlement.maps import SparseMaps, imposed, maps_of
+from drystone.settlement.springs import BlockPositions, Response, place_corners, respond, tangents
 
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""
