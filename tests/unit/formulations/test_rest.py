@@ -155,7 +155,7 @@ def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_i
             problem.system, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
         )
         assert state.converged
-        assert state.iterations <= 14
+        assert state.iterations <= 15  # 11 to 15: with another order of elimination one more
     assert not asked
 
 
