@@ -10,6 +10,7 @@ normal one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -74,6 +75,15 @@ class Bodies:
     overlap: float
     length_unit: float
     force_unit: float
+
+    @cached_property
+    def by_corner(self) -> tuple[Floats, Floats, Floats]:
+        """``arm_a`` and ``arm_b`` (3, k), and ``frame`` (3, 3, k), with the corner last."""
+        arm_a, arm_b, frame = (
+            np.ascontiguousarray(np.moveaxis(values, 0, -1))
+            for values in (self.arm_a, self.arm_b, self.frame)
+        )
+        return arm_a, arm_b, frame
 
 
 def build_bodies(

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import slid
 
@@ -58,35 +58,49 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
     face of b there. A corner that is no longer on both faces is out of reach.
     """
-    a, b = bodies.block_a, bodies.block_b
-    turn_a, turn_b = pose.turn[a], pose.turn[b]
-    on_a = pose.place[a] + (turn_a @ bodies.arm_a[:, :, None])[:, :, 0]
-    # columns: from the corner of a to that of b, and the normal of the face of b
-    world = turn_b @ np.stack([bodies.arm_b, bodies.frame[:, 0]], axis=2)
-    world[:, :, 0] += pose.place[b] - on_a
-    frame = bodies.frame @ turn_a.transpose(0, 2, 1)
-    local = frame @ world
-    slide, lean = local[:, 1:, 0], local[:, 1:, 1]
-    carried, tangent, on = slid(bodies.ends, slide)
-    normal = local[:, :, 1].copy()
-    normal[:, 1:] -= (lean[:, None] @ tangent)[:, 0]
-    left = slide - carried
-    gap = normal[:, 0] * local[:, 0, 0] + lean[:, 0] * left[:, 0] + lean[:, 1] * left[:, 1]
-    gap = np.where(on, gap, OUT_OF_REACH)
-    point = on_a + (carried[:, None] @ frame[:, 1:])[:, 0]
-    return Placed(point, _inclined(normal) @ frame, gap)
+    turn_a, turn_b = (_of_corners(pose.turn, block) for block in (bodies.block_a, bodies.block_b))
+    place_a, place_b = (
+        _of_corners(pose.place, block) for block in (bodies.block_a, bodies.block_b)
+    )
+    arm_a, arm_b, begin = bodies.by_corner
+    on_a = place_a + _product(turn_a, arm_a)
+    frame = np.stack([_product(turn_a, axis) for axis in begin])
+    # from the corner of a to that of b, and the normal of the face of b
+    apart = _product(frame, place_b + _product(turn_b, arm_b) - on_a)
+    normal = _product(frame, _product(turn_b, begin[0]))
+    carried, tangent, on = slid(bodies.ends, np.ascontiguousarray(apart[1:].T))
+    lean, left = normal[1:].copy(), apart[1:] - carried.T
+    gap = normal[0] * apart[0] + lean[0] * left[0] + lean[1] * left[1]
+    normal[1:] -= lean[0] * tangent[:, 0].T + lean[1] * tangent[:, 1].T
+    point = on_a + carried[:, 0] * frame[1] + carried[:, 1] * frame[2]
+    axes = np.empty((len(gap), 3, 3))
+    for number, axis in enumerate(_inclined(normal)):
+        axes[:, number] = (axis[0] * frame[0] + axis[1] * frame[1] + axis[2] * frame[2]).T
+    return Placed(np.ascontiguousarray(point.T), axes, np.where(on, gap, OUT_OF_REACH))
+
+
+def _of_corners(values: Floats, block: Ints) -> Floats:
+    """The values (n, ...) of the block of each corner, with the corner last: five times as fast."""
+    return np.moveaxis(values, 0, -1).take(block, axis=-1)
+
+
+def _product(matrix: Floats, vector: Floats) -> Floats:
+    """(3, k) of matrices (3, 3, k) and vectors (3, k)."""
+    result: Floats = matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1] + matrix[:, 2] * vector[2]
+    return result
 
 
 def _inclined(normal: Floats) -> Floats:
-    """Rows n, u, v (k, 3, 3), orthonormal: n along (k, 3), u in the plane of n and the second axis.
+    """Axes n, u, v (3, 3, k), orthonormal: n along (3, k), u in the plane of n and the second axis.
 
     Every v is normal to the second axis.
     """
-    n, u = normal / _sizes(normal)[:, None], np.zeros_like(normal)
-    u[:, 1] = 1.0
-    u -= n[:, 1:2] * n
-    u /= _sizes(u)[:, None]
-    return np.stack([n, u, cross(n, u)], axis=1)
+    n = normal / _sizes(normal.T)
+    u = -n[1] * n
+    u[1] += 1.0
+    u /= _sizes(u.T)
+    v = np.stack([n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]])
+    return np.stack([n, u, v])
 
 
 def _sizes(vectors: Floats) -> Floats:

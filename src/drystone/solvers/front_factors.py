@@ -63,64 +63,82 @@ class Front:
         Nodes eliminated here, and later nodes that they are coupled with.
     children
         Earlier fronts, with the place of their boundary in this front.
+    own, later
+        Places of the pivots and of the boundary among all rows, in the order of elimination.
     """
 
     pivots: Ints
     boundary: Ints
     children: tuple[tuple[int, tuple[Run, ...]], ...]
+    own: slice
+    later: Ints
 
 
 class BlockFactor:
-    """Triangular factors of all fronts of a matrix, as :func:`eliminated` gives them."""
+    """Triangular factors of all fronts of a matrix, as :func:`eliminated` gives them.
+
+    ``order`` has the nodes in the order of elimination.
+    """
 
     def __init__(
-        self, fronts: Sequence[Front], factors: list[tuple[Any, ...]], precision: Precision
+        self,
+        fronts: Sequence[Front],
+        order: Ints,
+        factors: list[tuple[Any, ...]],
+        precision: Precision,
     ) -> None:
         self.fronts = fronts
+        self.order = order
         self.factors = factors
         self.precision = precision
 
     def solve(self, right: Floats) -> Floats:
         """X (n, w) with ``matrix @ x = right``."""
         getrs = ROUTINES[self.precision].getrs
-        x: Any = right.astype(self.precision)
+        x: Any = right[self.order].astype(self.precision, copy=False).ravel()
         for front, (_, _, multiple, _) in zip(self.fronts, self.factors, strict=True):
-            if len(front.boundary):
-                x[front.boundary] -= (multiple @ x[front.pivots].ravel()).reshape(-1, x.shape[1])
+            if len(front.later):
+                x[front.later] -= multiple @ x[front.own]
         backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
         for front, (lu, pivots, _, coupling) in backwards:
-            part = x[front.pivots].ravel()
-            if len(front.boundary):
-                part -= coupling @ x[front.boundary].ravel()
-            part, _ = getrs(lu, pivots, part, overwrite_b=True)
-            x[front.pivots] = part.reshape(-1, x.shape[1])
-        solved: Floats = x.astype(np.float64, copy=False)
-        return solved
+            part = x[front.own]
+            if len(front.later):
+                part = part - coupling @ x[front.later]
+            x[front.own], _ = getrs(lu, pivots, part)
+        return _in_order(x, self.order, right)
 
 
 class SymmetricFactor:
     """Cholesky factors of all fronts of a matrix, as :func:`eliminated_symmetric` gives them."""
 
-    def __init__(self, fronts: Sequence[Front], factors: list[tuple[Any, ...]]) -> None:
+    def __init__(
+        self, fronts: Sequence[Front], order: Ints, factors: list[tuple[Any, ...]]
+    ) -> None:
         self.fronts = fronts
+        self.order = order
         self.factors = factors
 
     def solve(self, right: Floats) -> Floats:
         """X (n, w) with ``matrix @ x = right``."""
-        x = right.astype(np.float64)
+        x = right[self.order].astype(np.float64, copy=False).ravel()
         for front, (root, multiple) in zip(self.fronts, self.factors, strict=True):
-            part = dtrsv(root, x[front.pivots].ravel(), lower=1, overwrite_x=True)
-            x[front.pivots] = part.reshape(-1, x.shape[1])
-            if len(front.boundary):
-                x[front.boundary] -= (multiple @ part).reshape(-1, x.shape[1])
+            part = x[front.own] = dtrsv(root, x[front.own], lower=1)
+            if len(front.later):
+                x[front.later] -= multiple @ part
         backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
         for front, (root, multiple) in backwards:
-            part = x[front.pivots].ravel()
-            if len(front.boundary):
-                part -= x[front.boundary].ravel() @ multiple
-            part = dtrsv(root, part, lower=1, trans=1, overwrite_x=True)
-            x[front.pivots] = part.reshape(-1, x.shape[1])
-        return x
+            part = x[front.own]
+            if len(front.later):
+                part = part - x[front.later] @ multiple
+            x[front.own] = dtrsv(root, part, lower=1, trans=1)
+        return _in_order(x, self.order, right)
+
+
+def _in_order(x: Floats, order: Ints, like: Floats) -> Floats:
+    """The rows x, in the order of elimination, by node (n, w)."""
+    solved = np.empty(like.shape)
+    solved[order] = x.reshape(like.shape)
+    return solved
 
 
 def eliminated(

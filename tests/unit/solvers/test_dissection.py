@@ -5,7 +5,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from drystone.solvers.dissection import LEAF, LEAST_SIDE, adjacency, dissect
+from drystone.solvers import dissection
+from drystone.solvers.dissection import LEAST_SIDE, adjacency, dissect
+
+
+@pytest.fixture(autouse=True)
+def small_parts(monkeypatch):
+    """Cut small graphs too."""
+    monkeypatch.setattr(dissection, "WHOLE", 0)
+    monkeypatch.setattr(dissection, "PART", 20)
 
 
 def a_tube(around, along):
@@ -25,7 +33,7 @@ def test_a_separator_is_the_smallest_of_all_cuts_near_the_middle(shape):
     """Every cut across every axis, on either side, counted one by one."""
     place, row, column = a_tube(*shape)
     count = len(place)
-    top = dissect(place, adjacency(count, row, column))[-1][0]
+    top = dissect(place, adjacency(count, row, column), 6)[-1][0]
     fewest = count
     for axis in range(3):
         order = np.argsort(place[:, axis], kind="stable")
@@ -39,18 +47,17 @@ def test_a_separator_is_the_smallest_of_all_cuts_near_the_middle(shape):
 
 def test_parts_on_both_sides_of_a_separator_do_not_touch():
     place, row, column = a_tube(7, 40)
-    tree = dissect(place, adjacency(len(place), row, column))
+    tree = dissect(place, adjacency(len(place), row, column), 6)
     below = [nodes for nodes, _ in tree]
     for number, (nodes, children) in enumerate(tree):
         below[number] = np.concatenate([nodes, *(below[child] for child in children)])
-        assert len(nodes) <= LEAF or children
         for one, two in pairwise(children):
             assert not (np.isin(row, below[one]) & np.isin(column, below[two])).any()
     assert sorted(below[-1].tolist()) == list(range(len(place)))
 
 
-def test_nodes_without_neighbours_are_divided_without_a_separator():
+def test_nodes_without_neighbours_are_fronts_of_their_own():
     none = np.zeros(0, dtype=int)
-    tree = dissect(np.random.default_rng(0).random((3 * LEAF, 3)), adjacency(3 * LEAF, none, none))
-    assert sorted(np.concatenate([nodes for nodes, _ in tree]).tolist()) == list(range(3 * LEAF))
+    tree = dissect(np.random.default_rng(0).random((60, 3)), adjacency(60, none, none), 6)
+    assert sorted(np.concatenate([nodes for nodes, _ in tree]).tolist()) == list(range(60))
     assert not any(children for _, children in tree)

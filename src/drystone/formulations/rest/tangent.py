@@ -1,8 +1,8 @@
 """The tangent ``A D A'`` of blocks on contact springs, assembled block by block.
 
-The corners of an interface are first summed about one point of it, (m, 6, 6), then transformed to
-the centroids of its two blocks. The sparsity pattern is that of the contact graph; it is computed
-once per model.
+The corners of an interface are first summed about the centroid of one of its blocks, (m, 6, 6),
+then taken to that of the other one. The sparsity pattern is that of the contact graph; it is
+computed once per model.
 """
 
 from __future__ import annotations
@@ -161,12 +161,9 @@ class SparseTangent:
         self.joints = len(first)
         interface = np.cumsum(begins) - 1
         a, b = statics.block_a[first], statics.block_b[first]
-        # each block has its own unit of length: lever arms are scaled for each block
-        self.to_a, local_a = _carry(statics.lever_a, interface, first, a)
-        self.to_b, local_b = _carry(statics.lever_b, interface, first, b)
-        # the reference arm is that of a free block (both give the same sum)
-        use_b = (b >= 0)[interface]
-        lever = np.where(use_b[:, None], local_b, local_a)
+        # about the centroid of b, or of a where b is a support
+        of_b = b >= 0
+        lever = np.where(of_b[interface, None], statics.lever_b, statics.lever_a)
         axes = np.swapaxes(statics.frame, 1, 2)
         spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
         self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
@@ -174,10 +171,8 @@ class SparseTangent:
             (joints, corners, _side_by_side(spread[corners], len(joints)))
             for joints, corners in runs_by_length(first, k)
         ]
-        ratio = _length_ratio(statics, a, b)
-        self.to_a[:, 3:, 3:] *= ratio[:, None, None]
+        self.to_a = _carry(statics, first, a, b)
         self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
-        self.from_b = np.ascontiguousarray(np.swapaxes(self.to_b, 1, 2))
         row, column, source, kind = _pattern(a, b)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
@@ -199,12 +194,12 @@ class SparseTangent:
             joint = np.empty((self.joints, 6, 6))
             for joints, corners, spread in self.groups:
                 joint[joints] = spread @ local[corners].reshape(len(joints), -1, 6)
-            left_a, left_b = self.to_a @ joint, self.to_b @ joint
             parts = np.empty((4, self.joints, 6, 6))
-            np.matmul(left_a, self.from_a, out=parts[0])
-            np.negative(left_a @ self.from_b, out=parts[1])
-            np.negative(left_b @ self.from_a, out=parts[2])
-            np.matmul(left_b, self.from_b, out=parts[3])
+            parts[3] = joint
+            np.matmul(self.to_a, joint, out=parts[1])
+            np.matmul(parts[1], self.from_a, out=parts[0])
+            np.matmul(joint, self.from_a, out=parts[2])
+            np.negative(parts[1:3], out=parts[1:3])
             out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         out[self.diagonal[:, None], index, index] += weight
@@ -225,20 +220,20 @@ def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matri
     return sparse.csr_matrix(parts, shape=shape)
 
 
-def _carry(lever: Floats, interface: Ints, first: Ints, block: Ints) -> tuple[Floats, Floats]:
-    """Maps (m, 6, 6) from the interface's first corner to a block, and levers from that corner."""
-    reference = lever[first]
-    to_block = np.empty((len(first), 6, 6))
-    to_block[:] = np.eye(6)
-    to_block[:, 3:, :3] = skew(reference)
-    to_block[block < 0] = 0.0
-    return to_block, lever - reference[interface]
+def _carry(statics: Statics, first: Ints, a: Ints, b: Ints) -> Floats:
+    """Maps (m, 6, 6) from a wrench about the centroid of b to the same about that of a.
 
-
-def _length_ratio(statics: Statics, a: Ints, b: Ints) -> Floats:
-    """Length of the reference block by the length of block a, per interface."""
+    Where b is a support, the wrench is about the centroid of a already. Each block has its own unit
+    of length, by which its lever arms and moments are divided.
+    """
     length = np.append(statics.length, 1.0)
-    return np.where((a >= 0) & (b >= 0), length[b] / length[a], 1.0)
+    both = (a >= 0) & (b >= 0)
+    ratio = np.where(both, length[b] / length[a], 1.0)
+    to_a = np.tile(np.eye(6), (len(first), 1, 1))
+    apart = statics.lever_a[first] - ratio[:, None] * statics.lever_b[first]
+    to_a[both, 3:, :3] = skew(apart)[both]
+    to_a[:, 3:, 3:] *= ratio[:, None, None]
+    return to_a
 
 
 def _pattern(a: Ints, b: Ints) -> tuple[Ints, Ints, Ints, Ints]:

@@ -213,9 +213,11 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
 
     Returns the motion x (k, 2), its derivative (k, 2, 2), and which are still on both faces (k,).
     """
-    along = (ends.outward @ slide[:, :, None])[:, :, 0]
-    beyond = ends.sense * along > ends.reach
-    carried, tangent = (ends.tangent @ slide[:, :, None])[:, :, 0], ends.tangent
+    along, carried = (
+        each[:, :, 0] * slide[:, :1] + each[:, :, 1] * slide[:, 1:]
+        for each in (ends.outward, ends.tangent)
+    )
+    beyond, tangent = ends.sense * along > ends.reach, ends.tangent
     some = np.flatnonzero(beyond.any(axis=1))
     if len(some):
         outward, over = ends.outward[some], beyond[some]
