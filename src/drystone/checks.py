@@ -69,17 +69,20 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
 def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
     """As :func:`unbalanced_wrench`, for s claims: (n, s, 6) and (n, s) from forces (k, s, 3)."""
     assembly, contacts, load = model.assembly, model.contacts, model.load
-    world = np.einsum("ksi,kij->ksj", force, contacts.frame[contacts.interface])
+    world = force @ contacts.frame[contacts.interface]
     size = assembly.size
     loads = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
     total = np.repeat(loads[:, None], force.shape[1], axis=1)
     scale = lengths(total[..., :3]) + lengths(total[..., 3:])
     joints = contacts.corners
     pushed, strength = joints.sum(world), joints.sum(lengths(force))
+    # moments about the first corner of each joint, which are then taken to the centroids
+    first = contacts.point[contacts.start[:-1]]
+    arm = contacts.point - first[contacts.interface]
+    about_first = joints.sum(cross(arm[:, None], world))
     for of_joint, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
-        block = of_joint[contacts.interface]
-        arm = (contacts.point - assembly.centroid[block]) / size[block, None]
-        turned = joints.sum(cross(arm[:, None], world))
+        turned = about_first + cross((first - assembly.centroid[of_joint])[:, None], pushed)
+        turned /= size[of_joint, None, None]
         np.add.at(total, of_joint, sign * np.concatenate([pushed, turned], axis=2))
         np.add.at(scale, of_joint, strength)
     return total, np.where(scale > 0.0, scale, 1.0)

@@ -113,8 +113,8 @@ def _descend_together(
     best, since, steps = [np.inf] * count, [0] * count, 0
     before = [np.inf] * count
     solve: list[Callable[[Floats], Floats] | None] = [None] * count
+    moved = statics.displacement(motion)
     while left and not (stop is not None and stop()):
-        moved = statics.displacement(motion)
         gap = moved[..., 0] + compliance.overlap
         normal = kn * np.maximum(0.0, -gap)
         held, slope = compliance.pull(np.maximum(0.0, gap))
@@ -149,11 +149,12 @@ def _descend_together(
             tangent[..., 1:, 1:] = friction.by_slide
         for i in tuple(left):
             try:
-                step, solve[i] = _step(system, tangent[i], weight, rest[i], solve[i])
+                step, shift, solve[i] = _step(system, tangent[i], weight, rest[i], solve[i])
             except SolverError:
                 left.remove(i)
                 continue
             motion[i] += step
+            moved[i] += shift
         steps += 1
         left = [i for i in left if since[i] < STALL]
     return found, steps
@@ -165,10 +166,14 @@ def _step(
     weight: Floats,
     rest: Floats,
     solve: Callable[[Floats], Floats] | None,
-) -> tuple[Floats, Callable[[Floats], Floats]]:
-    """A Newton step (n, 6) and its factors: given ones, or new ones in the least precision."""
+) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
+    """A Newton step (n, 6), its corner displacements (k, 3), and its factors.
+
+    The factors are those given, or new ones in the least precision.
+    """
     nearly = system.roughly_solved(tangent, weight, rest) if solve is None else None
     if nearly is not None:
-        return nearly.motion, nearly.solve
+        return nearly
     solve = solve or system.factorise(tangent, weight)
-    return solve(rest), solve
+    step = solve(rest)
+    return step, system.statics.displacement(step), solve
