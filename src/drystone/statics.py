@@ -214,12 +214,17 @@ class Statics:
         return replace(self, felt=np.where(felt > 0.0, felt, 1.0))
 
     @cached_property
+    def load_size(self) -> Floats:
+        """(n,) length of the force plus length of the moment of the load of each free block."""
+        size: Floats = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
+        return size
+
+    @cached_property
     def corner_load(self) -> Floats:
         """Typical force (k,) of a corner: the load of the lighter of its free blocks, or felt."""
         if self.felt is not None:
             return self.felt
-        load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
-        load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
+        load = np.append(np.where(self.load_size > 0.0, self.load_size, 1.0), np.inf)
         return np.minimum(load[self.block_a], load[self.block_b])
 
     @cached_property

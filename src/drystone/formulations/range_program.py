@@ -20,7 +20,6 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.formulations.compatible import NORMAL, slide_directions
 from drystone.formulations.improvement import add_trust_region, turned_friction
-from drystone.formulations.rest.compliance import wrench_size
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import Entries, ProgramBuilder, Term
 from drystone.statics import Statics
@@ -100,7 +99,7 @@ def elastic_forces(
     direction = slide_directions(moved)[corner]
     closing = statics.unit_wrenches(corner, NORMAL)
     along = statics.unit_wrenches(corner, np.column_stack([none, direction]))
-    load = wrench_size(statics.load)
+    load = statics.load_size
     load_of_corner = statics.corner_load[corner]
     weight = np.repeat(ELASTIC_WEIGHT / np.where(load > 0.0, load, 1.0), 6)
     program = ProgramBuilder()

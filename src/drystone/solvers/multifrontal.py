@@ -91,7 +91,7 @@ class BlockOrdering:
         schur: dict[int, Floats] = {}
         factors = []
         numbers = self._free.pop() if self._free else FrontNumbers(self.memory)
-        numbers.clear(precision)[self.entry] = blocks
+        numbers.clear(precision)[self.entry] = blocks.astype(precision, copy=False)
         for number, front in enumerate(self.fronts):
             whole, first, right, below, rest = numbers.of_front(number, precision)
             if self.memory.flat:

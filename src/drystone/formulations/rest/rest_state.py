@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
-from drystone.formulations.rest.compliance import Compliance, wrench_size
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics
 
@@ -124,7 +124,7 @@ def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) ->
     normal = compliance.normal * np.maximum(0.0, -moved[..., 0])
     slide = compliance.friction(normal, moved[..., 1:]).force
     force = np.concatenate([normal[..., None], -slide], axis=-1)
-    scale = np.maximum(wrench_size(statics.load), np.finfo(float).tiny)[:, None]
+    scale = np.maximum(statics.load_size, np.finfo(float).tiny)[:, None]
     carried = statics.wrench(force) / scale
     size = (carried**2).sum(axis=(-2, -1))
     fit = -(carried * (statics.load / scale)).sum(axis=(-2, -1)) / np.where(size > 0.0, size, 1.0)
@@ -135,5 +135,5 @@ def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) ->
 def block_scale(statics: Statics, force: Floats) -> Floats:
     """Size (..., n) of the forces on each block: its load and its corner forces (..., k, 3)."""
     at_corners = (statics.touching @ lengths(force).T).T
-    total: Floats = wrench_size(statics.load) + at_corners
+    total: Floats = statics.load_size + at_corners
     return np.where(total > 0.0, total, 1.0)

@@ -17,7 +17,6 @@ from scipy import sparse
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
-from drystone.formulations.rest.compliance import wrench_size
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.front_factors import Precision
@@ -67,6 +66,12 @@ class TangentSystem:
     def sparse(self) -> SparseTangent:
         """The tangent by its blocks, for models that are not small."""
         return SparseTangent(self.statics, self.position)
+
+    @cached_property
+    def _scale(self) -> Floats:
+        """(n, 1) size of the load of each block."""
+        size = self.statics.load_size
+        return np.where(size > 0.0, size, 1.0)[:, None]
 
     @property
     def small(self) -> bool:
@@ -135,10 +140,8 @@ class TangentSystem:
         motion = solve(right)
         moved = statics.displacement(motion)
         carried = statics.wrench(np.einsum("kij,kj->ki", tangent, moved))
-        size = wrench_size(statics.load)
-        scale = np.where(size > 0.0, size, 1.0)[:, None]
-        left = (right - carried - weight * motion) / scale
-        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale)
+        left = (right - carried - weight * motion) / self._scale
+        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / self._scale)
         return RoughSolution(motion, moved, solve) if near else None
 
 
