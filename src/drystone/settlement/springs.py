@@ -80,7 +80,10 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
 
 
 def _of_corners(values: Floats, block: Ints) -> Floats:
-    """The values (n, ...) of the block of each corner, with the corner last: five times as fast."""
+    """The values (n, ...) of the block of each corner (..., k).
+
+    With the corner as the last index sums over k take a fifth of the time of products of matrices.
+    """
     return np.moveaxis(values, 0, -1).take(block, axis=-1)
 
 

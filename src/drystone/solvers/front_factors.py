@@ -63,15 +63,15 @@ class Front:
         Nodes eliminated here, and later nodes that they are coupled with.
     children
         Earlier fronts, with the place of their boundary in this front.
-    own, later
+    own_rows, later_rows
         Places of the pivots and of the boundary among all rows, in the order of elimination.
     """
 
     pivots: Ints
     boundary: Ints
     children: tuple[tuple[int, tuple[Run, ...]], ...]
-    own: slice
-    later: Ints
+    own_rows: slice
+    later_rows: Ints
 
 
 class BlockFactor:
@@ -97,19 +97,22 @@ class BlockFactor:
         getrs = ROUTINES[self.precision].getrs
         x: Any = right[self.order].astype(self.precision, copy=False).ravel()
         for front, (_, _, multiple, _) in zip(self.fronts, self.factors, strict=True):
-            if len(front.later):
-                x[front.later] -= multiple @ x[front.own]
+            if len(front.boundary):
+                x[front.later_rows] -= multiple @ x[front.own_rows]
         backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
         for front, (lu, pivots, _, coupling) in backwards:
-            part = x[front.own]
-            if len(front.later):
-                part = part - coupling @ x[front.later]
-            x[front.own], _ = getrs(lu, pivots, part)
+            part = x[front.own_rows]
+            if len(front.boundary):
+                part = part - coupling @ x[front.later_rows]
+            x[front.own_rows], _ = getrs(lu, pivots, part)
         return _in_order(x, self.order, right)
 
 
 class SymmetricFactor:
-    """Cholesky factors of all fronts of a matrix, as :func:`eliminated_symmetric` gives them."""
+    """Cholesky factors of all fronts of a matrix, as :func:`eliminated_symmetric` gives them.
+
+    ``order`` has the nodes in the order of elimination.
+    """
 
     def __init__(
         self, fronts: Sequence[Front], order: Ints, factors: list[tuple[Any, ...]]
@@ -122,15 +125,15 @@ class SymmetricFactor:
         """X (n, w) with ``matrix @ x = right``."""
         x = right[self.order].astype(np.float64, copy=False).ravel()
         for front, (root, multiple) in zip(self.fronts, self.factors, strict=True):
-            part = x[front.own] = dtrsv(root, x[front.own], lower=1)
-            if len(front.later):
-                x[front.later] -= multiple @ part
+            part = x[front.own_rows] = dtrsv(root, x[front.own_rows], lower=1)
+            if len(front.boundary):
+                x[front.later_rows] -= multiple @ part
         backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
         for front, (root, multiple) in backwards:
-            part = x[front.own]
-            if len(front.later):
-                part = part - x[front.later] @ multiple
-            x[front.own] = dtrsv(root, part, lower=1, trans=1)
+            part = x[front.own_rows]
+            if len(front.boundary):
+                part = part - x[front.later_rows] @ multiple
+            x[front.own_rows] = dtrsv(root, part, lower=1, trans=1)
         return _in_order(x, self.order, right)
 
 

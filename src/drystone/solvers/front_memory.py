@@ -25,7 +25,7 @@ FrontParts: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats]
 """The memory of a front, and the four parts of it."""
 
 
-class FrontMemory:
+class FrontPlaces:
     """The places of the parts of all fronts.
 
     Parameters
@@ -59,10 +59,11 @@ class FrontMemory:
             ]
 
     def views(self, parts: Floats, number: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """All parts of a front as one vector, and each of the four; new memory for a rest apart.
+        """All parts of a front as one vector, and each of the four.
 
         The four are pivots by pivots, pivots by boundary, boundary by pivots, and boundary by
-        boundary. A front shares no memory with its children, so nothing is copied.
+        boundary. In large models the last one is new memory. A front shares no memory with its
+        children, so nothing is copied.
         """
         p, b = self.rows[number]
         first, right, below, rest = self._begins(number)
@@ -125,29 +126,34 @@ def _rows(run: Run) -> Ints:
     return np.arange(there.start, there.stop) if isinstance(there, slice) else there
 
 
-class FrontNumbers:
-    """The memory of one factorisation, in either precision.
+class FrontMemory:
+    """The memory of one factorisation.
 
-    It is used again by later ones. Measured on the Armadillo vault: with half of the memory for
-    single precision the system takes back what is freed ten times as often, and a check takes a
-    tenth longer.
+    It is used again by later ones, in double and in single precision. Measured on the Armadillo
+    vault: with half of the memory for single precision the system takes back what is freed ten
+    times as often, and a check takes a tenth longer. Memory made for single precision is half as
+    large, and for that only.
     """
 
-    def __init__(self, places: FrontMemory) -> None:
+    def __init__(self, places: FrontPlaces, precision: Precision = np.float64) -> None:
         self.places = places
-        double = np.zeros(places.size)
-        single: Any = double.view(np.float32)[: places.size]
-        self._parts: dict[Precision, Floats] = {np.float64: double, np.float32: single}
+        numbers: Any = np.zeros(places.size, precision)
+        self._parts: dict[Precision, Floats] = {precision: numbers}
+        if precision is np.float64:
+            self._parts[np.float32] = numbers.view(np.float32)[: places.size]
         self._views: dict[Precision, list[FrontParts]] = {}
+        self._used = False
 
     def clear(self, precision: Precision) -> Floats:
         """Zero for all fronts."""
         parts = self._parts[precision]
-        parts.fill(0.0)
+        if self._used:
+            parts.fill(0.0)
+        self._used = True
         return parts
 
     def of_front(self, number: int, precision: Precision) -> FrontParts:
-        """As :meth:`FrontMemory.views`; those of small models are made once."""
+        """As :meth:`FrontPlaces.views`; those of small models are made once."""
         places, parts = self.places, self._parts[precision]
         if not places.with_rest:
             return places.views(parts, number)

@@ -47,22 +47,39 @@ def part_fronts(
     outside = len(order)
     pivots = [[node] for node in order]
     children: list[list[int]] = [[] for _ in order]
+    topmost: list[int] = []
     for number, boundary in enumerate(boundaries):
         parent = min((rank.get(node, outside) for node in boundary), default=outside)
-        if parent < outside:
-            children[parent].append(number)
+        (children[parent] if parent < outside else topmost).append(number)
     left = [len(boundary) for boundary in boundaries]
     merged = [False] * len(order)
-    for number, below in enumerate(children):
+
+    def merge(one: int, other: int) -> None:
+        """Eliminate the nodes of a front in another one, which comes later."""
+        pivots[other] = pivots[one] + pivots[other]
+        children[other] += children[one]
+        merged[one] = True
+
+    def alike(fronts: list[int]) -> list[int]:
+        """Fronts with the same boundary, merged where that saves time; those that are left."""
+        last: dict[frozenset[int], int] = {}
+        for front in fronts:
+            key = frozenset(boundaries[front])
+            before = last.get(key)
+            if before is not None and saved(before, front) > 0.0:
+                merge(before, front)
+            last[key] = front
+        return [front for front in fronts if not merged[front]]
+
+    for number in range(len(order)):
+        below = children[number] = alike(children[number])
         while below:
             gains = [saved(child, number) for child in below]
             best = max(range(len(below)), key=gains.__getitem__)
             if gains[best] <= 0.0:
                 break
-            child = below.pop(best)
-            below += children[child]
-            pivots[number] = pivots[child] + pivots[number]
-            merged[child] = True
+            merge(below.pop(best), number)
+    alike(topmost)
     kept = [number for number in range(len(order)) if not merged[number]]
     place = {number: at for at, number in enumerate(kept)}
     return [

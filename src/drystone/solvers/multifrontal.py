@@ -28,7 +28,7 @@ from drystone.solvers.front_factors import (
     eliminated,
     eliminated_symmetric,
 )
-from drystone.solvers.front_memory import FrontMemory, FrontNumbers
+from drystone.solvers.front_memory import FrontMemory, FrontPlaces
 
 ONE_FRONT = 20
 """Nodes up to which a matrix is one front, whatever its graph: it takes 0.2 ms less to prepare."""
@@ -42,11 +42,15 @@ Armadillo vault of 399 blocks: a check takes a quarter less time, since no pages
 the system and taken again."""
 
 
-_NONE = np.zeros(0, dtype=np.intp)
+NONE = np.zeros(0, dtype=np.intp)
+"""No nodes."""
 
 
 class BlockOrdering:
     """The symbolic factorisation: the place of every matrix block, for a fixed graph.
+
+    Pivots are exchanged within a front only. So nodes whose own blocks are nearly singular cost
+    digits; those of blocks on springs are not.
 
     Parameters
     ----------
@@ -65,10 +69,10 @@ class BlockOrdering:
             neighbours = adjacency(self.count, row, column)
             tree = dissect(position, neighbours, width)
             self.fronts = _fronts(tree, neighbours, self.count, width)
-        self.order = np.concatenate([front.pivots for front in self.fronts] or [_NONE])
-        self.memory = FrontMemory(self.fronts, width)
-        self.entry = self.memory.entries(self.count, row, column)
-        self._free: list[FrontNumbers] = []
+        self.order = np.concatenate([front.pivots for front in self.fronts] or [NONE])
+        self.places = FrontPlaces(self.fronts, width)
+        self.entry = self.places.entries(self.count, row, column)
+        self._free: list[FrontMemory] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """What travels to another process: without memory that is kept for the next factors."""
@@ -90,12 +94,12 @@ class BlockOrdering:
         """
         schur: dict[int, Floats] = {}
         factors = []
-        numbers = self._free.pop() if self._free else FrontNumbers(self.memory)
-        numbers.clear(precision)[self.entry] = blocks.astype(precision, copy=False)
+        memory = self._memory(precision)
+        memory.clear(precision)[self.entry] = blocks.astype(precision, copy=False)
         for number, front in enumerate(self.fronts):
-            whole, first, right, below, rest = numbers.of_front(number, precision)
-            if self.memory.flat:
-                for (child, _), index in zip(front.children, self.memory.flat[number], strict=True):
+            whole, first, right, below, rest = memory.of_front(number, precision)
+            if self.places.with_rest:
+                for (child, _), index in zip(front.children, self.places.flat[number], strict=True):
                     np.add.at(whole, index, schur.pop(child).ravel())
             else:
                 _add_runs(front, schur, first, right, below, rest, symmetric=symmetric)
@@ -114,9 +118,18 @@ class BlockOrdering:
             if symmetric
             else BlockFactor(self.fronts, self.order, factors, precision)
         )
-        if self.memory.size <= KEPT:
-            weakref.finalize(factor, self._free.append, numbers).atexit = False
+        if self.places.size <= KEPT:
+            weakref.finalize(factor, self._free.append, memory).atexit = False
         return factor
+
+    def _memory(self, precision: Precision) -> FrontMemory:
+        """Memory that no factors use any longer, or new memory."""
+        if self.places.size > KEPT:
+            return FrontMemory(self.places, precision)
+        try:
+            return self._free.pop()
+        except IndexError:  # none is left, or another thread was faster
+            return FrontMemory(self.places)
 
 
 def _add_runs(
@@ -147,7 +160,7 @@ def _one_front(count: int, width: int) -> list[Front]:
     """A matrix of few nodes as one front."""
     if not count:
         return []
-    return [Front(np.arange(count), _NONE, (), slice(0, count * width), _NONE)]
+    return [Front(np.arange(count), NONE, (), slice(0, count * width), NONE)]
 
 
 def _fronts(
@@ -165,7 +178,7 @@ def _fronts(
         pivots = nodes[np.argsort(rank[nodes])]
         later = [boundaries[c] for c in children]
         later += [other[start[i] : start[i + 1]] for i in pivots.tolist()]
-        reach = np.unique(np.concatenate(later)) if later else np.zeros(0, dtype=np.intp)
+        reach = np.unique(np.concatenate(later)) if later else NONE
         boundary = reach[front_of[reach] > number]
         boundary = boundary[np.argsort(rank[boundary])]
         boundaries.append(boundary)

@@ -92,3 +92,13 @@ def test_a_grid_takes_less_arithmetic_than_row_by_row():
     rows = [(np.arange(15 * i, 15 * i + 15), [i - 1] if i else []) for i in range(15)]
     tree = part_fronts(np.arange(225), neighbours, 6, overhead=0.0)
     assert work(tree, neighbours) < 0.4 * work(rows, neighbours)
+
+
+@pytest.mark.parametrize("points", [60, 400])
+def test_the_points_of_a_star_and_nodes_alone_share_fronts(points):
+    star = graph_of([(0, i) for i in range(1, points)], points)
+    none = np.zeros(0, dtype=int)
+    for neighbours in (star, adjacency(points, none, none)):
+        tree = part_fronts(np.arange(points), neighbours, 6, overhead=4e5)
+        assert sorted(np.concatenate([nodes for nodes, _ in tree]).tolist()) == list(range(points))
+        assert len(tree) < points / 8

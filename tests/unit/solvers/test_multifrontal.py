@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.base.errors import SolverError
-from drystone.solvers import front_memory
+from drystone.solvers import front_memory, multifrontal
 from drystone.solvers.multifrontal import BlockOrdering
 
 
@@ -149,3 +149,32 @@ def test_a_symmetric_matrix_is_solved_from_its_upper_half(count, reach):
     blocks[(row == column) & (row == count // 2)] *= -1.0
     with pytest.raises(SolverError, match="not positive definite"):
         ordering.factorise(blocks, symmetric=True)
+
+
+def test_memory_that_another_thread_takes_first_is_made_anew():
+    class Taken(list):
+        """A list that looks full, and whose last entry is gone when it is asked for."""
+
+        def __len__(self):
+            return 1
+
+    rng = np.random.default_rng(8)
+    position, row, column, blocks, dense = random_system(60, 3, rng, 0.3)
+    ordering, right = BlockOrdering(position, row, column, 3), rng.normal(size=(60, 3))
+    ordering._free = Taken()
+    x = ordering.factorise(blocks).solve(right)
+    np.testing.assert_allclose(dense @ x.ravel(), right.ravel(), atol=1e-9)
+
+
+def test_factors_in_single_precision_take_half_of_the_memory_where_it_is_not_kept(monkeypatch):
+    monkeypatch.setattr(multifrontal, "KEPT", 0)
+    rng = np.random.default_rng(8)
+    position, row, column, blocks, _ = random_system(300, 3, rng, 0.25)
+    ordering = BlockOrdering(position, row, column, 3)
+    sizes = {
+        precision: max(
+            part.base.nbytes for part in ordering.factorise(blocks, precision).factors[0][2:]
+        )
+        for precision in (np.float64, np.float32)
+    }
+    assert sizes[np.float64] == 2 * sizes[np.float32]

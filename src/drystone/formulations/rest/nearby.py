@@ -173,7 +173,7 @@ def _step(
     """
     nearly = system.roughly_solved(tangent, weight, rest) if solve is None else None
     if nearly is not None:
-        return nearly
+        return nearly.motion, nearly.moved, nearly.solve
     solve = solve or system.factorise(tangent, weight)
     step = solve(rest)
     return step, system.statics.displacement(step), solve

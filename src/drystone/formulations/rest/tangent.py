@@ -1,8 +1,8 @@
 """The tangent ``A D A'`` of blocks on contact springs, assembled block by block.
 
-The corners of an interface are first summed about the centroid of one of its blocks, (m, 6, 6),
-then taken to that of the other one. The sparsity pattern is that of the contact graph; it is
-computed once per model.
+The corners of an interface are first summed about the centroid of its smaller free block,
+(m, 6, 6), then taken to that of the other one. The sparsity pattern is that of the contact graph;
+it is computed once per model.
 """
 
 from __future__ import annotations
@@ -164,9 +164,12 @@ class SparseTangent:
         self.joints = len(first)
         interface = np.cumsum(begins) - 1
         a, b = statics.block_a[first], statics.block_b[first]
-        # about the centroid of b, or of a where b is a support
-        of_b = b >= 0
-        lever = np.where(of_b[interface, None], statics.lever_b, statics.lever_a)
+        # about the centroid of the smaller block: to take a wrench to a smaller one loses digits
+        length = np.append(statics.length, np.inf)  # a support has the number -1
+        of_a = length[a] < length[b]
+        near, far = np.where(of_a, a, b), np.where(of_a, b, a)
+        lever = np.where(of_a[interface, None], statics.lever_a, statics.lever_b)
+        other = np.where(of_a[interface, None], statics.lever_b, statics.lever_a)
         axes = np.swapaxes(statics.frame, 1, 2)
         spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
         self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
@@ -174,9 +177,11 @@ class SparseTangent:
             (joints, corners, _side_by_side(spread[corners], len(joints)))
             for joints, corners in runs_by_length(first, k)
         ]
-        self.to_a = _carry(statics, first, a, b)
-        self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
-        row, column, source, kind = _pattern(a, b)
+        ratio = np.ones(len(first))
+        np.divide(length[near], length[far], out=ratio, where=far >= 0)
+        self.to_far = _carry(other[first] - ratio[:, None] * lever[first], ratio)
+        self.from_far = np.ascontiguousarray(np.swapaxes(self.to_far, 1, 2))
+        row, column, source, kind = _pattern(far, near)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
         self.row, self.column = unique // n, unique % n
@@ -199,9 +204,9 @@ class SparseTangent:
                 joint[joints] = spread @ local[corners].reshape(len(joints), -1, 6)
             parts = np.empty((4, self.joints, 6, 6))
             parts[3] = joint
-            np.matmul(self.to_a, joint, out=parts[1])
-            np.matmul(parts[1], self.from_a, out=parts[0])
-            np.matmul(joint, self.from_a, out=parts[2])
+            np.matmul(self.to_far, joint, out=parts[1])
+            np.matmul(parts[1], self.from_far, out=parts[0])
+            np.matmul(joint, self.from_far, out=parts[2])
             np.negative(parts[1:3], out=parts[1:3])
             out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
@@ -223,20 +228,20 @@ def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matri
     return sparse.csr_matrix(parts, shape=shape)
 
 
-def _carry(statics: Statics, first: Ints, a: Ints, b: Ints) -> Floats:
-    """Maps (m, 6, 6) from a wrench about the centroid of b to the same about that of a.
+def _carry(apart: Floats, ratio: Floats) -> Floats:
+    """Maps (m, 6, 6) from a wrench about one centroid to the same wrench about another.
 
-    Where b is a support, the wrench is about the centroid of a already. Each block has its own unit
-    of length, by which its lever arms and moments are divided.
+    Each block has its own unit of length, by which its lever arms and moments are divided.
+
+    Parameters
+    ----------
+    apart : (m, 3) from the second centroid to the first, in the second unit
+    ratio : (m,) first unit by the second
     """
-    length = np.append(statics.length, 1.0)
-    both = (a >= 0) & (b >= 0)
-    ratio = np.where(both, length[b] / length[a], 1.0)
-    to_a = np.tile(np.eye(6), (len(first), 1, 1))
-    apart = statics.lever_a[first] - ratio[:, None] * statics.lever_b[first]
-    to_a[both, 3:, :3] = skew(apart)[both]
-    to_a[:, 3:, 3:] *= ratio[:, None, None]
-    return to_a
+    maps = np.tile(np.eye(6), (len(ratio), 1, 1))
+    maps[:, 3:, :3] = skew(apart)
+    maps[:, 3:, 3:] *= ratio[:, None, None]
+    return maps
 
 
 def _pattern(a: Ints, b: Ints) -> tuple[Ints, Ints, Ints, Ints]:

@@ -1,0 +1,57 @@
+"""The tangent assembled block by block, against products of full matrices."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from drystone import Assembly, Model, models
+from drystone.formulations.rest.tangent import SparseTangent
+from drystone.models import box
+from drystone.statics import build_statics
+
+
+def stiffness(count, rng):
+    """Tangents (k, 3, 3) of corners that stick, slide or are open; not symmetric."""
+    tangent = np.zeros((count, 3, 3))
+    tangent[:, 0, 0] = rng.random(count)
+    tangent[:, 1:, 0] = 0.6 * rng.standard_normal((count, 2))
+    tangent[:, 1:, 1:] = 0.2 * np.eye(2)
+    tangent[rng.random(count) < 0.3] = 0.0
+    return tangent
+
+
+def largest_error(model, seed=0):
+    """Of each block of the tangent, by the largest number of the block; the largest of these."""
+    statics = build_statics(model)
+    rng = np.random.default_rng(seed)
+    tangent = stiffness(statics.corner_count, rng)
+    weight = 1e-3 * rng.random((statics.free_count, 6))
+    system = SparseTangent(statics, rng.random((statics.free_count, 3)))
+    found = system.blocks(tangent, weight)
+    matrix = statics.matrix
+    whole = matrix @ sparse.block_diag(list(tangent)) @ matrix.T + sparse.diags(weight.ravel())
+    n = statics.free_count
+    exact = np.asarray(whole.todense()).reshape(n, 6, n, 6).transpose(0, 2, 1, 3)
+    exact = exact[system.row, system.column]
+    scale = np.abs(exact).max(axis=(1, 2))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    return float((np.abs(found - exact).max(axis=(1, 2)) / scale).max())
+
+
+@pytest.mark.parametrize(
+    "model", [models.wall(3, 3), models.arch(0.15, 12), models.vault(), models.tower(5)]
+)
+def test_the_tangent_is_the_product_of_full_matrices(model):
+    assert largest_error(Model.of(model, friction=0.6)) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-2, 1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("small_first", [True, False])
+def test_a_small_block_on_a_large_one_costs_no_digits(size, small_first):
+    ground = box((2.0, 2.0, 1.0), (-1.0, -1.0, -1.0), name="ground")
+    large = box((1.0, 1.0, 1.0), (-0.5, -0.5, 0.0), name="large")
+    small = box((size, size, size), (0.1, 0.2, 1.0), name="small")
+    blocks = [ground, small, large] if small_first else [ground, large, small]
+    model = Model.of(Assembly(blocks, np.array([True, False, False])), friction=0.6)
+    assert len(model.contacts) == 2
+    assert largest_error(model) < 1e-12
