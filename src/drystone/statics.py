@@ -220,11 +220,16 @@ class Statics:
         return size
 
     @cached_property
+    def load_scale(self) -> Floats:
+        """(n,) the same; 1 for a block without a load."""
+        return np.where(self.load_size > 0.0, self.load_size, 1.0)
+
+    @cached_property
     def corner_load(self) -> Floats:
         """Typical force (k,) of a corner: the load of the lighter of its free blocks, or felt."""
         if self.felt is not None:
             return self.felt
-        load = np.append(np.where(self.load_size > 0.0, self.load_size, 1.0), np.inf)
+        load = np.append(self.load_scale, np.inf)
         return np.minimum(load[self.block_a], load[self.block_b])
 
     @cached_property

@@ -99,9 +99,8 @@ def elastic_forces(
     direction = slide_directions(moved)[corner]
     closing = statics.unit_wrenches(corner, NORMAL)
     along = statics.unit_wrenches(corner, np.column_stack([none, direction]))
-    load = statics.load_size
     load_of_corner = statics.corner_load[corner]
-    weight = np.repeat(ELASTIC_WEIGHT / np.where(load > 0.0, load, 1.0), 6)
+    weight = np.repeat(ELASTIC_WEIGHT / statics.load_scale, 6)
     program = ProgramBuilder()
     change = None
     if region is not None:

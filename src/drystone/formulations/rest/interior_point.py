@@ -124,8 +124,7 @@ class _Path:
         self.steps = 0
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
-        size = statics.load_size
-        self.row_scale = np.where(size > 0.0, size, 1.0)[:, None]
+        self.row_scale = statics.load_scale[:, None]
 
     def follow(
         self,

@@ -124,7 +124,7 @@ def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) ->
     normal = compliance.normal * np.maximum(0.0, -moved[..., 0])
     slide = compliance.friction(normal, moved[..., 1:]).force
     force = np.concatenate([normal[..., None], -slide], axis=-1)
-    scale = np.maximum(statics.load_size, np.finfo(float).tiny)[:, None]
+    scale = statics.load_scale[:, None]
     carried = statics.wrench(force) / scale
     size = (carried**2).sum(axis=(-2, -1))
     fit = -(carried * (statics.load / scale)).sum(axis=(-2, -1)) / np.where(size > 0.0, size, 1.0)

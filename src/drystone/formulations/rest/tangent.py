@@ -67,12 +67,6 @@ class TangentSystem:
         """The tangent by its blocks, for models that are not small."""
         return SparseTangent(self.statics, self.position)
 
-    @cached_property
-    def _scale(self) -> Floats:
-        """(n, 1) size of the load of each block."""
-        size = self.statics.load_size
-        return np.where(size > 0.0, size, 1.0)[:, None]
-
     @property
     def small(self) -> bool:
         """Whether the tangent is taken as a full matrix."""
@@ -140,8 +134,9 @@ class TangentSystem:
         motion = solve(right)
         moved = statics.displacement(motion)
         carried = statics.wrench(np.einsum("kij,kj->ki", tangent, moved))
-        left = (right - carried - weight * motion) / self._scale
-        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / self._scale)
+        scale = statics.load_scale[:, None]
+        left = (right - carried - weight * motion) / scale
+        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale)
         return RoughSolution(motion, moved, solve) if near else None
 
 
