@@ -58,7 +58,7 @@ class FrontPlaces:
                 for number, one in enumerate(fronts)
             ]
 
-    def views(self, parts: Floats, number: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    def views(self, parts: Floats, number: int) -> FrontParts:
         """All parts of a front as one vector, and each of the four.
 
         The four are pivots by pivots, pivots by boundary, boundary by pivots, and boundary by

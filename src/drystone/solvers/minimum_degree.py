@@ -15,7 +15,8 @@ import numpy as np
 from drystone.base.arrays import Ints
 
 ENTRY = 40.0
-"""Operations in the time that it takes to add a number of one front to the next."""
+"""Operations in the time that it takes to add a number of one front to the next: about a
+nanosecond, measured on the Armadillo vault."""
 
 
 def part_fronts(
@@ -115,7 +116,8 @@ def _by_degree(nodes: Ints, neighbours: tuple[Ints, Ints]) -> tuple[list[int], l
 def _work(pivots: int, boundary: int) -> float:
     """Operations in the time that the arithmetic of a front takes.
 
-    A product of two matrices does most of them in a second, a factorisation fewest.
+    In units of those of a product of two matrices. Measured with 120 pivots, in operations a
+    second: 57e9 in a product, 43e9 in a triangular solution, 24e9 to 35e9 in a factorisation.
     """
     p, b = float(pivots), float(boundary)
     return 1.1 * p**3 + 2.6 * p * p * b + 2.0 * p * b * b + ENTRY * b * b

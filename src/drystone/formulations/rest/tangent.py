@@ -164,7 +164,7 @@ class SparseTangent:
         of_a = length[a] < length[b]
         near, far = np.where(of_a, a, b), np.where(of_a, b, a)
         lever = np.where(of_a[interface, None], statics.lever_a, statics.lever_b)
-        other = np.where(of_a[interface, None], statics.lever_b, statics.lever_a)
+        other = np.where(of_a[:, None], statics.lever_b[first], statics.lever_a[first])
         axes = np.swapaxes(statics.frame, 1, 2)
         spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
         self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
@@ -174,7 +174,7 @@ class SparseTangent:
         ]
         ratio = np.ones(len(first))
         np.divide(length[near], length[far], out=ratio, where=far >= 0)
-        self.to_far = _carry(other[first] - ratio[:, None] * lever[first], ratio)
+        self.to_far = _carry(other - ratio[:, None] * lever[first], ratio)
         self.from_far = np.ascontiguousarray(np.swapaxes(self.to_far, 1, 2))
         row, column, source, kind = _pattern(far, near)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
