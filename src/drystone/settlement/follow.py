@@ -242,7 +242,7 @@ class Follower(Increments):
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
                 return "rests"
-            if self.soft.told(self.alone_by, self.placed.gap, self.share):
+            if self.soft.told(self.alone_by, self.placed.gap):
                 return "soft"
             if self.alone_by > self.fall:
                 return "falls"
