@@ -51,10 +51,23 @@ def wrench_at(assembly: Assembly, block: int, force: Floats, point: Floats) -> F
 
 
 def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
-    """Wrenches (n, 6) of an acceleration of all masses, g [m/s2] times ``direction`` (3,)."""
+    """Wrenches (n, 6) of an acceleration of all masses, g [m/s2] times ``direction`` (3,).
+
+    Raises
+    ------
+    InputError
+        A force is larger than a float can hold.
+    """
     of_type(assembly, Assembly, "the assembly")
     wrench = np.zeros((len(assembly), 6))
-    wrench[:, :3] = assembly.mass[:, None] * (number(g, "g") * direction)
+    with np.errstate(over="ignore", invalid="ignore"):
+        wrench[:, :3] = assembly.mass[:, None] * (number(g, "g") * direction)
+    for i in np.flatnonzero(~np.isfinite(wrench).all(axis=1))[:1]:
+        raise InputError(
+            f"block '{assembly.names[i]}' has a mass of {assembly.mass[i]:.3g} kg: its weight is "
+            "too large for a floating-point number",
+            remedy="check its density, its size and the acceleration of gravity",
+        )
     return wrench
 
 
