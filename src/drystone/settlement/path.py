@@ -199,6 +199,8 @@ def path_after(
     path = _with_outcome(path, track, moving, chosen, clock)
     if path.outcome is Outcome.UNKNOWN or not first:
         return path, True
+    if bodies.overlap < chosen.overlap and len(bodies.free) <= DENSE:
+        return path, False  # on stiffer springs a smaller distance of the ends decides
     part, gap = followed_model(model, apart)
     return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
 

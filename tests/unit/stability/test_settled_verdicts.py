@@ -1,5 +1,7 @@
 """Verdicts where the contact stiffness decides: the blocks are followed."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -178,3 +180,25 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     near = check(tilted(wedge("a"), X, 59.1))
     assert near.settlement is None
     assert "whichever joints press more" in near.message
+
+
+@pytest.mark.parametrize("tilt", [50.0, 57.0])
+def test_blocks_that_were_not_followed_to_an_end_are_undecided(tilt: float) -> None:
+    model = tilted(wedge("b"), X, tilt)
+    assert check(model, options=MOVING).stable
+    few = CheckOptions(settlement=SettlementOptions(carrier=Carrier.MOVING, step_limit=20))
+    found = check(model, options=few)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "after 20 steps" in found.message
+
+
+def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
+    model = tilted(wedge("c"), X, 42.0)
+    verdicts = []
+    for calls in range(40):
+        asked = itertools.count()
+        found = check(model, options=MOVING, stop=lambda asked=asked, at=calls: next(asked) >= at)  # type: ignore[misc]
+        verdicts.append(found.verdict)
+        assert found.verdict is not Verdict.UNSTABLE
+    assert Verdict.UNDECIDED in verdicts
+    assert check(model, options=MOVING).stable

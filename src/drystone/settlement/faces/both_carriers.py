@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.contacts import Contacts
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import Carrier, joint_ends
@@ -72,5 +72,5 @@ def _farthest(
     apart = place[:, b] + (turn[:, b] @ bodies.arm_b[corner][:, :, None])[..., 0]
     apart -= place[:, a] + (turn_a @ bodies.arm_a[corner][:, :, None])[..., 0]
     local = (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
-    moved = np.abs((change @ local[..., 1:, None])[..., 0]).max(axis=2, initial=0.0)
+    moved = lengths((change @ local[..., 1:, None])[..., 0])
     return float(np.where(local[..., 0] < bodies.overlap, moved, 0.0).max(initial=0.0))

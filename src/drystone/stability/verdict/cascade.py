@@ -163,8 +163,8 @@ class Cascade:
             return stands
         if follows and uniform.stands and self.following.settles_alike():
             return answers.stable(uniform, SETTLES_ALIKE)
-        if follows and not late():
-            return self.following.result()
+        if follows:  # a first motion alone proves no fall
+            return answers.no_answer() if late() else self.following.result()
         answers.report("search", 2 + self.options.samples)
         found = with_shims(answers)
         return answers.first_motion() if found is None else found

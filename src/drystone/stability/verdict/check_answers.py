@@ -196,6 +196,10 @@ class Answers:
                 if self.balances:
                     words = f"{NOT_REACHED}; {words}"
                 return self.unstable(words + left_out, motion)
+        return self.no_answer()
+
+    def no_answer(self) -> Result:
+        """UNDECIDED: neither a rest state nor a motion is shown."""
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
         words = f"no rest state in {those}, and no proof that there is none; more samples may help"

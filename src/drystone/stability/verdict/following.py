@@ -81,8 +81,6 @@ class Following:
             # that it slides far was the only doubt
             certain = uniform.stands and stood == tried
             return answers.stable(uniform) if certain else answers.rests(found, held)
-        if found.outcome is Outcome.UNKNOWN and not stood and tried > answers.options.samples:
-            return replace(answers.first_motion(), settlement=found)
         if not moves:
             return answers.undecided(found, held)
         motion = self._first_motion()
