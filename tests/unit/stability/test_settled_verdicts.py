@@ -1,6 +1,7 @@
 """Verdicts where the contact stiffness decides: the blocks are followed."""
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -202,3 +203,14 @@ def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
         assert found.verdict is not Verdict.UNSTABLE
     assert Verdict.UNDECIDED in verdicts
     assert check(model, options=MOVING).stable
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_wedge_that_could_be_held_by_joints_ten_times_as_stiff_is_found_with_any_seed(
+    seed: int,
+) -> None:
+    found = could_hold(tilted(wedge("b"), Y, 110.5), options=CheckOptions(seed=seed))
+    assert found.stable
+    told = re.search(r"one joint is ([\d.]+) times as stiff", found.message)
+    assert told is not None
+    assert float(told[1]) < 12.0

@@ -160,7 +160,7 @@ class StateSearch:
         for number in range(round(self.tries * few)):
             if self.clock.late():
                 return
-            yield self._at_random(rng, pivots=number % 2 == 0)
+            yield self._at_random(rng, pivots=number % 4 != 3)
 
     def _at_random(self, rng: np.random.Generator, *, pivots: bool) -> Floats:
         """A random motion (n, 6) along which the loads do work.
