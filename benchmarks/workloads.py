@@ -203,8 +203,8 @@ def limits() -> list[Workload]:
     ]
 
 
-def random_pile(seed: int, blocks: int = 10, most: int = 3) -> Model:
-    """Boxes of random size in up to ``most`` columns on a slab, tilted by up to 40 degrees."""
+def random_pile(seed: int, blocks: int = 10, most: int = 3, steepest: float = 40.0) -> Model:
+    """Boxes of random size in up to ``most`` columns on a slab, tilted by at most ``steepest``."""
     rng = np.random.default_rng((seed, blocks))
     columns = int(rng.integers(1, most + 1))
     width = rng.uniform(0.3, 1.0, columns)
@@ -221,7 +221,7 @@ def random_pile(seed: int, blocks: int = 10, most: int = 3) -> Model:
     assembly = Assembly(tuple(made), np.arange(len(made)) == 0)
     turn, friction = rng.uniform(0.0, 2.0 * np.pi), float(rng.uniform(0.1, 1.0))
     axis = (np.cos(turn), np.sin(turn), 0.0)
-    load = LoadCase.tilt(assembly, axis, float(rng.uniform(0.0, 40.0)))
+    load = LoadCase.tilt(assembly, axis, float(rng.uniform(0.0, steepest)))
     return Model.of(assembly, friction=friction, load=load)
 
 
