@@ -204,7 +204,10 @@ def limits() -> list[Workload]:
 
 
 def random_pile(seed: int, blocks: int = 10, most: int = 3, steepest: float = 40.0) -> Model:
-    """Boxes of random size in up to ``most`` columns on a slab, tilted by at most ``steepest``."""
+    """Boxes of random size in up to ``most`` columns on a slab, tilted by a random angle.
+
+    ``steepest`` is the largest angle [degrees].
+    """
     rng = np.random.default_rng((seed, blocks))
     columns = int(rng.integers(1, most + 1))
     width = rng.uniform(0.3, 1.0, columns)

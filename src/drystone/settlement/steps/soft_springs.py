@@ -31,7 +31,7 @@ times at most on the Armadillo vault, tilted by 24 to 30 degrees."""
 
 
 class SoftSprings:
-    """What a run remembers of half of the way, to tell springs that are too soft.
+    """What a run remembers of its way, to tell springs that are too soft.
 
     Parameters
     ----------
@@ -51,10 +51,10 @@ class SoftSprings:
         self.share = np.zeros(4)  # mean over each quarter of the way
 
     def pass_by(self, farthest: float, gap: Floats, share: float) -> None:
-        """Remember the gaps (k,) at half of the way, and the share that contacts do not carry."""
+        """Remember the gaps (k,) at half of the way; of many blocks, what contacts do not carry."""
         if self.half_way is None and farthest >= 0.5 * self.at:
             self.half_way = gap
-        if farthest > self.reached:
+        if self.many and not self.asked and farthest > self.reached:
             way = 4.0 * np.array([self.reached, farthest]) / self.at
             before, after = np.clip(way[:, None] - np.arange(4.0), 0.0, 1.0)
             self.share += share * (after - before)
