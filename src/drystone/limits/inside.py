@@ -133,8 +133,11 @@ def searched(
     end: float,
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: SearchSettings,
+    share: float | None = None,
 ) -> Limit:
     """The convex bound and its width, then the limit of the full verdict inside it.
+
+    ``share``: of the limit, which is the default width.
 
     Raises
     ------
@@ -143,7 +146,7 @@ def searched(
     """
     _refuse_nothing_to_do(family, start)
     with WorkerPool(means.given) as pool:
-        return _searched(family, start, end, bound, replace(means, executor=pool.executor))
+        return _searched(family, start, end, bound, replace(means, executor=pool.executor), share)
 
 
 def _searched(
@@ -152,6 +155,7 @@ def _searched(
     end: float,
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: SearchSettings,
+    share: float | None,
 ) -> Limit:
     began = time.perf_counter()
     means.tell("limit of equilibrium", 0)
@@ -164,14 +168,14 @@ def _searched(
         means.tell("limit of rest", 1)
         if outer.stands is None:
             rest = FoundBracket(outer, (), ())
-        elif means.check is not None:
-            scan = means.options.scan
-            search = VerdictSearch(family, means.check, means.executor, stop=means.clock.late)
-            rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
         else:
-            uniform, rest, robust = _in_two_steps(
-                family, (start, outer.stands), outer, width, means
-            )
+            uniform, rest, robust = _inside(family, (start, outer.stands), outer, width, means)
+            falls = rest.bracket.falls
+            if share is not None and outer.falls is None and means.options.width is None and falls:
+                # forces balance every load up to the end, and the width was a share of the end
+                finer = _inside(family, (start, falls), outer, share * falls, means)
+                if not means.clock.late():
+                    uniform, rest, robust = finer
     means.tell("done", 3)
     tried = {one.value: one for found in (uniform, rest) if found for one in found.evaluations}
     return Limit(
@@ -188,6 +192,17 @@ def _searched(
         {"equilibrium": between - began, "rest": time.perf_counter() - between},
         means.clock.reason,
     )
+
+
+def _inside(
+    family: Family, span: tuple[float, float], outer: Bracket, width: float, means: SearchSettings
+) -> tuple[FoundBracket | None, FoundBracket, Bracket | None]:
+    """The brackets for uniform stiffness, of the verdict, and for every stiffness."""
+    if means.check is None:
+        return _in_two_steps(family, span, outer, width, means)
+    search = VerdictSearch(family, means.check, means.executor, stop=means.clock.late)
+    scan = means.options.scan
+    return None, search.run(*span, width=width, scan=scan, beyond=outer), None
 
 
 def _in_two_steps(

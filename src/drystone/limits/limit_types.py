@@ -143,7 +143,9 @@ class Limit(Card):
             None if self.uniform is None else self.uniform.falls,
         )
         high = max((v for v in known if v is not None), key=lambda v: abs(v - self.start))
-        return None if (low, high) == (self.rest.stands, self.rest.falls) else (low, high)
+        if self.robust.stands == high or (low, high) == (self.rest.stands, self.rest.falls):
+            return None
+        return low, high
 
     @property
     def is_sensitive(self) -> bool:

@@ -47,6 +47,8 @@ AXES = {
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
+_SHARE = 1e-4
+"""Default width of a bracket of a load factor, by the limit."""
 
 
 @checked_call
@@ -191,9 +193,10 @@ def limit_load(
         0.0,
         last,
         lambda stop: load_factor_bound(
-            family, last, share=1e-4, width=chosen.width, cone=chosen.cone, stop=stop
+            family, last, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
         ),
         SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
+        _SHARE,
     )
 
 

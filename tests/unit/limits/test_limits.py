@@ -33,7 +33,7 @@ from drystone.limits import (
 from drystone.limits.limit_checks import RestStates, every_stiffness, verdict
 from drystone.limits.limit_families import ModelsOnce
 from drystone.model import Model
-from drystone.models import arch, ferris_wall, h_model, incline, tower, wedge
+from drystone.models import arch, concave, ferris_wall, h_model, incline, tower, wedge
 from drystone.results import Samples
 from drystone.stability.attempts import Attempts
 from drystone.stability.similar_attempts import SimilarAttempts
@@ -491,6 +491,29 @@ def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
     case = LoadCase.gravity(model.assembly, 9.81, (1.0, 0.0, 0.0))
     assert limit_load(model, case).best.stands == sideways.best.stands
     assert limit_load(model, 1.0, upper=5.0).best.stands == 5.0
+
+
+def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
+    # jammed in its slab the plank could carry any load, so the convex limit tells no scale
+    plank = Model.of(concave("short"), friction=0.3)
+    limit = limit_load(plank, (9.81, 0.0, 0.0))
+    assert limit.equilibrium.falls is None
+    assert limit.robust is not None
+    assert limit.robust.stands is not None
+    assert limit.robust.falls is not None
+    assert limit.robust.falls - limit.robust.stands <= 2e-3 * limit.robust.falls
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=2.0)
+    assert near.robust is not None
+    assert near.robust.stands == pytest.approx(limit.robust.stands, rel=2e-3)
+    assert near.best.stands == pytest.approx(limit.best.stands, rel=2e-3)
+
+
+def test_what_stands_to_the_end_for_every_stiffness_is_not_sensitive() -> None:
+    limit = limit_load(Model.of(concave("short"), friction=0.3), (-9.81, 0.0, 0.0))
+    assert limit.best.stands == limit.end
+    assert limit.best.falls is None
+    assert not limit.is_sensitive
+    assert limit.remarks == ()
 
 
 def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
