@@ -62,7 +62,7 @@ class SettlementOptions(Options):
     pace
         Factor on the default length of the steps.
     step_limit
-        Largest number of steps.
+        Largest number of steps. Four times as many Newton steps end a run as well.
     """
 
     rest_within: float = 0.02

@@ -12,6 +12,7 @@ from drystone.settlement import (
     Outcome,
     Settlement,
     SettlementOptions,
+    follow,
     settle,
 )
 from drystone.settlement.bodies import gyration_radii
@@ -209,6 +210,16 @@ def test_a_fall_tells_who_moves_and_how_it_ended_early_is_told() -> None:
     settle(tower(3), progress=lambda *one: told.append(one))
     assert all(0 <= done <= total for _, done, total in told)
     assert told[-1][1] == told[-1][2]
+
+
+def test_a_run_that_takes_too_many_newton_steps_has_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = tilted(wedge("b"), X, 50.0)
+    assert whole.rests
+    monkeypatch.setattr(follow, "NEWTON_EACH", 0.5 * whole.path.iterations / MOVING.step_limit)
+    half = tilted(wedge("b"), X, 50.0)
+    assert half.outcome is Outcome.UNKNOWN
+    assert half.path.iterations < whole.path.iterations
+    assert half.path.steps < whole.path.steps
 
 
 def test_there_may_be_nothing_to_follow() -> None:
