@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 
 DEFAULT_FRICTION = 0.6
 """Friction coefficient, chosen: the cautious end of dry stone on stone (0.6 to 0.75)."""
+MOST_FRICTION = 1e50
+"""Largest friction coefficient, chosen: the square of such a friction force fits a float."""
+NOT_UNIT = 1e-4
+"""Largest error of the products of the rows of a frame, chosen: forces are as wrong as that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +107,7 @@ class Contacts(OneLine):
         checked: dict[str, Any] = {
             "block_a": block_a,
             "block_b": frozen_ints(self.block_b, (m,), "block_b"),
-            "frame": frozen_floats(self.frame, (m, 3, 3), "frame"),
+            "frame": _checked_frames(self.frame, m),
             "area": frozen_floats(self.area, (m,), "area"),
             "friction": check_friction(self.friction, m),
             "point": frozen_points(self.point, (None, 3), "point"),
@@ -306,20 +310,42 @@ class Contacts(OneLine):
         return graph
 
 
+def _checked_frames(frame: Any, count: int) -> Floats:
+    """Frames (count, 3, 3) of interfaces.
+
+    Raises
+    ------
+    InputError
+        Rows that are not unit vectors normal to each other.
+    """
+    given = frozen_floats(frame, (count, 3, 3), "frame")
+    sides = np.clip(given, -2.0, 2.0)  # larger ones are wrong anyway, and their squares may not fit
+    off = np.abs(sides @ np.swapaxes(sides, 1, 2) - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    for i in np.flatnonzero(off > NOT_UNIT)[:1]:
+        raise InputError(
+            f"the rows of the frame of interface {i} are not unit vectors normal to each other",
+            remedy="give the unit normal and two unit vectors in the face",
+        )
+    return given
+
+
 def check_friction(friction: Any, count: int) -> Floats:
     """Friction coefficients (count,), zero or more.
 
     Raises
     ------
     InputError
-        Negative, NaN or infinite.
+        Negative, NaN, or larger than :data:`MOST_FRICTION`.
     """
     values = one_or_each(friction, count, "friction")
     single = np.asarray(friction, dtype=np.float64)  # is refused where there is no interface, too
-    bad = ~(np.isfinite(single) & (single >= 0.0))
+    bad = ~((single >= 0.0) & (single <= MOST_FRICTION))
     if bad.any():
         found = single[bad].ravel()[0]
-        raise InputError(f"friction is {found}", remedy="give a coefficient of zero or more")
+        remedy = "give a coefficient of zero or more"
+        if found > MOST_FRICTION:
+            remedy = f"give a coefficient of {MOST_FRICTION:g} at most"
+        raise InputError(f"friction is {found}", remedy=remedy)
     return frozen(values)
 
 

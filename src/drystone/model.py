@@ -20,7 +20,8 @@ from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
 
 _REPRESENTED = (1e-100, 1e100)
-"""[N, N m], chosen: far from anything that is built, and products of forces fit a float."""
+"""[N, N m], and by mass [m/s2], chosen: far from anything that is built, and products of forces, or
+of accelerations, fit a float."""
 
 
 class OfModel:
@@ -103,8 +104,23 @@ class Model(Card):
                 where=f"block '{self.assembly.names[i]}'",
                 remedy="check units, density and load",
             )
+        self._refuse_odd_acceleration(size)
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "cases", tuple(self.cases))
+
+    def _refuse_odd_acceleration(self, size: Floats) -> None:
+        """Refuse loads (n,) that are far from the mass of their block."""
+        free = np.flatnonzero(~self.assembly.fixed & (size > 0.0))
+        least, most = (np.log10(limit) for limit in _REPRESENTED)
+        with np.errstate(divide="ignore"):
+            power = np.log10(size[free]) - np.log10(self.assembly.mass[free])
+        for i in free[~((power >= least) & (power <= most))][:1]:
+            raise InputError(
+                f"the load on it is {size[i]:.3g} and its mass {self.assembly.mass[i]:.3g} kg, "
+                "and how it would fall freely cannot be calculated",
+                where=f"block '{self.assembly.names[i]}'",
+                remedy="check units, density and load",
+            )
 
     def _summary(self) -> str:
         touching = counted(self.contacts.count, "interface")

@@ -61,3 +61,17 @@ def test_an_interface_is_taken_out_by_its_position() -> None:
 def test_what_is_no_interface_is_refused(position: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         touching_faces(tower(4), 0.7)[position]  # type: ignore[index]
+
+
+def test_friction_beyond_what_can_be_calculated_with_is_refused() -> None:
+    with pytest.raises(InputError, match=r"friction is 1e\+308.*1e\+50 at most"):
+        find_contacts(tower(2), friction=1e308)
+
+
+@pytest.mark.parametrize("wrong", [1e308, 1.01, -1.0])
+def test_a_frame_that_is_not_made_of_unit_vectors_is_refused(wrong: float) -> None:
+    found = find_contacts(tower(2)).contacts
+    frame = np.array(found.frame)
+    frame[0, 0] += (wrong, 0.0, 0.0)
+    with pytest.raises(InputError, match="frame of interface 0 are not unit vectors"):
+        replace(found, frame=frame)

@@ -1,5 +1,6 @@
 """The model: checked once, and made of whatever a caller has."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -153,3 +154,28 @@ def test_overlaps_are_told_where_the_file_brings_its_contacts(tmp_path: Path) ->
         drystone.read(tmp_path / "ells.json")
     notes = drystone.read(tmp_path / "ells.json", anyway=True).notes
     assert sum("they share 1 m3" in note for note in notes) == 1
+
+
+@pytest.mark.parametrize("size", [5e-170, 1e-130, 1e-200])
+def test_a_load_whose_square_does_not_fit_a_float_is_not_taken_for_none(size: float) -> None:
+    with pytest.raises(InputError, match="cannot be calculated with"):
+        Model.of(tower(3), load=(size, 0.0, -1.8 * size))
+
+
+@pytest.mark.parametrize("size", [1e160, 1e308])
+def test_a_load_too_large_for_a_float_is_refused_by_the_name_of_a_block(size: float) -> None:
+    with pytest.raises(InputError, match="block-"):
+        Model.of(tower(3), load=(size, 0.0, -size))
+
+
+def test_a_load_far_from_the_mass_of_its_block_is_refused() -> None:
+    # the acceleration of such a block decided, and its square is no float
+    light = replace(tower(3).blocks[1], density=1e-155)
+    blocks = (tower(3).blocks[0], light, tower(3).blocks[2])
+    wrench = np.zeros((3, 6))
+    wrench[1:, 2] = -100.0
+    fixed = np.array([True, False, False])
+    with pytest.raises(InputError, match=r"block-1.*its mass 1e-155 kg"):
+        Model.of(Assembly(blocks, fixed), load=LoadCase(wrench))
+    lighter = Assembly((blocks[0], replace(light, density=1e-60), blocks[2]), fixed)
+    assert drystone.check(Model.of(lighter, load=LoadCase(wrench))).stable

@@ -86,6 +86,7 @@ class WorkerPool:
         executor = isinstance(given, Executor) or hasattr(given, "submit")
         self._executor: Any = given if executor else None
         self._factory: Any = None if executor else given
+        self._futures: deque[Future[Any]] = deque()
 
     def __enter__(self) -> WorkerPool:
         return self
@@ -145,6 +146,7 @@ class WorkerPool:
         left = iter(items)
         taken: deque[Item] = deque()
         futures: deque[Future[Found]] = deque()
+        self._futures = futures
         alone, suspect = 0, None
         try:
             while not late():
@@ -204,9 +206,16 @@ class WorkerPool:
         self._end()
 
     def _end(self) -> None:
-        if self._factory is not None and self._executor is not None:
-            self._executor.shutdown(wait=False, cancel_futures=True)
-            self._executor = None
+        """Shut down what was started here; what still runs is of no use, and is ended."""
+        if self._factory is None or self._executor is None:
+            return
+        busy = any(not (future.cancel() or future.done()) for future in self._futures)
+        # of this machine; without ending them Python waits for them before it exits
+        processes = list((getattr(self._executor, "_processes", None) or {}).values())
+        self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor = None
+        for process in processes if busy else ():
+            process.terminate()
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """The program: its commands and its errors.
 
 Exit codes: 0 stable, 1 not stable, 2 bad input, 3 a package is missing, 70 an error inside
-drystone, 130 interrupted, with or without an answer.
+drystone, 130 interrupted, with or without an answer, 141 the reader of the output went away.
 """
 
 from __future__ import annotations
@@ -174,7 +174,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     as_json = "--json" in given
     UNDER_WAY.set(None)
     try:
-        return int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
+        code = int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code
     except DrystoneError as error:
         return output.fail(error, output.code_of(error), as_json)
     except click.UsageError as error:
@@ -182,9 +185,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (_Interrupted, KeyboardInterrupt, click.Abort) as error:
         left = error if isinstance(error, _Interrupted) else NOTHING
         return output.fail(KeyboardInterrupt(f"interrupted; {left}"), INTERRUPTED, as_json)
-    except BrokenPipeError:
+    except (BrokenPipeError, SystemExit) as error:
+        # click and rich exit with 1 where nobody reads, click with 0 when it has completed a word
+        if isinstance(error, SystemExit) and error.code != 1:
+            raise
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit
-        return 1
+        return output.CLOSED
     except OSError as error:
         return output.fail(error, output.BAD_INPUT, as_json)
     except Exception as error:  # the edge of the program: an error inside drystone, in one line

@@ -17,10 +17,12 @@ def unit(vector: Floats, what: str = "direction") -> Floats:
         Zero or not finite.
     """
     array = frozen_floats(vector, (3,), what)
-    length = float(np.linalg.norm(array))
-    if length == 0.0:
+    largest = float(np.abs(array).max())
+    if largest == 0.0:
         raise InputError(f"{what} is zero", remedy="give a vector with a length")
-    return array / length
+    array = array / largest  # squares of 1e-170 or 1e170 do not fit a float
+    direction: Floats = array / np.linalg.norm(array)
+    return direction
 
 
 def frames_from_normals(normal: Floats) -> Floats:

@@ -112,8 +112,7 @@ class LoadCase(OneLine):
             ) from error
         if given.ndim == 0:
             return cls.gravity(assembly, float(given) * STANDARD_GRAVITY)
-        size = float(np.linalg.norm(given))
-        return cls.gravity(assembly, size, given if size > 0.0 else DOWN)
+        return cls(wrench_of_masses(assembly, 1.0, given), "gravity")
 
     @classmethod
     def gravity(

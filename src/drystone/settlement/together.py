@@ -37,6 +37,7 @@ from drystone.settlement.steps.increments import (
     travelled,
 )
 from drystone.solvers.dense_factor import inverse
+from drystone.solvers.threads import one_blas_thread
 
 LEAST = 6
 """Runs from which on they are faster together than one by one: from timings."""
@@ -278,6 +279,7 @@ class Together:
         return list(zip(poses, corners, travel.reshape(many, -1), strict=True))
 
 
+@one_blas_thread()
 def tracks_of(runs: Sequence[tuple[Follower, Steps[Track]]]) -> list[Track]:
     """The tracks of runs; those of one shape together, where they are enough to be faster so."""
     found: dict[int, Track] = {}

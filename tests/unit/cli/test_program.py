@@ -96,6 +96,26 @@ def test_each_kind_of_error_has_its_exit_code_and_one_line(
     assert json.loads(out)["exit_code"] == code
 
 
+@pytest.mark.parametrize("error", [BrokenPipeError(), SystemExit(1)], ids=["ours", "of rich"])
+def test_a_reader_that_goes_away_is_not_told_that_it_falls(
+    failing: Any, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    monkeypatch.setattr(sys, "stdout", sys.stdout)  # to be set back
+    failing(error)
+    assert main(["check"]) == 141
+    sys.stdout.close()  # it goes nowhere now
+
+
+def test_bad_input_has_its_exit_code_where_stderr_is_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Full(text_io.StringIO):
+        def write(self, _: str) -> int:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(sys, "stderr", Full())
+    assert main(["check", "nowhere.json"]) == 2
+    sys.stderr.close()  # it goes nowhere now
+
+
 def test_numbers_that_json_does_not_know_become_null(capsys: pytest.CaptureFixture[str]) -> None:
     output.emit({"a": [float("inf"), float("nan"), 1.0], "b": {"c": (1, None)}})
     assert json.loads(capsys.readouterr().out) == {"a": [None, None, 1.0], "b": {"c": [1, None]}}

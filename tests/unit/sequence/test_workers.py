@@ -274,3 +274,20 @@ def test_a_silent_dask_address_is_named():
     pytest.importorskip("distributed")
     with pytest.raises(InputError, match="no Dask scheduler"):
         DaskWorkers("tcp://127.0.0.1:9", timeout_s=0.5)()
+
+
+def test_workers_that_are_busy_do_not_keep_a_program_that_has_ended_early() -> None:
+    code = (
+        "import time\n"
+        "from drystone.base.workers import LocalWorkers, WorkerPool\n"
+        "if __name__ == '__main__':\n"
+        "    begin = time.monotonic()\n"
+        "    late = lambda: time.monotonic() > begin + 2.0\n"
+        "    with WorkerPool(LocalWorkers(2)) as pool:\n"
+        "        print(list(pool.answers(time.sleep, [300.0, 300.0], late)))\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60.0, check=True
+    )
+    assert run.stdout == "[]\n"
+    assert run.stderr == ""

@@ -27,7 +27,14 @@ def two_threads() -> Iterator[None]:
 
 @pytest.mark.parametrize(
     "analysis",
-    [drystone.check, drystone.solve_rbe, drystone.solve_cra, drystone.solve_cra_penalty, try_rest],
+    [
+        drystone.check,
+        drystone.settle,
+        drystone.solve_rbe,
+        drystone.solve_cra,
+        drystone.solve_cra_penalty,
+        try_rest,
+    ],
 )
 def test_blas_has_one_thread_inside_an_analysis_and_two_again_afterwards(
     analysis: Callable[..., object],

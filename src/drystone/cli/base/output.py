@@ -12,8 +12,8 @@ from typing import Any
 from drystone.base.display import named
 from drystone.base.errors import InputError, MissingDependency, clean
 
-BAD_INPUT, MISSING, FAULT = 2, 3, 70
-"""Exit codes of errors."""
+BAD_INPUT, MISSING, FAULT, CLOSED = 2, 3, 70, 141
+"""Exit codes of errors; the last one where nobody reads stdout, as where SIGPIPE ends a program."""
 LISTED = 12
 """Rows of a table that are printed; --json has all."""
 
@@ -118,7 +118,10 @@ def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | 
             emit({**(data or {}), "error": told, "exit_code": code})
         except OSError:  # stdout is closed or full: the line on stderr remains
             sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
-    print(f"drystone: {message}", file=sys.stderr)
+    try:
+        print(f"drystone: {message}", file=sys.stderr, flush=True)
+    except OSError:  # closed or full: the exit code remains
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
     return code
 
 

@@ -16,6 +16,7 @@ from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.maps import SparseMaps, imposed, maps_of
 from drystone.settlement.springs import BlockPositions, Response, place_corners, respond, tangents
+from drystone.solvers.threads import one_blas_thread
 
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""
@@ -124,6 +125,7 @@ class Increments:
         self.placed = place_corners(bodies, self.pose)
         self.maps.at(self.pose, self.placed)
 
+    @one_blas_thread()
     def alone(self, work: Steps[Found], given: Any = None) -> Found:
         """Do work with what it asks for; ``given`` is what it asked for last."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
