@@ -3,98 +3,36 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from concurrent.futures import Executor
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-
-import numpy as np
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.progress import Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.brackets import Bracket, FoundBracket
 from drystone.limits.limit_checks import (
     SEARCHED,
-    STANDS,
     STANDS_OR_NOT,
-    Check,
     RestStates,
     every_stiffness,
     one_stiffness,
     verdict,
 )
 from drystone.limits.limit_families import Family, ModelsOnce
-from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.limit_types import Limit
+from drystone.limits.own_size import by_its_own_size
 from drystone.limits.search import VerdictSearch
+from drystone.limits.search_settings import COARSE, FOLLOWED, Brackets, SearchSettings
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.statics import build_statics
 
-_COARSE = 1.0 / 96.0
-"""Default width for larger models, relative to the distance between the start and the limit of
-equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
-result of a scan of six steps, each halved four times."""
-
 _CLOSING = 2.0
-"""Widths of that bracket between a value that stands and a proven fall at which it is the answer of
+"""Default widths between a value that stands and a proven fall at which these are the answer for
 larger models. Between them blocks would be followed very near to the limit of equilibrium, where it
 takes longest: 50 s for a cross vault of 188 blocks."""
-
-_SENSITIVE = 1e-3
-"""Default width where blocks are followed by finite steps, as a share of the same distance: three
-digits. The limit itself depends on the joints by more."""
-
-
-@dataclass(frozen=True, eq=False)
-class SearchSettings:
-    """Settings of a search. Without a check, that of drystone is made in two steps.
-
-    Attributes
-    ----------
-    check, options
-    given
-        The executor, or what starts one.
-    progress, stop, time_limit_s
-    executor
-        What was started.
-    at_start
-        What uniform stiffness and the verdict say at the start, where that is known.
-    """
-
-    check: Check | None
-    options: LimitOptions
-    given: Workers | None
-    progress: Progress | None
-    stop: Stop | None
-    time_limit_s: float = float("inf")
-    executor: Executor | None = None
-    at_start: tuple[Result | None, Result | None] = (None, None)
-
-    @cached_property
-    def clock(self) -> Clock:
-        """The time since the start; keeps a request to stop."""
-        return Clock(self.time_limit_s, self.stop)
-
-    def search(
-        self,
-        family: Family,
-        check: Callable[..., Result],
-        meaning: Mapping[Verdict, bool | None] = STANDS,
-        known: Mapping[float, Result | None] | None = None,
-    ) -> VerdictSearch:
-        """A search with a check of drystone, which can be stopped, from known values on."""
-        if self.stop is not None or np.isfinite(self.time_limit_s):
-            check = partial(check, stop=self.clock.late)
-        search = VerdictSearch(family, check, self.executor, meaning, self.clock.late)
-        search.results.update({v: one for v, one in (known or {}).items() if one is not None})
-        return search
-
-    def tell(self, stage: str, done: int) -> None:
-        """Report one of three steps."""
-        if self.progress is not None:
-            self.progress(stage, done, 3)
 
 
 def answers_at_start(
@@ -169,13 +107,13 @@ def _searched(
         if outer.stands is None:
             rest = FoundBracket(outer, (), ())
         else:
-            uniform, rest, robust = _inside(family, (start, outer.stands), outer, width, means)
-            falls = rest.bracket.falls
-            if share is not None and outer.falls is None and means.options.width is None and falls:
-                # forces balance every load up to the end, and the width was a share of the end
-                finer = _inside(family, (start, falls), outer, share * falls, means)
-                if not means.clock.late():
-                    uniform, rest, robust = finer
+            found = _inside(family, (start, outer.stands), outer, width, means)
+            if means.options.width is None:
+                least = width if share is None else 0.0
+                found = by_its_own_size(
+                    family, start, found, outer, (least, share or 0.0), means, _inside
+                )
+            uniform, rest, robust = found
     means.tell("done", 3)
     tried = {one.value: one for found in (uniform, rest) if found for one in found.evaluations}
     return Limit(
@@ -196,7 +134,7 @@ def _searched(
 
 def _inside(
     family: Family, span: tuple[float, float], outer: Bracket, width: float, means: SearchSettings
-) -> tuple[FoundBracket | None, FoundBracket, Bracket | None]:
+) -> Brackets:
     """The brackets for uniform stiffness, of the verdict, and for every stiffness."""
     if means.check is None:
         return _in_two_steps(family, span, outer, width, means)
@@ -221,7 +159,7 @@ def _in_two_steps(
     # was tried at a value is not tried there again
     near_states = RestStates()
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
-        width = max(width, _COARSE * abs(last - start))
+        width = max(width, COARSE * abs(last - start))
         closing = _CLOSING * width
     uniformly, verdict_there = means.at_start
     known = {start: uniformly}
@@ -234,7 +172,8 @@ def _in_two_steps(
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:
-        width = max(width, _SENSITIVE * abs(last - start))
+        followed = means.followed
+        width = max(width, FOLLOWED * abs(last - start) if followed is None else followed)
     try:
         if edge is not None and not every.stands(near):
             first = every.around(near, near, (start, near), width=width).bracket

@@ -143,9 +143,11 @@ class Limit(Card):
             None if self.uniform is None else self.uniform.falls,
         )
         high = max((v for v in known if v is not None), key=lambda v: abs(v - self.start))
-        if self.robust.stands == high or (low, high) == (self.rest.stands, self.rest.falls):
-            return None
-        return low, high
+        falling = self.rest.falling
+        # at the start, without any forces that balance the loads or without any that press
+        at_once = high == self.start and falling is not None and falling.settlement is None
+        changes_once = (low, high) == (self.rest.stands, self.rest.falls)
+        return None if changes_once or at_once or self.robust.stands == high else (low, high)
 
     @property
     def is_sensitive(self) -> bool:

@@ -22,7 +22,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.inside import SearchSettings, bisected, searched
+from drystone.limits.inside import bisected, searched
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
@@ -33,6 +33,7 @@ from drystone.limits.limit_families import (
     found,
 )
 from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.search_settings import SearchSettings
 from drystone.loads import LoadCase
 
 AXES = {

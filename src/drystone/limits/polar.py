@@ -17,11 +17,12 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.brackets import Bracket
-from drystone.limits.inside import SearchSettings, answers_at_start
+from drystone.limits.inside import answers_at_start
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import Tilt
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import tilt_limit
+from drystone.limits.search_settings import SearchSettings
 from drystone.model import Model
 from drystone.results import Result
 

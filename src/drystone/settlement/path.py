@@ -97,6 +97,7 @@ def path_of(
             progress(stage, most, 100)
 
     overlap = chosen.overlap if overlap is None else overlap
+    far: tuple[Bodies, Track] | None = None
     while True:
         follower = follower_of(model, apart, carrier, chosen, clock, overlap, tell, left_at)
         if left_at < np.inf and overlap < chosen.overlap:
@@ -110,13 +111,33 @@ def path_of(
             overlap *= STIFFER
         elif motion is None and overlap == chosen.overlap and _moved_much(bodies, track):
             overlap *= FIRMER
+        elif motion is None and far is None and rests_far(bodies, track, chosen):
+            far = bodies, track
+            overlap *= STIFFER
         else:
             break
+    if far is not None and not _rests_nearer(track, far[1]):
+        bodies, track = far
     if progress is not None:
         progress(stage, 100, 100)
     return path_after(
         model, apart, carrier, first, motion is not None, chosen, clock, bodies, track
     )
+
+
+def rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
+    """Whether few blocks rest farther than what stands does, which their springs may have caused.
+
+    A plug that hardly tapers presses with many times its weight, and moves far before its springs
+    do. On stiffer springs it moves less in proportion.
+    """
+    few = len(bodies.free) <= DENSE and bodies.overlap * STIFFER >= STIFFEST
+    return few and track.ended == "rests" and float(track.travel.max()) > chosen.rest_within
+
+
+def _rests_nearer(track: Track, before: Track) -> bool:
+    """Whether blocks rest after less than half of their way on softer springs."""
+    return track.ended == "rests" and 2.0 * track.travel.max() < before.travel.max()
 
 
 def _moved_much(bodies: Bodies, track: Track) -> bool:

@@ -32,6 +32,7 @@ from drystone.settlement.path import (
     follower_of,
     path_after,
     path_of,
+    rests_far,
     support_motion,
 )
 from drystone.settlement.settlement_types import (
@@ -275,8 +276,8 @@ def _side_by_side(
     )
     for (number, apart, one), track in zip(runs, tracks, strict=True):
         model, _, carrier, first = models[number]
-        if track.ended == "soft":
-            stiffer = STIFFER * chosen.overlap
+        if track.ended == "soft" or rests_far(one.bodies, track, chosen):
+            stiffer = STIFFER * chosen.overlap if track.ended == "soft" else chosen.overlap
             paths[number] = path_of(
                 model, apart, carrier, first, None, chosen, clock, overlap=stiffer
             )

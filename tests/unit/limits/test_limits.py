@@ -4,6 +4,7 @@ import json
 import pickle
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,8 @@ from drystone.stability.attempts import Attempts
 from drystone.stability.similar_attempts import SimilarAttempts
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
+
+FALLS = Verdict.UNSTABLE
 
 TOWER = tower(2)
 JOINTS = touching_faces(TOWER, 0.4)
@@ -502,16 +505,53 @@ def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit(
     assert limit.robust.stands is not None
     assert limit.robust.falls is not None
     assert limit.robust.falls - limit.robust.stands <= 2e-3 * limit.robust.falls
-    near = limit_load(plank, (9.81, 0.0, 0.0), upper=2.0)
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9)
     assert near.robust is not None
     assert near.robust.stands == pytest.approx(limit.robust.stands, rel=2e-3)
     assert near.best.stands == pytest.approx(limit.best.stands, rel=2e-3)
+
+
+def test_a_least_friction_does_not_depend_on_the_largest() -> None:
+    plank = concave("short")
+    model = Model.of(plank, friction=0.8, load=LoadCase.tilt(plank, (0.0, 1.0, 0.0), 10.0))
+    near, far = (limit_friction(model, upper=upper).best for upper in (0.8, 200.0))
+    assert near.stands is not None
+    assert near.falls is not None
+    assert far.stands == pytest.approx(near.stands, abs=2e-3)
+    assert far.falls == pytest.approx(near.falls, abs=2e-3)
+
+
+def test_a_finer_bracket_keeps_the_islands_that_were_found_beyond_it() -> None:
+    plank = Model.of(concave("short"), friction=0.3)
+    stands = check(plank)
+    weight = plank.load.wrench[1, 2]
+
+    def island(model: Model) -> Result:
+        factor = -model.load.wrench[1, 0] / weight
+        return stands if factor < 0.3 or factor > 600.0 else replace(stands, verdict=FALLS)
+
+    limit = limit_load(plank, (9.81, 0.0, 0.0), check=island)
+    assert limit.best.stands == pytest.approx(0.3, rel=2e-4)
+    assert limit.islands == ((pytest.approx(2000.0 / 3.0), 1000.0),)
+    assert limit.evaluations[-1].value == 1000.0
 
 
 def test_what_stands_to_the_end_for_every_stiffness_is_not_sensitive() -> None:
     limit = limit_load(Model.of(concave("short"), friction=0.3), (-9.81, 0.0, 0.0))
     assert limit.best.stands == limit.end
     assert limit.best.falls is None
+    assert not limit.is_sensitive
+    assert limit.remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("assembly", "axis", "friction"), [(h_model(), "y", 0.6), (incline(30.0), "-y", 0.1)]
+)
+def test_what_falls_at_the_start_for_every_stiffness_is_not_sensitive(
+    assembly: Assembly, axis: str, friction: float
+) -> None:
+    limit = limit_tilt(assembly, axis, friction=friction)
+    assert limit.best.falls == limit.start
     assert not limit.is_sensitive
     assert limit.remarks == ()
 

@@ -138,6 +138,18 @@ def test_an_analysis_whose_supports_stay_refuses_a_load_that_moves_them(
     assert move_supports(model).displacement[-1] == pytest.approx(0.01)
 
 
+def test_the_states_that_are_kept_of_a_long_way_are_evenly_spaced() -> None:
+    # the beginning was lost, with the hinges that come and go there: the second state was at 0.13 m
+    arched = Model.of(arch(0.2, 16), friction=1.5)
+    found = move_supports(arched, {RIGHT: (1.0, 0.0, 0.0)}, to=0.2)
+    number = {pair: i for i, pair in enumerate(zip(found.displacement, found.load, strict=True))}
+    kept = [number[one.displacement, one.load] for one in found.states]
+    assert kept[0] == 0
+    assert kept[-1] == len(found.load) - 1
+    assert int(np.argmax(found.load)) in kept
+    assert np.diff(kept).max() <= 2 * len(found.load) / len(kept)
+
+
 def test_what_is_told_of_moved_supports() -> None:
     model = Model.of(tower(2), friction=0.5)
     lifted = settle(model, {0: (0.0, 0.0, 0.5)})

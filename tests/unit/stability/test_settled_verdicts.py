@@ -12,6 +12,7 @@ from drystone.limits.limit_checks import every_stiffness
 from drystone.models import concave, cube_curve, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
+from drystone.settlement.settling import settle_many
 from drystone.stability import could_hold, try_rest
 from drystone.stability.resting import stands_for_all
 
@@ -46,6 +47,25 @@ def test_a_plug_that_hardly_tapers_stands_and_one_that_does_not_falls(friction: 
     assert found.verdict is Verdict.STABLE
     assert check(Model.of(taper(0.0), friction=friction)).verdict is Verdict.UNSTABLE
     assert check(Model.of(h_model(), friction=friction)).verdict is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize(("degrees", "friction"), [(0.02, 0.1), (0.01, 0.1), (0.005, 0.5)])
+def test_springs_that_move_a_plug_far_are_replaced_by_stiffer_ones(
+    degrees: float, friction: float
+) -> None:
+    # statics: N = W / (2 (sin a + mu cos a)), 5 times the weight at most
+    model = Model.of(taper(degrees), friction=friction)
+    assert check(model).stable
+    settled = settle(model)
+    assert settled.outcome is Outcome.RESTS
+    assert settle_many([model])[0].outcome is Outcome.RESTS
+    assert settled.path.overlap < SettlementOptions().overlap
+
+
+def test_a_plug_that_presses_little_and_moves_on_is_told_so() -> None:
+    found = check(Model.of(taper(1e-5), friction=0.1))
+    assert found.verdict is Verdict.UNSTABLE
+    assert "hardly anything presses on some of its blocks at first, and it falls" in found.message
 
 
 def test_what_comes_to_rest_stands_after_settling_and_is_sensitive() -> None:

@@ -115,9 +115,10 @@ class Driver(Follower):
         self.reached = self.distance = self.factor = self.next_factor = 0.0
         self.measure: Callable[[], tuple[float, float]] = lambda: (self.reached, self.factor)
         self.curve: list[tuple[float, float]] = []
-        self.moments: list[DrivenState] = []
-        self.last: DrivenState | None = None
-        self.every, self.passed = 1, 0
+        self.moments: dict[int, DrivenState] = {}
+        self.most: tuple[int, DrivenState] | None = None
+        self.last: tuple[int, DrivenState] | None = None
+        self.every = 1
         self.whole = bodies.friction
 
     def rest(self) -> str:
@@ -272,24 +273,23 @@ class Driver(Follower):
         return work / far
 
     def note(self) -> None:
-        """Keep the moment; of too many, every other one but first, last and largest load."""
-        displacement, load = self.measure()
+        """Keep the moment; of too many, every other one but the largest load and the last."""
+        number, (displacement, load) = len(self.curve), self.measure()
         self.curve.append((displacement, load))
-        self.last = DrivenState(displacement, load, self.pose, self.placed, self.response)
-        self.passed += 1
-        if self.passed < self.every and load <= max(one.load for one in self.moments):
-            return
-        self.passed = 0
-        self.moments.append(self.last)
+        now = DrivenState(displacement, load, self.pose, self.placed, self.response)
+        self.last = number, now
+        if self.most is None or load > self.most[1].load:
+            self.most = self.last
+        if number % self.every == 0:
+            self.moments[number] = now
         if len(self.moments) > KEPT:
-            top = int(np.argmax([one.load for one in self.moments]))
-            self.moments = [one for i, one in enumerate(self.moments) if i % 2 == 0 or i == top]
             self.every *= 2
+            self.moments = {at: one for at, one in self.moments.items() if at % self.every == 0}
 
     def kept(self) -> list[DrivenState]:
-        """The moments that were kept, and the last one."""
-        last = [] if self.last is None or self.last is self.moments[-1] else [self.last]
-        return [*self.moments, *last]
+        """The moments that were kept, that of the largest load, and the last one."""
+        others = dict(one for one in (self.most, self.last) if one is not None)
+        return [one for _, one in sorted((self.moments | others).items())]
 
     def _increment(
         self, guess: Floats | None, moving: Floats | None = None

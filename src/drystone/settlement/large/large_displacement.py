@@ -196,7 +196,7 @@ def move_supports(
                 watched = clock.elapsed_s
                 apart = faces_apart(still, FARTHEST)
                 unit = bodies.force_unit
-                watch(large_state(still, apart, bodies, driver.last, driver.met, longest, unit))
+                watch(large_state(still, apart, bodies, driver.last[1], driver.met, longest, unit))
 
         ended = driver.shift(scaled_motion(bodies, moving), longest / bodies.length_unit, told)
         return ended, longest, bodies.force_unit

@@ -12,7 +12,7 @@ from drystone.base.progress import Clock, Progress, Workers
 from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import NearestMechanism
 from drystone.results import Result, Verdict
-from drystone.settlement import Outcome, settle
+from drystone.settlement import Outcome, SettlementOptions, settle
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Candidate, Record
 from drystone.stability.check_options import CheckOptions
@@ -220,6 +220,7 @@ class Cascade:
         assembly, contacts = problem.model.assembly, problem.model.contacts
         if not falling.any():
             return None
+        words = "nothing presses on the blocks that fall, so nothing holds them"
         apart = beside_supports(assembly, contacts, falling)
         follows = self.options.settle and problem.statics.dry
         if not follows and not apart:
@@ -233,13 +234,15 @@ class Cascade:
             why = "hardly anything presses on some of its blocks at first"
             if not surely:
                 # a plug that hardly tapers presses more and more on a long way
-                followed = self.following.settlement(settle)
+                followed = self.following.settlement(settle, SettlementOptions().fall)
                 if followed.outcome is Outcome.RESTS:
                     return self.answers.rests(followed, why)
                 if followed.outcome is Outcome.ENDS_DECIDE:
                     return self.answers.undecided(followed, why)
                 if followed.outcome is Outcome.UNKNOWN and not apart:
                     return None
+                if followed.outcome is not Outcome.UNKNOWN:
+                    words = f"{why}, and {followed.message}"
         rest = problem.without(falling)
         if rest is not None:
             part = Cascade(rest, self.options, None, self.clock, self.answers.pool.executor).run()
@@ -249,7 +252,7 @@ class Cascade:
         motion = np.where(falling[:, None], acceleration, 0.0)
         return self.answers.answer(
             Verdict.UNSTABLE,
-            "nothing presses on the blocks that fall, so nothing holds them",
+            words,
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),

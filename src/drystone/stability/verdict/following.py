@@ -39,17 +39,23 @@ class Following:
         self._settlement: Settlement | None = None
 
     @one_blas_thread()
-    def settlement(self, follow: Callable[..., Settlement] = settle_for_verdict) -> Settlement:
-        """The motion of the blocks."""
-        answers = self.answers
+    def settlement(
+        self, follow: Callable[..., Settlement] = settle_for_verdict, least: float = 0.0
+    ) -> Settlement:
+        """The motion of the blocks; ``least``: displacement by size up to which none has fallen."""
+        answers, options = self.answers, self.answers.options.settlement
         if self._settlement is None:
             answers.report("settlement", 2 + answers.options.samples)
-            self._settlement = follow(
+            found = follow(
                 answers.problem.model,
-                options=answers.options.settlement,
+                options=replace(options, fall=max(options.fall, least)),
                 executor=answers.pool.executor,
                 stop=answers.clock.late,
             )
+            if found.stopped:  # by the clock of the check, which knows why
+                message = found.message.replace(found.stopped, answers.clock.reason)
+                found = replace(found, message=message, stopped=answers.clock.reason)
+            self._settlement = found
             answers.iterations += sum(path.iterations for path in self._settlement.paths)
         return self._settlement
 
