@@ -131,7 +131,7 @@ def rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
     A plug that hardly tapers presses with many times its weight, and moves far before its springs
     do. On stiffer springs it moves less in proportion.
     """
-    few = len(bodies.free) <= DENSE and bodies.overlap * STIFFER >= STIFFEST
+    few = len(bodies.free) <= DENSE and bodies.overlap > STIFFEST
     return few and track.ended == "rests" and float(track.travel.max()) > chosen.rest_within
 
 
