@@ -61,7 +61,7 @@ def timed(work: Callable[[], T], enough_s: float) -> tuple[T, float]:
 def idle_threads(before_s: float = 0.0) -> bool:
     """Whether all work was done by this thread (to 5 %, and a tenth of a second).
 
-    But for ``before_s`` of others: the search for contacts of curved blocks uses some.
+    But for ``before_s`` of others: manifold3d uses a thread in the search for contacts.
     """
     return time.process_time() - before_s <= 1.05 * time.thread_time() + 0.1
 

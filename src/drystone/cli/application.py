@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # click and rich exit with 1 where nobody reads, click with 0 when it has completed a word
         if isinstance(error, SystemExit) and error.code != 1:
             raise
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit
+        sys.stdout = output.nowhere()
         return output.CLOSED
     except OSError as error:
         return output.fail(error, output.BAD_INPUT, as_json)

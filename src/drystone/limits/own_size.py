@@ -45,7 +45,9 @@ def by_its_own_size(
         Finds brackets between two values, with a width.
     """
     large = family(start).contacts.corner_count > SEARCHED
-    while not (means.clock.late() or (large and outer.falls is not None)):
+    if large and outer.falls is not None:
+        return found
+    while not means.clock.late():
         uniform, rest, robust = found
         inside, falls = rest.bracket.stands, rest.bracket.falls
         if inside is None or falls is None:
@@ -73,9 +75,5 @@ def by_its_own_size(
 def _together(wide: FoundBracket, narrow: FoundBracket) -> FoundBracket:
     """The bracket of the narrow search, with what the wide one found beyond it."""
     known = {one.value: one for one in (*wide.evaluations, *narrow.evaluations)}
-    beyond = [run for run in wide.islands if run not in narrow.islands]
-    return FoundBracket(
-        narrow.bracket,
-        (*narrow.islands, *beyond),
-        tuple(known[value] for value in sorted(known)),
-    )
+    evaluations = tuple(known[value] for value in sorted(known))
+    return FoundBracket(narrow.bracket, (*narrow.islands, *wide.islands), evaluations)

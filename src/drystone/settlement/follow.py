@@ -82,8 +82,7 @@ followed no farther: stones of 1/700 of the next one's size allow only tiny incr
 NEWTON_EACH = 4
 """Mean number of Newton steps, over as many increments as are allowed, after which the blocks are
 followed no farther. Runs of more than 300 increments take up to 3.5; a block of 1e-8 N on one of
-1e12 N takes 6.5.
-"""
+1e12 N takes 6.5."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
 

@@ -276,10 +276,11 @@ def _side_by_side(
     )
     for (number, apart, one), track in zip(runs, tracks, strict=True):
         model, _, carrier, first = models[number]
-        if track.ended == "soft" or rests_far(one.bodies, track, chosen):
-            stiffer = STIFFER * chosen.overlap if track.ended == "soft" else chosen.overlap
+        soft = track.ended == "soft"
+        if soft or rests_far(one.bodies, track, chosen):
+            again = STIFFER * chosen.overlap if soft else None
             paths[number] = path_of(
-                model, apart, carrier, first, None, chosen, clock, overlap=stiffer
+                model, apart, carrier, first, None, chosen, clock, overlap=again
             )
         else:
             bodies = one.bodies

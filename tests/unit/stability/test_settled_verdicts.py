@@ -64,6 +64,19 @@ def test_springs_that_move_a_plug_far_are_replaced_by_stiffer_ones(
     assert settled.path.overlap < SettlementOptions().overlap
 
 
+@pytest.mark.parametrize("calls", [0, 5, 60])
+def test_a_plug_that_was_not_followed_to_an_end_is_undecided(calls: int) -> None:
+    # it was said that nothing presses on it; it comes to rest
+    model = Model.of(taper(0.05), friction=0.0)
+    left = iter(range(calls))
+    found = check(model, stop=lambda: next(left, None) is None)
+    assert found.verdict is Verdict.UNDECIDED
+    assert found.stopped
+    few = CheckOptions(settlement=SettlementOptions(step_limit=20))
+    assert check(model, options=few).verdict is Verdict.UNDECIDED
+    assert check(model).stable
+
+
 def test_a_plug_that_presses_little_and_moves_on_is_told_so() -> None:
     found = check(Model.of(taper(1e-5), friction=0.1))
     assert found.verdict is Verdict.UNSTABLE

@@ -7,7 +7,7 @@ import math
 import os
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TextIO
 
 from drystone.base.display import named
 from drystone.base.errors import InputError, MissingDependency, clean
@@ -101,6 +101,11 @@ def code_of(error: BaseException) -> int:
     return MISSING if isinstance(error, MissingDependency) else BAD_INPUT
 
 
+def nowhere() -> TextIO:
+    """In place of a stream that is closed or full; Python writes to it once more when it exits."""
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123
+
+
 def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | None = None) -> int:
     """Print an error as one line on stderr, and with --json as an object on stdout too.
 
@@ -117,11 +122,11 @@ def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | 
         try:
             emit({**(data or {}), "error": told, "exit_code": code})
         except OSError:  # stdout is closed or full: the line on stderr remains
-            sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+            sys.stdout = nowhere()
     try:
         print(f"drystone: {message}", file=sys.stderr, flush=True)
     except OSError:  # closed or full: the exit code remains
-        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+        sys.stderr = nowhere()
     return code
 
 

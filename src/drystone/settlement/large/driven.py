@@ -273,7 +273,7 @@ class Driver(Follower):
         return work / far
 
     def note(self) -> None:
-        """Keep the moment; of too many, every other one but the largest load and the last."""
+        """Keep the moment; of too many, every other one but first, last and largest load."""
         number, (displacement, load) = len(self.curve), self.measure()
         self.curve.append((displacement, load))
         now = DrivenState(displacement, load, self.pose, self.placed, self.response)

@@ -237,12 +237,11 @@ class Cascade:
                 followed = self.following.settlement(settle, SettlementOptions().fall)
                 if followed.outcome is Outcome.RESTS:
                     return self.answers.rests(followed, why)
-                if followed.outcome is Outcome.ENDS_DECIDE:
-                    return self.answers.undecided(followed, why)
                 if followed.outcome is Outcome.UNKNOWN and not apart:
                     return None
-                if followed.outcome is not Outcome.UNKNOWN:
-                    words = f"{why}, and {followed.message}"
+                if followed.outcome in (Outcome.ENDS_DECIDE, Outcome.UNKNOWN):
+                    return self.answers.undecided(followed, why)
+                words = f"{why}, and {followed.message}"
         rest = problem.without(falling)
         if rest is not None:
             part = Cascade(rest, self.options, None, self.clock, self.answers.pool.executor).run()
