@@ -7,12 +7,23 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.models import arch, box, tower
-from drystone.settlement import move_supports
+from drystone.models import arch, box, tower, wedge
+from drystone.settlement import Carrier, SettlementOptions, move_supports
 from drystone.view import Scene, SceneStage, scene_of
 from drystone.view.style.palette import State
 from drystone.view.web import encode as encoding
 from drystone.view.web.encode import LEFT_OUT, encode
+
+
+def test_a_structure_that_settles_is_said_to_stand() -> None:
+    # "stands for 0 of 1 tried" was the head of a picture of it
+    hooked = wedge("c")
+    load = drystone.LoadCase.tilt(hooked, (1.0, 0.0, 0.0), 40.0)
+    options = drystone.CheckOptions(settlement=SettlementOptions(carrier=Carrier.MOVING))
+    found = drystone.check(drystone.Model.of(hooked, friction=0.84, load=load), options=options)
+    assert found.stable
+    assert found.settlement is not None
+    assert scene_of(found).stages[0].headline.startswith("Stands after settling")
 
 
 def test_a_fall_that_was_followed_plays_its_positions():

@@ -34,6 +34,8 @@ def sentence(result: Result) -> str:
         return "Not decided: neither standing nor falling was shown"
     if result.verdict is Verdict.EQUILIBRIUM_EXISTS:
         return "Some forces balance the loads; whether it stands was not asked"
+    if result.settlement is not None:
+        return "Stands after settling: it depends on how the joints press"
     tried, standing = result.samples.tried, result.samples.standing
     if standing == tried:
         return "Stands"
