@@ -25,6 +25,9 @@ from drystone.solvers.program import Entries
 _FULL = 40_000
 """Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
 sparse product takes longer than the product of a small matrix."""
+FEW = 6
+"""States up to which a sparse matrix is multiplied one by one: timed. With several at once each
+number of the matrix costs as much as six products."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
@@ -159,7 +162,7 @@ class Statics:
         if self.full_transposed is not None:
             result: Floats = flat @ self.full_transposed
         else:
-            result = (self.matrix @ flat.T).T
+            result = _product(self.matrix, flat)
         return result.reshape(*force.shape[:-2], -1, 6)
 
     def displacement(self, motion: Floats) -> Floats:
@@ -171,7 +174,7 @@ class Statics:
         if self.full_transposed is not None:
             result: Floats = flat @ self.full_transposed.T
         else:
-            result = (self.matrix_transposed @ flat.T).T
+            result = _product(self.matrix_transposed, flat)
         return result.reshape(*motion.shape[:-2], -1, 3)
 
     @cached_property
@@ -327,6 +330,14 @@ class Statics:
         out[:, :3] = motion[self.free, :3] / unit
         out[:, 3:] = motion[self.free, 3:] * (self.length[:, None] / unit)
         return out
+
+
+def _product(matrix: sparse.csr_matrix, rows: Floats) -> Floats:
+    """``matrix @ row`` of one row (n,), or of each of several (s, n)."""
+    if rows.ndim == 1 or len(rows) > FEW:
+        result: Floats = (matrix @ rows.T).T
+        return result
+    return np.stack([matrix @ row for row in rows])
 
 
 def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:

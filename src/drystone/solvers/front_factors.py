@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dgemm, dsyrk, dtrsm, dtrsv, sgemm, strsm
-from scipy.linalg.lapack import dgetrf, dgetrs, dlaswp, dpotrf, sgetrf, sgetrs
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm, dtrsv, sgemm
+from scipy.linalg.lapack import dgetrf, dgetrs, dpotrf, sgetrf, sgetrs
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import SolverError
@@ -25,14 +25,13 @@ class Routines(NamedTuple):
     """BLAS and LAPACK for one type of number."""
 
     gemm: Callable[..., Any]
-    trsm: Callable[..., Any]
     getrf: Callable[..., Any]
     getrs: Callable[..., Any]
 
 
 ROUTINES: dict[Precision, Routines] = {
-    np.float64: Routines(dgemm, dtrsm, dgetrf, dgetrs),
-    np.float32: Routines(sgemm, strsm, sgetrf, sgetrs),
+    np.float64: Routines(dgemm, dgetrf, dgetrs),
+    np.float32: Routines(sgemm, sgetrf, sgetrs),
 }
 
 
@@ -96,15 +95,14 @@ class BlockFactor:
         """X (n, w) with ``matrix @ x = right``."""
         getrs = ROUTINES[self.precision].getrs
         x: Any = right[self.order].astype(self.precision, copy=False).ravel()
-        for front, (_, _, multiple, _) in zip(self.fronts, self.factors, strict=True):
+        for front, (lu, pivots, below, _) in zip(self.fronts, self.factors, strict=True):
+            part = x[front.own_rows] = getrs(lu, pivots, x[front.own_rows])[0]
             if len(front.boundary):
-                x[front.later_rows] -= multiple @ x[front.own_rows]
+                x[front.later_rows] -= below @ part
         backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
-        for front, (lu, pivots, _, coupling) in backwards:
-            part = x[front.own_rows]
+        for front, (_, _, _, coupling) in backwards:
             if len(front.boundary):
-                part = part - coupling @ x[front.later_rows]
-            x[front.own_rows], _ = getrs(lu, pivots, part)
+                x[front.own_rows] -= coupling @ x[front.later_rows]
         return _in_order(x, self.order, right)
 
 
@@ -158,11 +156,11 @@ def eliminated(
     lu, pivots, info = routine.getrf(first.T, overwrite_a=True)
     if info != 0:
         raise SolverError("singular")
-    multiple = below.T
+    coupling = right.T
     if len(rest):
-        multiple = _from_right(routine, lu, pivots, multiple)
-        rest = routine.gemm(-1.0, multiple, right.T, 1.0, rest.T, overwrite_c=True).T
-    return (lu, pivots, multiple, right.T), rest
+        coupling, _ = routine.getrs(lu, pivots, coupling, overwrite_b=True)
+        rest = routine.gemm(-1.0, below.T, coupling, 1.0, rest.T, overwrite_c=True).T
+    return (lu, pivots, below.T, coupling), rest
 
 
 def eliminated_symmetric(
@@ -183,15 +181,3 @@ def eliminated_symmetric(
         multiple = dtrsm(1.0, root, multiple, side=1, lower=1, trans_a=1, overwrite_b=True)
         rest = dsyrk(-1.0, multiple, beta=1.0, c=rest.T, lower=1, overwrite_c=True).T
     return (root, multiple), rest
-
-
-def _from_right(routine: Routines, lu: Floats, pivots: Ints, rows: Floats) -> Floats:
-    """``rows @ inverse(a)`` for a factorised matrix a; ``rows`` is overwritten.
-
-    Faster than the solution with a on the left, which swaps rows across the memory.
-    """
-    solved = routine.trsm(1.0, lu, rows, side=1, overwrite_b=True)
-    solved = routine.trsm(1.0, lu, solved, side=1, lower=1, diag=1, overwrite_b=True)
-    swapped = dlaswp(np.arange(float(len(pivots)))[:, None], pivots)[:, 0].astype(np.intp)
-    solved.T[swapped] = solved.T.copy()
-    return solved

@@ -19,14 +19,11 @@ from drystone.formulations.rest.same_forces import relaxed_again
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
-from drystone.stability.screening import PATIENT, Screening
+from drystone.stability.screening import AT_REST, PATIENT, Screening
 
 SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
 """Weaker ground for first motions: close to the limit they are slow, and weaker ground changes them
 less."""
-
-AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
-"""Ground so weak that its forces are below every tolerance."""
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
@@ -184,7 +181,7 @@ class Attempts(Record):
         if not over and falls is not None and (most >= much or not state.converged):
             # weaker ground helps hardly ever then: in none of 47 piles, arches and domes
             over = falls()
-        final = state if over else self.find(springs, AT_REST, state)
+        final = state if over or state.ended else self.find(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
         nearly = not (over or candidate.stands) and final.unbalanced < NEARLY
         if nearly and self.problem.ground_share(final.ground).max() < CLEARLY:

@@ -22,7 +22,16 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.formulations.rest.rest_state import RestOptions
 
-TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
+AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
+"""Ground so weak that its forces are below every tolerance."""
+
+PROVED = replace(AT_REST, tolerance=3e-9)
+"""A third of what a proof allows is unbalanced. Measured from the forces of other rest states, on
+eleven models: 1.70 in place of 1.75 times the factorisations of the uniform stiffness, and a tenth
+fewer solutions. From the path: 827 factorisations in place of 837 for all stiffnesses of eleven
+models, 9 in place of 11 for one of a wall of 10,000 blocks."""
+
+TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60, end=PROVED)
 """With ground springs this weak, a structure at rest leans on them by 1e-6 of its load."""
 
 SLIP_LENGTH = 10.0

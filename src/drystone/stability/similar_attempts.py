@@ -19,12 +19,8 @@ from drystone.formulations.rest.same_forces import (
     start_of_forces,
     unbalanced_share,
 )
-from drystone.stability.attempts import AT_REST, Attempts, Candidate, after_newton
-
-FROM_FORCES = replace(AT_REST, tolerance=3e-9)
-"""From the forces of another rest state: a third of what a proof allows. Measured on eleven models:
-1.70 in place of 1.75 times the factorisations of the uniform stiffness, and a tenth fewer
-solutions."""
+from drystone.stability.attempts import Attempts, Candidate, after_newton
+from drystone.stability.screening import AT_REST, PROVED
 
 STRAIGHT = replace(AT_REST, iteration_limit=16)
 """From nothing, where the model stands with other stiffnesses: no state on stronger ground is
@@ -160,7 +156,7 @@ class SimilarAttempts(Attempts):
             moved = system.statics.displacement(start.motion)
             nearly = unbalanced_share(system, springs, moved) <= NEARLY_RESTS
             if nearly or sliding_share(springs, moved) <= FEW_SLIDE:
-                found = self.nearby(springs, start, FROM_FORCES, onwards=False)
+                found = self.nearby(springs, start, PROVED, onwards=False)
                 if found is not None or nearly:
                     return found, path
         try:
@@ -170,7 +166,7 @@ class SimilarAttempts(Attempts):
         self.iterations += steps
         if share > FAR:
             return None, path
-        found = self.nearby(springs, start, FROM_FORCES, onwards=False)
+        found = self.nearby(springs, start, PROVED, onwards=False)
         return found, start if share <= HALFWAY else path
 
     def _by_longer_slips(self, springs: Compliance) -> Candidate | None:

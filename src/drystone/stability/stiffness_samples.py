@@ -16,9 +16,10 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.nearby import find_rests_nearby
 from drystone.formulations.rest.rest_state import start_from
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import AT_REST, Attempts, Candidate, Record
+from drystone.stability.attempts import Attempts, Candidate, Record
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
+from drystone.stability.screening import AT_REST
 from drystone.stability.similar_attempts import Rest, SimilarAttempts
 
 NONE_FOUND = np.zeros((0, 6))

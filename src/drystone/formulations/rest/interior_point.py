@@ -121,6 +121,7 @@ class _Path:
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
         self.options = options
+        self.end = options.end
         self.steps = 0
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
@@ -182,9 +183,11 @@ class _Path:
 
     def sinks(self, motion: Floats) -> bool:
         """Whether the ground carries a large share of a block's load after many steps."""
-        if self.steps < MANY_STEPS:
-            return False
-        return bool((wrench_size(self.ground * motion) > SINKING * self.row_scale[:, 0]).any())
+        return self.steps >= MANY_STEPS and self.carries_much(self.ground * motion)
+
+    def carries_much(self, ground: Floats) -> bool:
+        """Whether wrenches (n, 6) of the ground are a large share of a block's load."""
+        return bool((wrench_size(ground) > SINKING * self.row_scale[:, 0]).any())
 
     def polish(
         self, point: _Point, tau: float, stop: Callable[[], bool] | None
@@ -193,10 +196,15 @@ class _Path:
 
         Near the end of the path few corners still change between closed and open.
         """
-        state, steps = descend(self.system, self.compliance, self.options, point.motion, stop)
+        options, ended = self.options, False
+        if self.end is not None and not self.carries_much(self.ground * point.motion):
+            options, self.end, ended = self.end, None, True
+        state, steps = descend(self.system, self.compliance, options, point.motion, stop)
         self.steps += steps
+        if state is None or (ended and self.carries_much(state.ground)):
+            return None
         before = Start(point.motion, point.normal, tau, point.friction.force)
-        return None if state is None else replace(state, iterations=self.steps, before=before)
+        return replace(state, iterations=self.steps, before=before, ended=ended)
 
     def begin(self, start: RestState | Start | None) -> tuple[Floats, Floats, float]:
         statics = self.statics

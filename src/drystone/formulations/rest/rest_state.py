@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,6 +45,9 @@ class RestOptions:
     slow
         The iteration stops if two steps at the first tau leave more than this share of the merit
         function.
+    end
+        Options of the first try of the unrelaxed law, where the ground carries little: with weaker
+        ground, the state that is found there is the last one.
     """
 
     ground: float = 1e-8
@@ -57,6 +60,7 @@ class RestOptions:
     give_up: float = 0.0
     polish: float = 1e-3
     slow: float = np.inf
+    end: RestOptions | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +102,8 @@ class RestState:
     before
         The last iterate of the relaxed law, where Newton's method on the unrelaxed law converged
         from it.
+    ended
+        Whether it has the ground and the tolerance of :attr:`RestOptions.end`.
     """
 
     motion: Floats
@@ -109,6 +115,7 @@ class RestState:
     converged: bool
     iterations: int
     before: Start | None = None
+    ended: bool = False
 
 
 def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:

@@ -140,6 +140,19 @@ class TangentSystem:
         return RoughSolution(motion, moved, solve) if near else None
 
 
+class _Parts(NamedTuple):
+    """Memory of the parts of a tangent.
+
+    Attributes
+    ----------
+    corner : (k, 3, 6)
+    joint : (4, m, 6, 6)
+    """
+
+    corner: Floats
+    joint: Floats
+
+
 class SparseTangent:
     """The blocks of the tangent that are not zero, and their elimination order.
 
@@ -188,25 +201,33 @@ class SparseTangent:
             (kind * len(first) + source)[order], np.append(0, ends), (len(unique), 4 * len(first))
         )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
+        self._free: list[_Parts] = []
 
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
         if self.joints:
-            local = tangent @ self.gather
-            joint = np.empty((self.joints, 6, 6))
+            memory = self._memory()
+            local, parts = memory
+            np.matmul(tangent, self.gather, out=local)
             for joints, corners, spread in self.groups:
-                joint[joints] = spread @ local[corners].reshape(len(joints), -1, 6)
-            parts = np.empty((4, self.joints, 6, 6))
-            parts[3] = joint
-            np.matmul(self.to_far, joint, out=parts[1])
+                parts[3, joints] = spread @ local[corners].reshape(len(joints), -1, 6)
+            np.matmul(self.to_far, parts[3], out=parts[1])
             np.matmul(parts[1], self.from_far, out=parts[0])
-            np.matmul(joint, self.from_far, out=parts[2])
+            np.matmul(parts[3], self.from_far, out=parts[2])
             np.negative(parts[1:3], out=parts[1:3])
             out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
+            self._free.append(memory)
         index = np.arange(6)
         out[self.diagonal[:, None], index, index] += weight
         return out
+
+    def _memory(self) -> _Parts:
+        """Memory that is kept for the next tangent, or new memory."""
+        try:
+            return self._free.pop()
+        except IndexError:  # none is left, or another thread was faster
+            return _Parts(np.empty(self.gather.shape), np.empty((4, self.joints, 6, 6)))
 
 
 def _side_by_side(maps: Floats, count: int) -> Floats:

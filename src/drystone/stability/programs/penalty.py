@@ -118,7 +118,9 @@ def solve_cra_penalty(
         progress("glue", 0, 1)
     statics = problem.statics
     glued = glued_state(problem, chosen.ground, clock.late)
-    leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
+    leaning = find_rest(
+        problem.system, compliance.uniform(statics), replace(TO_REST, end=None), stop=clock.late
+    )
     if clock.late():
         return replace(
             dry,
