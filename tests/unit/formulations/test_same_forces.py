@@ -6,7 +6,7 @@ import pytest
 from drystone import CheckOptions, LoadCase, find_contacts, models
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
+from drystone.formulations.rest.friction import MOBILISED, FrictionBound, SlipLength, StickSlip
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions
@@ -32,11 +32,11 @@ def test_a_slide_and_its_force_belong_together():
     force = smooth(normal, slide).force
     mobilised = np.linalg.norm(force, axis=1) / bound(normal)
     found = smooth.slide_of(normal, force, slide)
-    below = mobilised < 0.8
+    below = mobilised < MOBILISED
     assert 5 < below.sum() < 40
     assert np.allclose(found[below], slide[below])
     held = np.linalg.norm(smooth(normal, found).force, axis=1)
-    assert np.allclose(held, np.minimum(mobilised, 0.8) * bound(normal))
+    assert np.allclose(held, np.minimum(mobilised, MOBILISED) * bound(normal))
     sharp = StickSlip(bound, np.full(40, 0.5))
     force = sharp(normal, slide).force
     assert np.allclose(sharp.slide_of(normal, force, slide), slide)

@@ -100,29 +100,36 @@ class TangentSystem:
         return inverse(matrix)
 
     def solved(
-        self, tangent: Floats, weight: Floats, right: Floats, *, rough: bool = False
+        self,
+        tangent: Floats,
+        weight: Floats,
+        right: Floats,
+        *,
+        rough: bool = False,
+        checked: bool = True,
     ) -> tuple[Floats, Floats]:
         """The motion (n, 6) by which springs balance wrenches, and its corner displacements.
 
-        ``rough``: it may leave a share of the wrenches, ROUGH at most.
+        ``rough``: it may leave a share of the wrenches, as for :meth:`roughly_solved`.
 
         Raises
         ------
         SolverError
             The matrix is singular.
         """
-        nearly = self.roughly_solved(tangent, weight, right) if rough else None
+        nearly = self.roughly_solved(tangent, weight, right, checked=checked) if rough else None
         if nearly is not None:
             return nearly.motion, nearly.moved
         motion = self.factorise(tangent, weight)(right)
         return motion, self.statics.displacement(motion)
 
     def roughly_solved(
-        self, tangent: Floats, weight: Floats, right: Floats
+        self, tangent: Floats, weight: Floats, right: Floats, *, checked: bool = True
     ) -> RoughSolution | None:
         """The motion by which springs nearly balance wrenches (n, 6), by single precision.
 
-        None where this takes as long as double precision, or leaves more than ROUGH.
+        None where this takes as long as double precision, or leaves more than ROUGH. The latter is
+        not asked where it is not to be ``checked``.
         """
         statics = self.statics
         if statics.free_count < SINGLE_FROM:
@@ -133,6 +140,8 @@ class TangentSystem:
             return None
         motion = solve(right)
         moved = statics.displacement(motion)
+        if not checked:
+            return RoughSolution(motion, moved, solve)
         carried = statics.wrench(np.einsum("kij,kj->ki", tangent, moved))
         scale = statics.load_scale[:, None]
         left = (right - carried - weight * motion) / scale
