@@ -69,7 +69,7 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
 def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
     """As :func:`unbalanced_wrench`, for s claims: (n, s, 6) and (n, s) from forces (k, s, 3)."""
     assembly, contacts, load = model.assembly, model.contacts, model.load
-    world = force @ contacts.frame[contacts.interface]
+    world = np.einsum("ksi,kij->ksj", force, contacts.frame[contacts.interface])
     size = assembly.size
     loads = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
     total = np.repeat(loads[:, None], force.shape[1], axis=1)
@@ -83,9 +83,16 @@ def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
     for of_joint, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
         turned = about_first + cross((first - assembly.centroid[of_joint])[:, None], pushed)
         turned /= size[of_joint, None, None]
-        np.add.at(total, of_joint, sign * np.concatenate([pushed, turned], axis=2))
-        np.add.at(scale, of_joint, strength)
+        _add(total, of_joint, sign * np.concatenate([pushed, turned], axis=2))
+        _add(scale, of_joint, strength)
     return total, np.where(scale > 0.0, scale, 1.0)
+
+
+def _add(total: Floats, block: Ints, values: Floats) -> None:
+    """Add values (m, ...) to those of their blocks (n, ...): one by one, which is fast in numpy."""
+    width = values[0].size if len(values) else 1
+    place = width * block[:, None] + np.arange(width)
+    np.add.at(total.reshape(-1), place.ravel(), values.ravel())
 
 
 def check_forces(

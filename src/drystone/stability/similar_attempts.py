@@ -152,11 +152,13 @@ class SimilarAttempts(Attempts):
         """
         system = self.problem.system
         if rest is not None:
-            start = self.start(springs, rest)
-            moved = system.statics.displacement(start.motion)
+            statics = system.statics
+            motion = statics.scaled_motion(rest, statics.mean_length)
+            moved = statics.displacement(motion)
             nearly = unbalanced_share(system, springs, moved) <= NEARLY_RESTS
             if nearly or sliding_share(springs, moved) <= FEW_SLIDE:
-                found = self.nearby(springs, start, PROVED, onwards=False)
+                begin = Start(motion, springs.normal * np.maximum(0.0, -moved[:, 0]))
+                found = self.nearby(springs, begin, PROVED, onwards=False)
                 if found is not None or nearly:
                     return found, path
         try:

@@ -113,6 +113,7 @@ def _descend_together(
     best, since, steps = [np.inf] * count, [0] * count, 0
     before = [np.inf] * count
     solve: list[Callable[[Floats], Floats] | None] = [None] * count
+    known = [False] * count  # whether single precision does
     moved = statics.displacement(motion)
     while left and not (stop is not None and stop()):
         gap = moved[..., 0] + compliance.overlap
@@ -149,7 +150,8 @@ def _descend_together(
             tangent[..., 1:, 1:] = friction.by_slide
         for i in tuple(left):
             try:
-                step, shift, solve[i] = _step(system, tangent[i], weight, rest[i], solve[i])
+                of_row = system, tangent[i], weight, rest[i]
+                step, shift, solve[i], known[i] = _step(*of_row, solve[i], known[i])
             except SolverError:
                 left.remove(i)
                 continue
@@ -166,14 +168,18 @@ def _step(
     weight: Floats,
     rest: Floats,
     solve: Callable[[Floats], Floats] | None,
-) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
+    known: bool,
+) -> tuple[Floats, Floats, Callable[[Floats], Floats], bool]:
     """A Newton step (n, 6), its corner displacements (k, 3), and its factors.
 
-    The factors are those given, or new ones in the least precision.
+    The factors are those given, or new ones in the least precision. Also whether it is known that
+    single precision does.
     """
-    nearly = system.roughly_solved(tangent, weight, rest) if solve is None else None
+    nearly = None
+    if solve is None:
+        nearly = system.roughly_solved(tangent, weight, rest, checked=not known)
     if nearly is not None:
-        return nearly.motion, nearly.moved, nearly.solve
+        return nearly.motion, nearly.moved, nearly.solve, True
     solve = solve or system.factorise(tangent, weight)
     step = solve(rest)
-    return step, system.statics.displacement(step), solve
+    return step, system.statics.displacement(step), solve, known
