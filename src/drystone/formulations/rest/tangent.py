@@ -33,6 +33,10 @@ FULL = 60
 """Largest number of unknowns with a full matrix: from timings."""
 
 
+SIDE_BY_SIDE = 8192
+"""Corners whose maps are multiplied at once: from timings, at 5,000 to 120,000 corners."""
+
+
 class RoughSolution(NamedTuple):
     """A motion by which springs nearly balance wrenches.
 
@@ -189,7 +193,7 @@ class SparseTangent:
         other = np.where(of_a[:, None], statics.lever_b[first], statics.lever_a[first])
         axes = np.swapaxes(statics.frame, 1, 2)
         spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
-        self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
+        self.gather = np.ascontiguousarray(spread.transpose(2, 1, 0))
         self.groups = [
             (joints, corners, _side_by_side(spread[corners], len(joints)))
             for joints, corners in runs_by_length(first, k)
@@ -218,7 +222,7 @@ class SparseTangent:
         if self.joints:
             memory = self._memory()
             local, parts = memory
-            np.matmul(tangent, self.gather, out=local)
+            self._gathered(tangent, local)
             for joints, corners, spread in self.groups:
                 parts[3, joints] = spread @ local[corners].reshape(len(joints), -1, 6)
             np.matmul(self.to_far, parts[3], out=parts[1])
@@ -231,12 +235,33 @@ class SparseTangent:
         out[self.diagonal[:, None], index, index] += weight
         return out
 
+    def _gathered(self, tangent: Floats, out: Floats) -> None:
+        """Write the products (k, 3, 6) of D (k, 3, 3) with the maps of its corners.
+
+        The numbers of many corners lie side by side: half of the time of a product of small
+        matrices, and in larger models seven tenths.
+        """
+        size = min(SIDE_BY_SIDE, len(tangent))
+        row, term = np.empty((6, size)), np.empty((6, size))
+        for begin in range(0, len(tangent), SIDE_BY_SIDE):
+            part = slice(begin, begin + SIDE_BY_SIDE)
+            entry = np.ascontiguousarray(tangent[part].transpose(1, 2, 0))
+            count = entry.shape[2]
+            total, more = row[:, :count], term[:, :count]
+            for i in range(3):
+                np.multiply(entry[i, 0], self.gather[0, :, part], out=total)
+                for j in (1, 2):
+                    np.multiply(entry[i, j], self.gather[j, :, part], out=more)
+                    total += more
+                out[part, i] = total.T
+
     def _memory(self) -> _Parts:
         """Memory that is kept for the next tangent, or new memory."""
         try:
             return self._free.pop()
         except IndexError:  # none is left, or another thread was faster
-            return _Parts(np.empty(self.gather.shape), np.empty((4, self.joints, 6, 6)))
+            corners = self.gather.shape[2]
+            return _Parts(np.empty((corners, 3, 6)), np.empty((4, self.joints, 6, 6)))
 
 
 def _side_by_side(maps: Floats, count: int) -> Floats:
