@@ -1,5 +1,7 @@
 """Rest states: the tangent, closed forms on one block, and what the ground carries."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -189,3 +191,25 @@ def test_shorter_steps_computed_at_once_are_those_computed_one_by_one(longer, mo
     assert one.merit == pytest.approx(together.merit, rel=1e-9)
     np.testing.assert_allclose(one.friction.by_slide, together.friction.by_slide, rtol=1e-9)
     np.testing.assert_allclose(one.unbalanced, together.unbalanced, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("degrees", "rests"), [(0.0, True), (8.0, True), (30.0, False)])
+def test_the_last_state_is_looked_for_at_once_where_the_ground_carries_little(degrees, rests):
+    model = arch()
+    problem = problem_of(model, 0.93, LoadCase.tilt(model, (0.0, 1.0, 0.0), degrees))
+    springs = compliance.uniform(problem.statics)
+    strong, weak = RestOptions(ground=1e-7, tolerance=1e-7), RestOptions(ground=1e-14)
+    twice = find_rest(problem.system, springs, strong)
+    once = find_rest(problem.system, springs, replace(strong, end=weak))
+    assert once.ended is rests
+    assert not twice.ended
+    if rests:
+        last = find_rest(problem.system, springs, weak, start=twice)
+        assert once.unbalanced <= weak.tolerance
+        assert np.abs(once.ground).max() < 1e-9
+        assert once.iterations < twice.iterations + last.iterations
+        np.testing.assert_allclose(once.force, last.force, atol=1e-7 * np.abs(last.force).max())
+    else:
+        # a first motion on the given ground, as without the other options
+        assert problem.ground_share(once.ground).max() > 0.1
+        np.testing.assert_allclose(once.motion, twice.motion, rtol=1e-5, atol=1e-5)

@@ -5,9 +5,10 @@ import pytest
 from scipy import sparse
 
 from drystone import Assembly, Model, models
+from drystone.formulations.rest import tangent as tangents
 from drystone.formulations.rest.tangent import SparseTangent
 from drystone.models import box
-from drystone.statics import build_statics
+from drystone.statics import FEW, build_statics
 
 
 def stiffness(count, rng):
@@ -55,3 +56,33 @@ def test_a_small_block_on_a_large_one_costs_no_digits(size, small_first):
     model = Model.of(Assembly(blocks, np.array([True, False, False])), friction=0.6)
     assert len(model.contacts) == 2
     assert largest_error(model) < 1e-12
+
+
+def test_the_memory_of_a_tangent_is_used_again_and_no_answer_changes(monkeypatch):
+    statics = build_statics(Model.of(models.vault(), friction=0.6))
+    rng = np.random.default_rng(2)
+    system = SparseTangent(statics, rng.random((statics.free_count, 3)))
+    given = [stiffness(statics.corner_count, rng) for _ in range(2)]
+    weight = np.ones((statics.free_count, 6))
+    first = system.blocks(given[0], weight)
+    kept = first.copy()
+    second = system.blocks(given[1], weight)
+    np.testing.assert_array_equal(first, kept)
+    assert not np.array_equal(first, second)
+    monkeypatch.setattr(tangents, "SIDE_BY_SIDE", 7)
+    np.testing.assert_array_equal(system.blocks(given[1], weight), second)
+
+
+@pytest.mark.parametrize("count", [1, 3, FEW, FEW + 1])
+def test_several_states_are_those_one_by_one(count):
+    scaled = build_statics(Model.of(models.vault(), friction=0.6))
+    assert scaled.full_transposed is None
+    rng = np.random.default_rng(3)
+    force = rng.standard_normal((count, scaled.corner_count, 3))
+    motion = rng.standard_normal((count, scaled.free_count, 6))
+    wrench, moved = scaled.wrench(force), scaled.displacement(motion)
+    assert wrench.shape == motion.shape
+    assert moved.shape == force.shape
+    for i in range(count):
+        np.testing.assert_allclose(wrench[i], scaled.wrench(force[i]), atol=1e-12)
+        np.testing.assert_allclose(moved[i], scaled.displacement(motion[i]), atol=1e-12)
