@@ -183,6 +183,9 @@ class Attempts(Record):
             over = falls()
         final = state if over or state.ended else self.find(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
+        if state.ended and not (over or candidate.stands):
+            final = self.find(springs, AT_REST, state)
+            candidate = self.examine(final.motion, final.force)
         nearly = not (over or candidate.stands) and final.unbalanced < NEARLY
         if nearly and self.problem.ground_share(final.ground).max() < CLEARLY:
             final = self.find(springs, LEAST_GROUND, final)

@@ -1,6 +1,7 @@
 """Rest with given friction laws: a yes is a proof, a no says nothing."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -410,3 +411,14 @@ def test_every_analysis_takes_the_same_keywords(analysis):
     for limit in (-1.0, float("nan")):
         with pytest.raises(InputError, match="time"):
             analysis(Model(ARCH, JOINTS), time_limit_s=limit)
+
+
+def test_a_last_state_that_proves_nothing_is_followed_further():
+    roughly = replace(PATIENT.numerics, end=RestOptions(ground=1e-5, tolerance=1e-7))
+    problem = Problem.build(Model(ARCH, JOINTS))
+    state = find_rest(problem.system, uniform(problem.statics), roughly)
+    assert state.ended
+    assert problem.ground_share(state.ground).max() > 1e-6
+    found = try_rest(problem, screening=replace(PATIENT, numerics=roughly))
+    assert found.stable
+    assert found.residuals.largest < 1e-8

@@ -183,11 +183,12 @@ class _Path:
 
     def sinks(self, motion: Floats) -> bool:
         """Whether the ground carries a large share of a block's load after many steps."""
-        return self.steps >= MANY_STEPS and self.carries_much(self.ground * motion)
+        return self.steps >= MANY_STEPS and self.carries_much(motion)
 
-    def carries_much(self, ground: Floats) -> bool:
-        """Whether wrenches (n, 6) of the ground are a large share of a block's load."""
-        return bool((wrench_size(ground) > SINKING * self.row_scale[:, 0]).any())
+    def carries_much(self, motion: Floats) -> bool:
+        """Whether the ground carries a large share of a block's load."""
+        carried = wrench_size(self.ground * motion)
+        return bool((carried > SINKING * self.row_scale[:, 0]).any())
 
     def polish(
         self, point: _Point, tau: float, stop: Callable[[], bool] | None
@@ -197,11 +198,11 @@ class _Path:
         Near the end of the path few corners still change between closed and open.
         """
         options, ended = self.options, False
-        if self.end is not None and not self.carries_much(self.ground * point.motion):
+        if self.end is not None and not self.carries_much(point.motion):
             options, self.end, ended = self.end, None, True
         state, steps = descend(self.system, self.compliance, options, point.motion, stop)
         self.steps += steps
-        if state is None or (ended and self.carries_much(state.ground)):
+        if state is None or (ended and self.carries_much(state.motion)):
             return None
         before = Start(point.motion, point.normal, tau, point.friction.force)
         return replace(state, iterations=self.steps, before=before, ended=ended)
