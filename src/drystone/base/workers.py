@@ -212,10 +212,12 @@ class WorkerPool:
         busy = any(not (future.cancel() or future.done()) for future in self._futures)
         # of this machine; without ending them Python waits for them before it exits
         processes = list((getattr(self._executor, "_processes", None) or {}).values())
-        self._executor.shutdown(wait=False, cancel_futures=True)
-        self._executor = None
-        for process in processes if busy else ():
+        ended = processes if busy else []
+        for process in ended:
             process.terminate()
+        # the thread that looks after them closes a pipe, to which Python writes when it exits
+        self._executor.shutdown(wait=bool(ended), cancel_futures=True)
+        self._executor = None
 
 
 @contextmanager
