@@ -20,14 +20,12 @@ from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.model import Model
+from drystone.solvers.equilibrium_matrix import full_rows, sparse_rows, times, transfer
 from drystone.solvers.program import Entries
 
 _FULL = 40_000
 """Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
 sparse product takes longer than the product of a small matrix."""
-FEW = 6
-"""States up to which a sparse matrix is multiplied one by one: timed. With several at once each
-number of the matrix costs as much as six products."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
@@ -108,14 +106,15 @@ class Statics:
         return len(self.interface)
 
     @cached_property
-    def transfer_a(self) -> Floats:
-        """(k, 6, 3) wrench on block a per unit local corner force; zero for a fixed block."""
-        return -_transfer(self.frame, self.lever_a, self.block_a)
+    def blocks(self) -> Ints:
+        """(k, 2) free numbers of both blocks of each corner, -1 for a fixed one."""
+        return np.stack([self.block_a, self.block_b], axis=1)
 
     @cached_property
-    def transfer_b(self) -> Floats:
-        """(k, 6, 3) wrench on block b per unit local corner force; zero for a fixed block."""
-        return _transfer(self.frame, self.lever_b, self.block_b)
+    def transfers(self) -> Floats:
+        """(k, 2, 6, 3) wrench on both blocks per unit local corner force; zero for a fixed one."""
+        on_a = transfer(self.frame, self.lever_a, self.block_a)
+        return np.stack([-on_a, transfer(self.frame, self.lever_b, self.block_b)], axis=1)
 
     @cached_property
     def matrix(self) -> sparse.csr_matrix:
@@ -129,29 +128,8 @@ class Statics:
 
     @cached_property
     def matrix_transposed(self) -> sparse.csr_matrix:
-        """A^T (3 k, 6 n): corner displacements from block motions.
-
-        The three rows of a corner hold six numbers for each free block that meets there.
-        """
-        k, shape = self.corner_count, (3 * self.corner_count, 6 * self.free_count)
-        pair = np.stack([self.block_a, self.block_b], axis=1)
-        values = np.empty((k, 3, 2, 6))
-        values[:, :, 0] = np.swapaxes(self.transfer_a, 1, 2)
-        values[:, :, 1] = np.swapaxes(self.transfer_b, 1, 2)
-        descending = np.flatnonzero(self.block_a > self.block_b)
-        pair[descending] = pair[descending, ::-1]
-        values[descending] = values[descending, :, ::-1]
-        wide = max(36 * k, *shape) >= 2**31
-        index: np.dtype[np.signedinteger] = np.dtype(np.int64 if wide else np.int32)
-        column = np.empty(values.shape, dtype=index)
-        column[:] = (6 * pair[:, :, None] + np.arange(6))[:, None]
-        meets = pair >= 0
-        if not meets.all():
-            kept = np.broadcast_to(meets[:, None], (k, 3, 2))
-            values, column = values[kept], column[kept]
-        start = np.zeros(3 * k + 1, dtype=index)
-        np.cumsum(np.repeat(6 * meets.sum(axis=1), 3), out=start[1:])
-        return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
+        """A^T (3 k, 6 n): corner displacements from block motions."""
+        return sparse_rows(self.blocks, self.transfers, self.free_count)
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks.
@@ -162,7 +140,7 @@ class Statics:
         if self.full_transposed is not None:
             result: Floats = flat @ self.full_transposed
         else:
-            result = _product(self.matrix, flat)
+            result = times(self.matrix, flat)
         return result.reshape(*force.shape[:-2], -1, 6)
 
     def displacement(self, motion: Floats) -> Floats:
@@ -174,21 +152,15 @@ class Statics:
         if self.full_transposed is not None:
             result: Floats = flat @ self.full_transposed.T
         else:
-            result = _product(self.matrix_transposed, flat)
+            result = times(self.matrix_transposed, flat)
         return result.reshape(*motion.shape[:-2], -1, 3)
 
     @cached_property
     def full_transposed(self) -> Floats | None:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
-        k, n = self.corner_count, self.free_count
-        if 18 * k * n > _FULL:
+        if 18 * self.corner_count * self.free_count > _FULL:
             return None
-        full = np.zeros((k, 3, n, 6))
-        sides = (self.block_a, self.transfer_a), (self.block_b, self.transfer_b)
-        for block, transfer in sides:
-            corner = np.flatnonzero(block >= 0)
-            full[corner, :, block[corner]] = np.swapaxes(transfer[corner], 1, 2)
-        return full.reshape(3 * k, 6 * n)
+        return full_rows(self.blocks, self.transfers, self.free_count)
 
     @cached_property
     def normal_stiffness(self) -> Floats:
@@ -271,18 +243,16 @@ class Statics:
 
     def wrenches_along(self, corner: Ints, direction: Floats) -> tuple[Ints, Floats]:
         """The same as rows (c, 12), negative for a fixed block, and values (c, 12)."""
-        freedom, transfer = self._corner_blocks
+        entries = self.transfers.reshape(-1, 12, 3)[corner]
         if direction.ndim == 1:
-            return freedom[corner], transfer[corner] @ direction
-        value: Floats = (transfer[corner] @ direction[:, :, None])[:, :, 0]
-        return freedom[corner], value
+            return self._rows[corner], entries @ direction
+        value: Floats = (entries @ direction[:, :, None])[:, :, 0]
+        return self._rows[corner], value
 
     @cached_property
-    def _corner_blocks(self) -> tuple[Ints, Floats]:
-        """Rows (k, 12) of the equilibrium matrix at each corner, and their entries (k, 12, 3)."""
-        block = np.stack([self.block_a, self.block_b], axis=1)
-        freedom = 6 * block[:, :, None] + np.arange(6)
-        return freedom.reshape(-1, 12), np.concatenate([self.transfer_a, self.transfer_b], axis=1)
+    def _rows(self) -> Ints:
+        """(k, 12) rows of the equilibrium matrix at each corner."""
+        return (6 * self.blocks[:, :, None] + np.arange(6)).reshape(-1, 12)
 
     def at_corners(self, corners: Bools) -> Statics:
         """The same blocks and loads with some of the corners (k,) only."""
@@ -330,26 +300,6 @@ class Statics:
         out[:, :3] = motion[self.free, :3] / unit
         out[:, 3:] = motion[self.free, 3:] * (self.length[:, None] / unit)
         return out
-
-
-def _product(matrix: sparse.csr_matrix, rows: Floats) -> Floats:
-    """``matrix @ row`` of one row (n,), or of each of several (s, n)."""
-    if rows.ndim == 1 or len(rows) > FEW:
-        result: Floats = (matrix @ rows.T).T
-        return result
-    return np.stack([matrix @ row for row in rows])
-
-
-def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
-    """(k, 6, 3): the axes of the frame, and lever x axis."""
-    axes = np.swapaxes(frame, 1, 2)
-    out = np.empty((len(block), 6, 3))
-    out[:, :3] = axes
-    arm = lever[:, :, None]
-    for i, j, m in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        out[:, 3 + i] = arm[:, j] * axes[:, m] - arm[:, m] * axes[:, j]
-    out[block < 0] = 0.0
-    return out
 
 
 def build_statics(model: Model) -> Statics:

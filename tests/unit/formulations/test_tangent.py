@@ -8,7 +8,8 @@ from drystone import Assembly, Model, models
 from drystone.formulations.rest import tangent as tangents
 from drystone.formulations.rest.tangent import SparseTangent
 from drystone.models import box
-from drystone.statics import FEW, build_statics
+from drystone.solvers.equilibrium_matrix import FEW
+from drystone.statics import build_statics
 
 
 def stiffness(count, rng):

@@ -195,7 +195,8 @@ class _Path:
     ) -> RestState | None:
         """The rest state by Newton steps on the unrelaxed law; None if they do not converge.
 
-        Near the end of the path few corners still change between closed and open.
+        Near the end of the path few corners still change between closed and open. The first try is
+        on the ground of the end, and counts where the given ground would carry little.
         """
         options, ended = self.options, False
         if self.end is not None and not self.carries_much(point.motion):

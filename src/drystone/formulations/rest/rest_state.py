@@ -46,8 +46,9 @@ class RestOptions:
         The iteration stops if two steps at the first tau leave more than this share of the merit
         function.
     end
-        Options of the first try of the unrelaxed law, where the ground carries little: with weaker
-        ground, the state that is found there is the last one.
+        Ground and tolerance of the first try of the unrelaxed law, where the ground carries little.
+        With weaker ground, the state that is found there is the last one. Other options are not
+        used.
     """
 
     ground: float = 1e-8

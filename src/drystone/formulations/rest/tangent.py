@@ -34,7 +34,8 @@ FULL = 60
 
 
 SIDE_BY_SIDE = 8192
-"""Corners whose maps are multiplied at once: from timings, at 5,000 to 120,000 corners."""
+"""Corners whose maps are multiplied at once: from timings with 512 to all, at 4,800, 23,000 and
+119,000 corners."""
 
 
 class RoughSolution(NamedTuple):
@@ -238,8 +239,8 @@ class SparseTangent:
     def _gathered(self, tangent: Floats, out: Floats) -> None:
         """Write the products (k, 3, 6) of D (k, 3, 3) with the maps of its corners.
 
-        The numbers of many corners lie side by side: half of the time of a product of small
-        matrices, and in larger models seven tenths.
+        The numbers of many corners lie side by side. It takes half of the time of a product of
+        small matrices at 4,800 corners, seven tenths at 23,000, and as long at 119,000.
         """
         size = min(SIDE_BY_SIDE, len(tangent))
         row, term = np.empty((6, size)), np.empty((6, size))
