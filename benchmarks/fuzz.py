@@ -316,7 +316,7 @@ def _warm_up(files: dict[str, list[bytes]]) -> None:
 
 def _file(name: str, data: bytes, folder: Path) -> Path:
     if name == "npz":
-        from drystone.io.own.npz import digest
+        from drystone.io.npz import digest
 
         (folder / "model.npz").write_bytes(data)
         told = {"file": "model.npz", "sha256": digest(data)}

@@ -24,7 +24,7 @@ from benchmarks.machine import description
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Model
 from drystone.base.files import write_bytes
-from drystone.io.simulators import mjcf_text
+from drystone.io.mjcf import mjcf_text
 from drystone.models import bridge
 from drystone.reproduce.cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan

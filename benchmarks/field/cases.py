@@ -21,7 +21,7 @@ from benchmarks.studies import studies
 from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
-from drystone.io.own.drystone_json_write import contacts_content
+from drystone.io.drystone_json_write import contacts_content
 from drystone.models.masonry.arches import voussoirs_between
 
 Vector: TypeAlias = tuple[float, float, float]

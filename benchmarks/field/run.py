@@ -35,7 +35,7 @@ import numpy as np
 from drystone import Assembly, Model, io
 from drystone.base.arrays import Floats
 from drystone.io import Contents
-from drystone.io.simulators.simulator_bodies import gravity_of
+from drystone.io.simulator_bodies import gravity_of
 
 from . import MODELS
 from .report import mark, place, tables, write_between

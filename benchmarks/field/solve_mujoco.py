@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from drystone import Model
-from drystone.io.simulators import mjcf_text
+from drystone.io.mjcf import mjcf_text
 
 from .tasks import answer_all, model_of
 

@@ -12,7 +12,7 @@ from drystone.base.arrays import Bools
 from drystone.checks import corner_motion
 from drystone.compat.compas import block_of, interface_frame
 from drystone.contacts import Contacts
-from drystone.io.compas.compas_contacts import joined
+from drystone.io.compas_contacts import joined
 from drystone.results import Result
 
 

@@ -132,7 +132,7 @@ class Film(OfModel, OneLine):
         }
 
     def save_glb(self, path: PathLike) -> None:
-        """Write the film as an animated GLB; see ``drystone.io.mesh.glb_film.write_film``."""
-        from drystone.io.mesh.glb_film import write_film  # only for those who want one
+        """Write the film as an animated GLB; see ``drystone.io.glb_film.write_film``."""
+        from drystone.io.glb_film import write_film  # only for those who want one
 
         write_film(self.model, self.time, self.positions, path)

@@ -18,8 +18,8 @@ from drystone.base.errors import InputError, MissingDependency
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.fall.film import MOVED, FallOptions, Film
+from drystone.io.mjcf import mjcf_text
 from drystone.io.opening import Given, How, as_model
-from drystone.io.simulators import mjcf_text
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
@@ -12,21 +14,15 @@ from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import scale_of
-from drystone.io import jsontext
 from drystone.io.build import Built, build, try_blocks
-from drystone.io.cad import rhino, rhino_write
-from drystone.io.compas import compas_json, compas_json_write
 from drystone.io.draft import Contents, Draft
-from drystone.io.mesh import glb, glb_write, obj, ply, stl
-from drystone.io.own import brick_list, drystone_json, drystone_json_write
-from drystone.io.simulators import write_mjcf, write_urdf
 from drystone.model import Model
 from drystone.results import Result
 
 
 @dataclass(frozen=True)
 class Format(OneLine):
-    """A file format.
+    """A file format. Its modules are imported when a file is read or written.
 
     Attributes
     ----------
@@ -36,11 +32,12 @@ class Format(OneLine):
         Name for display.
     suffixes
         Lower case, with the dot.
-    read
-        ``read(data, path)`` makes a draft from the bytes of a file; the path serves errors and
-        files in the same folder. ``None`` if the format is only written.
-    write
-        ``write(model, path)``; ``None`` if it is only read.
+    reader
+        Module of ``drystone.io`` whose ``read(data, path)`` makes a draft from the bytes of a file;
+        the path serves errors and files in the same folder. Empty if the format is only written.
+    writer
+        Module whose ``write(contents, path)`` writes a file, or another function of it after a
+        dot. Empty if the format is only read.
     loses
         The parts of a model that the format cannot hold, as text; empty if it holds everything.
     axes_unknown
@@ -52,36 +49,26 @@ class Format(OneLine):
     name: str
     title: str
     suffixes: tuple[str, ...]
-    read: Callable[..., Draft] | None = None
-    write: Callable[[Contents, Path], None] | None = None
+    reader: str = ""
+    writer: str = ""
     loses: str = ""
     axes_unknown: bool = False
     layers: bool = False
 
+    @property
+    def read(self) -> Callable[..., Draft]:
+        """The function that reads a file."""
+        return _function(self.reader, "read")
 
-def _read_json(data: bytes, path: Path) -> Draft:
-    """Any of the JSON formats, recognised by the content of the file."""
-    top = jsontext.parse(data, path)
-    if compas_json.is_compas(top):
-        return compas_json.read(top)
-    return drystone_json.read(top)
-
-
-def _write_mjcf(contents: Contents, path: Path) -> None:
-    write_mjcf(_simulated(contents), path)
+    @property
+    def write(self) -> Callable[[Contents, Path], None]:
+        """The function that writes a file."""
+        return _function(self.writer, "write")
 
 
-def _write_urdf(contents: Contents, path: Path) -> None:
-    write_urdf(_simulated(contents), path)
-
-
-def _simulated(contents: Contents) -> Model:
-    """The model of a simulator, its contacts found if there are none."""
-    assembly, load = contents.assembly, next(iter(contents.loads), None)
-    if contents.contacts is None:
-        return Model.of(assembly, load=load, anyway=True)
-    made = Model(assembly, contents.contacts)
-    return made if load is None else made.with_load(load)
+def _function(place: str, usual: str) -> Callable[..., Any]:
+    module, _, function = place.partition(".")
+    return getattr(import_module(f"drystone.io.{module}"), function or usual)
 
 
 _LOADS = "loads and results"
@@ -89,44 +76,47 @@ _CONTACTS = f"contacts, {_LOADS}"
 _MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
 _SIMULATED = "results, loads but for gravity"
 _SINGLE = "digits beyond single precision, polygons that are not plane"
+_COMPAS = f"friction, metadata, {_LOADS} but for forces"
 FORMATS: tuple[Format, ...] = (
-    Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
-    Format("drystone-npz", "drystone JSON with npz", (), None, drystone_json_write.write_beside),
+    Format("drystone", "drystone JSON", (".json",), "json_file", "drystone_json_write"),
+    Format(
+        "drystone-npz",
+        "drystone JSON with npz",
+        (),
+        writer="drystone_json_write.write_beside",
+    ),
     Format(
         "compas-assembly",
         "COMPAS JSON, compas_assembly",
         (".json",),
-        _read_json,
-        compas_json_write.write_assembly,
-        f"friction, metadata, {_LOADS} but for forces",
+        "json_file",
+        "compas_json_write.write_assembly",
+        _COMPAS,
     ),
     Format(
         "compas-dem",
         "COMPAS JSON, compas_dem",
         (".json",),
-        _read_json,
-        compas_json_write.write_block_model,
-        f"friction, metadata, {_LOADS} but for forces",
+        "json_file",
+        "compas_json_write.write_block_model",
+        _COMPAS,
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, _MATERIAL, axes_unknown=True),
-    Format(
-        "stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {_MATERIAL}", axes_unknown=True
-    ),
-    Format("ply", "PLY", (".ply",), ply.read, ply.write, _CONTACTS, axes_unknown=True),
-    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, _CONTACTS, layers=True),
-    Format("bricks", "stud-and-tube bricks", (".bricks",), brick_list.read),
+    Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, axes_unknown=True),
+    Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", axes_unknown=True),
+    Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, axes_unknown=True),
+    Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, layers=True),
+    Format("bricks", "stud-and-tube bricks", (".bricks",), "brick_list"),
     Format(
         "mjcf",
         "MJCF, for MuJoCo",
         (".xml",),
-        None,
-        _write_mjcf,
-        f"friction of single joints, {_SIMULATED}",
+        writer="mjcf",
+        loses=f"friction of single joints, {_SIMULATED}",
     ),
-    Format("urdf", "URDF, with meshes", (".urdf",), None, _write_urdf, "friction, loads, results"),
     Format(
-        "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{_SINGLE}, {_CONTACTS}"
+        "urdf", "URDF, with meshes", (".urdf",), writer="urdf", loses="friction, loads, results"
     ),
+    Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb_write", f"{_SINGLE}, {_CONTACTS}"),
 )
 """In order of preference where several formats share a suffix."""
 
@@ -151,7 +141,7 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
-    able = [f for f in FORMATS if (f.write if writing else f.read)]
+    able = [f for f in FORMATS if (f.writer if writing else f.reader)]
     suffixes = ", ".join(sorted({s for f in able for s in f.suffixes}))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
@@ -227,7 +217,7 @@ def _draft(
     if units is not None:
         scale_of(units)
     chosen = format_of(path)
-    if chosen.read is None:
+    if not chosen.reader:
         raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
     named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
     hidden = of_type(hidden, bool, "hidden")
@@ -267,7 +257,7 @@ def write(
         No format has the suffix, it cannot hold the model, or the folder cannot be written.
     """
     chosen = format_of(path, format, writing=True)
-    if chosen.write is None:
+    if not chosen.writer:
         raise FormatError(f"{chosen.title} can be read but not written", where=str(path))
     chosen.write(contents_of(model), Path(path))
 

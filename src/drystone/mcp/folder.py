@@ -15,12 +15,12 @@ from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext, read
 from drystone.io.jsontext import Field
-from drystone.io.own.load_parts import load_of_parts
+from drystone.io.load_parts import load_of_parts
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.supports import require_supports
 
-_SUFFIXES = frozenset(suffix for known in FORMATS if known.read for suffix in known.suffixes)
+_SUFFIXES = frozenset(suffix for known in FORMATS if known.reader for suffix in known.suffixes)
 MIB = 2**20
 
 

@@ -119,7 +119,7 @@ def test_everything_of_a_model_comes_back_to_the_last_bit(tmp_path: Path, format
 
 
 def test_every_part_of_a_result_is_kept() -> None:
-    from drystone.io.own.drystone_json import RESULT
+    from drystone.io.drystone_json import RESULT
 
     names = {field.name for field in dataclasses.fields(Result)} - {"model"}
     # blocks and contacts are given once, for all results; paths are not written

@@ -11,7 +11,7 @@ import pytest
 from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.base.errors import FormatError, MissingDependency
-from drystone.io.cad import rhino
+from drystone.io import rhino
 from drystone.models import arch, box, concave, vault
 
 try:

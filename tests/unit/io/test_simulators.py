@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Model, io
-from drystone.io.simulators import mjcf_text, write_mjcf, write_urdf
-from drystone.io.simulators.simulator_bodies import bodies
+from drystone.io.mjcf import mjcf_text, write_mjcf
+from drystone.io.simulator_bodies import bodies
+from drystone.io.urdf import write_urdf
 from drystone.models import box, bridge, stool, tower
 
 MODEL = Model.of(bridge(), friction=0.6)

@@ -159,7 +159,7 @@ def refuse_missing(cad: Path | None) -> None:
     MissingDependency
     """
     if cad is not None and cad.suffix.lower() == ".3dm":
-        from drystone.io.cad.rhino import require
+        from drystone.io.rhino import require
 
         require("writing 3dm")
 

@@ -16,8 +16,8 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.io.mesh.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
-from drystone.io.mesh.glb_write import container
+from drystone.io.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
+from drystone.io.glb_write import container
 from drystone.view.cad.drawn_parts import (
     Triangles,
     arrow_ends,

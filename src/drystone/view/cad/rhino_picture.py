@@ -13,8 +13,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.io.cad.rhino_extract import PICTURE
-from drystone.io.cad.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
+from drystone.io.rhino_extract import PICTURE
+from drystone.io.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
 from drystone.view.cad.drawn_parts import arrow_ends, block_groups, marks, matrix_of, stage_of_scene
 from drystone.view.cad.glb_picture import MARK
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage

@@ -12,7 +12,7 @@ import pytest
 
 import drystone
 from drystone.base.errors import FormatError, InputError
-from drystone.io.cad import rhino
+from drystone.io import rhino
 from drystone.models import arch, shelf
 from drystone.results import Result
 from drystone.view import MarkerShape

@@ -17,10 +17,10 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
-from drystone.io.compas import compas_contacts
+from drystone.io import compas_contacts
 from drystone.io.draft import Draft, DraftBlock
+from drystone.io.face_soup import moved
 from drystone.io.jsontext import Field
-from drystone.io.mesh.face_soup import moved
 
 _MESHES = ("Mesh", "Block", "Polyhedron")
 

@@ -24,8 +24,8 @@ from drystone.base.errors import FormatError, MissingDependency, counted
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.io.draft import Draft, DraftBlock
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
-from drystone.io.mesh.face_soup import FaceSoup, moved, named_apart, shapes_of
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
 _SUPPORT_LAYERS = ("support", "supports")

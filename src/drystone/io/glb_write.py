@@ -1,4 +1,4 @@
-"""Writing GLB; see :mod:`drystone.io.mesh.glb`."""
+"""Writing GLB; see :mod:`drystone.io.glb`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.body.fans import fan_warped, point_owners
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents
-from drystone.io.mesh.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
+from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
 
 
 def write(model: Contents, path: Path) -> None:

@@ -5,6 +5,7 @@ Source of the format: MuJoCo documentation, XML reference.
 
 from __future__ import annotations
 
+from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -12,7 +13,8 @@ import numpy as np
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.base.files import PathLike, write_bytes
-from drystone.io.simulators.simulator_bodies import bodies, gravity_of
+from drystone.io.draft import Contents
+from drystone.io.simulator_bodies import bodies, gravity_of, model_of
 from drystone.model import Model
 
 _TIME_STEP = 0.001
@@ -87,6 +89,11 @@ def mjcf_text(model: Model, *, name: str = "drystone", contact_s: float = 0.005)
         lines.append("    </body>")
     lines += ["  </worldbody>", "</mujoco>", ""]
     return "\n".join(lines)
+
+
+def write(contents: Contents, path: Path) -> None:
+    """Write what a file holds as MJCF."""
+    write_mjcf(model_of(contents), path)
 
 
 def write_mjcf(

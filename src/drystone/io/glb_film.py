@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from drystone.base.arrays import Floats
 from drystone.base.files import PathLike, write_bytes
 from drystone.io.draft import Contents
-from drystone.io.mesh.glb import FLOAT, Z_UP
-from drystone.io.mesh.glb_write import container, glb_content
+from drystone.io.glb import FLOAT, Z_UP
+from drystone.io.glb_write import container, glb_content
 from drystone.model import Model
 
 

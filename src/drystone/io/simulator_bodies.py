@@ -12,6 +12,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
 from drystone.geometry.body.convex_pieces import convex_pieces
+from drystone.io.draft import Contents
 from drystone.model import Model
 
 _SAME_ACCELERATION = 1e-6
@@ -57,6 +58,15 @@ def bodies(model: Model) -> list[SimulatorBody]:
         fixed = bool(assembly.fixed[i])
         out.append(SimulatorBody(names[i], fixed, block.centroid, block.mass, inertia, pieces))
     return out
+
+
+def model_of(contents: Contents) -> Model:
+    """The model of what is written, its contacts found if there are none."""
+    assembly, load = contents.assembly, next(iter(contents.loads), None)
+    if contents.contacts is None:
+        return Model.of(assembly, load=load, anyway=True)
+    made = Model(assembly, contents.contacts)
+    return made if load is None else made.with_load(load)
 
 
 def gravity_of(model: Model) -> Floats:

@@ -1,7 +1,7 @@
 """Writing COMPAS JSON: assemblies of compas_assembly and block models of compas_dem.
 
 The files open with ``compas.json_load`` where those packages are installed; see
-:mod:`drystone.io.compas.compas_json` for the versions.
+:mod:`drystone.io.compas_json` for the versions.
 """
 
 from __future__ import annotations

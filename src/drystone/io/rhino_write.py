@@ -1,4 +1,4 @@
-"""Writing Rhino 3dm; see :mod:`drystone.io.cad.rhino`. Needs rhino3dm (extra ``cad``)."""
+"""Writing Rhino 3dm; see :mod:`drystone.io.rhino`. Needs rhino3dm (extra ``cad``)."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from drystone.base.errors import FormatError
 from drystone.base.files import write_through
 from drystone.base.ragged import Ragged
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.io.cad.rhino import TEXT, require
 from drystone.io.draft import Contents
+from drystone.io.rhino import TEXT, require
 
 
 def write(model: Contents, path: Path) -> None:

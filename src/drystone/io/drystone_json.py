@@ -15,10 +15,10 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
+from drystone.io import npz
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
-from drystone.io.own import npz
-from drystone.io.own.load_parts import load_of_parts
+from drystone.io.load_parts import load_of_parts
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model

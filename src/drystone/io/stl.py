@@ -15,7 +15,7 @@ from drystone.base.files import decode, lines_of, write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents, Draft
-from drystone.io.mesh.face_soup import FaceSoup, in_double, shapes_of
+from drystone.io.face_soup import FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Length of the header and of each triangle in the binary form."""

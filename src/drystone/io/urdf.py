@@ -12,8 +12,14 @@ from xml.sax.saxutils import quoteattr
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.base.files import Job, PathLike, write_together
-from drystone.io.simulators.simulator_bodies import SimulatorBody, bodies
+from drystone.io.draft import Contents
+from drystone.io.simulator_bodies import SimulatorBody, bodies, model_of
 from drystone.model import Model
+
+
+def write(contents: Contents, path: Path) -> None:
+    """Write what a file holds as URDF."""
+    write_urdf(model_of(contents), path)
 
 
 def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[str]:

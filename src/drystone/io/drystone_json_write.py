@@ -1,4 +1,4 @@
-"""Writing the JSON schema of drystone; see :mod:`drystone.io.own.drystone_json`."""
+"""Writing the JSON schema of drystone; see :mod:`drystone.io.drystone_json`."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
+from drystone.io import npz
 from drystone.io.draft import Contents
-from drystone.io.own import npz
-from drystone.io.own.drystone_json import ARRAYS, CAPACITY, CONTACTS, SCHEMA, VERSION
+from drystone.io.drystone_json import ARRAYS, CAPACITY, CONTACTS, SCHEMA, VERSION
 from drystone.loads import LoadCase
 from drystone.results import Result
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
+from drystone.io import ply_tables
 from drystone.io.draft import Contents, Draft, DraftBlock
+from drystone.io.face_soup import FaceSoup, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
-from drystone.io.mesh import ply_tables
-from drystone.io.mesh.face_soup import FaceSoup, in_double, shape_of, shapes_of
 
 _MARK = "drystone block "
 EXACT, SINGLE = 1e-9, 1e-6

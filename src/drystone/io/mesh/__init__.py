@@ -1,1 +1,0 @@
-"""Mesh formats: OBJ, STL, PLY, GLB."""

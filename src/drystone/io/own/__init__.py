@@ -1,1 +1,0 @@
-"""The JSON schema of drystone, optionally with arrays in an npz file."""
