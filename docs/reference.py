@@ -97,8 +97,10 @@ def commands(folder: Path) -> None:
 def every(group: click.Group, words: str) -> list[tuple[str, click.Command]]:
     """Every command of a group and of the groups in it, with its words."""
     found: list[tuple[str, click.Command]] = []
-    for name, one in sorted(group.commands.items()):
-        here = f"{words} {name}"
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        one, here = group.get_command(context, name), f"{words} {name}"
+        assert one is not None
         found += every(one, here) if isinstance(one, click.Group) else [(here, one)]
     return found
 

@@ -230,16 +230,24 @@ def test_the_commands_of_a_page_have_arguments_and_options_that_exist(page: Path
     for line in commands_of(page):
         arguments, command = shlex.split(line), app
         while isinstance(command, click.Group) and arguments:
-            command = command.commands[arguments.pop(0)]
+            command = command_of(command, arguments.pop(0))
         with contextlib.suppress(click.exceptions.Exit), command.make_context(line, arguments):
             pass
+
+
+def command_of(group: click.Group, name: str) -> click.Command:
+    """The command of a name; it fails where there is none."""
+    found = group.get_command(click.Context(group), name)
+    assert found is not None, name
+    return found
 
 
 def names_of_commands(group: click.Group, before: str = "") -> list[str]:
     """Every command of a group, with the names that lead to it."""
     return [
         name
-        for key, command in group.commands.items()
+        for key in group.list_commands(click.Context(group))
+        for command in [command_of(group, key)]
         for name in (
             names_of_commands(command, f"{before}{key} ")
             if isinstance(command, click.Group)

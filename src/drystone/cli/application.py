@@ -10,34 +10,17 @@ import difflib
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import click
 
 from drystone.base.errors import DrystoneError
-from drystone.cli.analysis.check_command import check
-from drystone.cli.analysis.fall_command import fall
-from drystone.cli.analysis.limit_commands import friction, load, push, shrink, tilt
-from drystone.cli.analysis.limit_models import imperfections, thickness
-from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
-from drystone.cli.design.cut_command import cut
-from drystone.cli.design.mend_command import mend
-from drystone.cli.design.plan_command import plan
-from drystone.cli.design.recut_command import recut
-from drystone.cli.design.scaffold_command import scaffold
-from drystone.cli.design.shape_command import shape
-from drystone.cli.design.sharpen_command import sharpen
-from drystone.cli.design.shell_command import shell
-from drystone.cli.design.tune_command import tune
-from drystone.cli.files.convert_command import convert
-from drystone.cli.files.inspect_command import inspect
-from drystone.cli.files.models_command import demo, models
-from drystone.cli.files.reproduce_command import reproduce
-from drystone.cli.server_commands import live, mcp
 
 _SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""
@@ -48,9 +31,28 @@ class _Interrupted(Exception):
 
 
 class _Program(click.Group):
-    """Commands by name; without one, the help."""
+    """Commands by name; without one, the help. A command is imported when it is asked for.
+
+    Attributes
+    ----------
+    examples
+    places
+        Module of :mod:`drystone.cli` that has the command of each name.
+    """
 
     examples: tuple[str, ...] = ()
+    places: Mapping[str, str] = MappingProxyType({})
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        """Names of the commands, in order."""
+        return sorted({**self.commands, **self.places})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """The command of a name."""
+        if cmd_name in self.places and cmd_name not in self.commands:
+            module = import_module(f"drystone.cli.{self.places[cmd_name]}")
+            self.add_command(getattr(module, cmd_name), cmd_name)
+        return self.commands.get(cmd_name)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that is asked for. Click would forget what is said about Ctrl-C."""
@@ -71,9 +73,10 @@ class _Program(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The command of that name."""
-        if args[0] not in self.commands and not args[0].startswith("-"):
+        known = self.list_commands(ctx)
+        if args[0] not in known and not args[0].startswith("-"):
             raise output.UsageFault(
-                f"there is no command '{args[0]}'", remedy=_meant(args[0], self.commands, ctx)
+                f"there is no command '{args[0]}'", remedy=_meant(args[0], known, ctx)
             )
         return super().resolve_command(ctx, args)
 
@@ -82,48 +85,52 @@ class _Program(click.Group):
         write_examples(self.examples, formatter)
 
 
-def _group(name: str, text: str, commands: Sequence[click.Command], *examples: str) -> _Program:
+def _group(name: str, text: str, places: Mapping[str, str], *examples: str) -> _Program:
     made = _Program(name, help=text, short_help=text, context_settings=SETTINGS)
-    for one in commands:
-        made.add_command(one)
-    made.examples = examples
+    made.places, made.examples = places, examples
     return made
 
 
 limit = _group(
     "limit",
     "Limits: largest tilt, least friction and others.",
-    (friction, imperfections, load, shrink, thickness, tilt),
+    {
+        "friction": "analysis.limit_commands",
+        "imperfections": "analysis.limit_models",
+        "load": "analysis.limit_commands",
+        "shrink": "analysis.limit_commands",
+        "thickness": "analysis.limit_models",
+        "tilt": "analysis.limit_commands",
+    },
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
-)
-_COMMANDS: tuple[click.Command, ...] = (
-    check,
-    convert,
-    cut,
-    demo,
-    fall,
-    inspect,
-    limit,
-    live,
-    mcp,
-    mend,
-    models,
-    plan,
-    push,
-    recut,
-    reproduce,
-    scaffold,
-    settle,
-    shape,
-    sharpen,
-    shell,
-    tune,
 )
 app = _group(
     "drystone",
     "Does a structure of loose blocks stand by contact and friction alone?",
-    _COMMANDS,
+    {
+        "check": "analysis.check_command",
+        "convert": "files.convert_command",
+        "cut": "design.cut_command",
+        "demo": "files.models_command",
+        "fall": "analysis.fall_command",
+        "inspect": "files.inspect_command",
+        "limit": "application",
+        "live": "server_commands",
+        "mcp": "server_commands",
+        "mend": "design.mend_command",
+        "models": "files.models_command",
+        "plan": "design.plan_command",
+        "push": "analysis.limit_commands",
+        "recut": "design.recut_command",
+        "reproduce": "files.reproduce_command",
+        "scaffold": "design.scaffold_command",
+        "settle": "analysis.settle_command",
+        "shape": "design.shape_command",
+        "sharpen": "design.sharpen_command",
+        "shell": "design.shell_command",
+        "tune": "design.tune_command",
+    },
     "drystone demo",
     "drystone check arch.json --html arch.html",
 )

@@ -72,7 +72,9 @@ def test_help_shows_groups_and_examples_and_hides_expert_options(capsys: Capsys)
 def commands(group: click.Group = app, before: tuple[str, ...] = ()) -> dict[str, Command]:
     """Every command by its words."""
     found: dict[str, Any] = {}
-    for name, one in group.commands.items():
+    for name in group.list_commands(click.Context(group)):
+        one = group.get_command(click.Context(group), name)
+        assert one is not None
         if isinstance(one, click.Group):
             found |= commands(one, (*before, name))
         else:
@@ -155,7 +157,9 @@ def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys
 
 def every_command(group: click.Group = app, path: str = "") -> list[tuple[str, click.Command]]:
     found: list[tuple[str, click.Command]] = []
-    for name, one in group.commands.items():
+    for name in group.list_commands(click.Context(group)):
+        one = group.get_command(click.Context(group), name)
+        assert one is not None
         at = f"{path} {name}".strip()
         found += every_command(one, at) if isinstance(one, click.Group) else [(at, one)]
     return found

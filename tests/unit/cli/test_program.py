@@ -175,3 +175,12 @@ def test_the_version_is_told_with_the_commit(
     finally:
         commit.cache_clear()
     assert capsys.readouterr().out == f"drystone {drystone.__version__} (0123456789)\n"
+
+
+def test_the_version_is_told_without_numpy() -> None:
+    code = (
+        "import sys; from drystone.cli import main\n"
+        "try: main(['--version'])\n"
+        "finally: sys.exit('numpy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
