@@ -13,7 +13,7 @@ from drystone.cli.application import app
 ROOMS = {
     "What most people need": ("drystone",),
     "Limits": ("drystone.limits",),
-    "Design": ("drystone.design", "drystone.design.surgery"),
+    "Design": ("drystone.design",),
     "Assembly planning": ("drystone.sequence",),
     "Shells": ("drystone.shells",),
     "Model families": ("drystone.models",),

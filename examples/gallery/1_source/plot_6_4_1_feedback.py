@@ -11,7 +11,7 @@ the verdict says whether the shelf stands, and how large a force would have to h
 import numpy as np
 
 import drystone
-from drystone.design.surgery import still_edge, turn_joint
+from drystone.design import still_edge, turn_joint
 from drystone.models import shelf
 from drystone.view import Frame
 

@@ -7,8 +7,8 @@ taken off and the rest stands. Then the tower can be built from the ground witho
 shape is ours: the source gives no dimensions.
 """
 
+from drystone.design import CutOptions, cut_until_free
 from drystone.models import prism
-from drystone.sequence import CutOptions, cut_until_free
 from drystone.view import Frame
 
 monolith = prism([(0.0, 0.0), (1.0, 0.0), (2.5, 4.0), (1.5, 4.0)], (0.0, 1.0), "tower")

@@ -6,7 +6,7 @@ A joint can be turned, moved or cut into a wedge. Both blocks change together an
 """
 
 import drystone
-from drystone.design.surgery import wedge_joint
+from drystone.design import wedge_joint
 from drystone.models import arch
 from drystone.view import Frame
 

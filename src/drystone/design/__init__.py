@@ -7,78 +7,103 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drystone.design.building.buildable import Buildable as Buildable
-    from drystone.design.building.buildable import BuildableOptions as BuildableOptions
-    from drystone.design.building.buildable import BuildNeeds as BuildNeeds
-    from drystone.design.building.buildable import TriedLayout as TriedLayout
-    from drystone.design.building.buildable_search import make_buildable as make_buildable
-    from drystone.design.building.joint_recuts import Recut as Recut
-    from drystone.design.building.joint_recuts import RecutJoint as RecutJoint
-    from drystone.design.building.joint_recuts import RecutOptions as RecutOptions
-    from drystone.design.building.joint_recuts import recut_joints as recut_joints
-    from drystone.design.causes.diagnosed import Diagnosis as Diagnosis
-    from drystone.design.causes.diagnosed import Region as Region
-    from drystone.design.causes.diagnosis import DiagnosisOptions as DiagnosisOptions
-    from drystone.design.causes.diagnosis import diagnose as diagnose
-    from drystone.design.causes.joint_motion import JointMotion as JointMotion
-    from drystone.design.causes.joint_motion import JointState as JointState
-    from drystone.design.causes.missing import Ballast as Ballast
-    from drystone.design.causes.missing import Glue as Glue
-    from drystone.design.causes.missing import JointTurn as JointTurn
-    from drystone.design.causes.missing import Needs as Needs
-    from drystone.design.causes.missing import Pull as Pull
-    from drystone.design.causes.prop_forces import PropForce as PropForce
-    from drystone.design.mends.bench import Tried as Tried
-    from drystone.design.mends.margin import DesignMargin as DesignMargin
-    from drystone.design.mends.mend_types import Mend as Mend
-    from drystone.design.mends.mend_types import MendOptions as MendOptions
-    from drystone.design.mends.mend_types import Mends as Mends
-    from drystone.design.mends.mending import Mending as Mending
-    from drystone.design.mends.mending import mend as mend
-    from drystone.design.mends.mends import find_mends as find_mends
-    from drystone.design.shaping.free_moves import Moves as Moves
-    from drystone.design.shaping.free_moves import block_moves as block_moves
-    from drystone.design.shaping.free_moves import free_vertices as free_vertices
-    from drystone.design.shaping.free_moves import joint_moves as joint_moves
-    from drystone.design.shaping.free_moves import thickening as thickening
-    from drystone.design.shaping.shape_options import HelpMeasure as HelpMeasure
-    from drystone.design.shaping.shape_options import ShapeAim as ShapeAim
-    from drystone.design.shaping.shape_options import Shaped as Shaped
-    from drystone.design.shaping.shape_options import ShapeOptions as ShapeOptions
-    from drystone.design.shaping.shaping import shape as shape
-    from drystone.design.shaping.shared_planes import PlaneMoves as PlaneMoves
-    from drystone.design.shaping.variables import FamilyMoves as FamilyMoves
-    from drystone.design.tuning.tuned_values import Parameter as Parameter
-    from drystone.design.tuning.tuned_values import Tuned as Tuned
-    from drystone.design.tuning.tuned_values import TuneTrial as TuneTrial
-    from drystone.design.tuning.tuning import TuneOptions as TuneOptions
-    from drystone.design.tuning.tuning import tune as tune
-    from drystone.design.wedges.sharpening import Sharpened as Sharpened
-    from drystone.design.wedges.sharpening import SharpenOptions as SharpenOptions
-    from drystone.design.wedges.sharpening import sharpen as sharpen
+    from drystone.design.bench import Tried as Tried
+    from drystone.design.block_surgery import cut_block as cut_block
+    from drystone.design.block_surgery import faces_toward as faces_toward
+    from drystone.design.block_surgery import insert_block as insert_block
+    from drystone.design.block_surgery import merge_blocks as merge_blocks
+    from drystone.design.block_surgery import move_face as move_face
+    from drystone.design.block_surgery import thicken_blocks as thicken_blocks
+    from drystone.design.buildable import Buildable as Buildable
+    from drystone.design.buildable import BuildableOptions as BuildableOptions
+    from drystone.design.buildable import BuildNeeds as BuildNeeds
+    from drystone.design.buildable import TriedLayout as TriedLayout
+    from drystone.design.buildable_search import make_buildable as make_buildable
+    from drystone.design.cuts import Cut as Cut
+    from drystone.design.cuts import CutDesign as CutDesign
+    from drystone.design.cuts import CutLoop as CutLoop
+    from drystone.design.cuts import CutOptions as CutOptions
+    from drystone.design.cuts import Trial as Trial
+    from drystone.design.cuts import cut_until_free as cut_until_free
+    from drystone.design.cuts import design_cuts as design_cuts
+    from drystone.design.cuts import split_block as split_block
+    from drystone.design.cuts import tilted_cuts as tilted_cuts
+    from drystone.design.diagnosed import Diagnosis as Diagnosis
+    from drystone.design.diagnosed import Region as Region
+    from drystone.design.diagnosis import DiagnosisOptions as DiagnosisOptions
+    from drystone.design.diagnosis import diagnose as diagnose
+    from drystone.design.free_moves import Moves as Moves
+    from drystone.design.free_moves import block_moves as block_moves
+    from drystone.design.free_moves import free_vertices as free_vertices
+    from drystone.design.free_moves import joint_moves as joint_moves
+    from drystone.design.free_moves import thickening as thickening
+    from drystone.design.joint_motion import JointMotion as JointMotion
+    from drystone.design.joint_motion import JointState as JointState
+    from drystone.design.joint_surgery import hook_joint as hook_joint
+    from drystone.design.joint_surgery import key_joint as key_joint
+    from drystone.design.joint_surgery import move_joint as move_joint
+    from drystone.design.joint_surgery import still_edge as still_edge
+    from drystone.design.joint_surgery import turn_joint as turn_joint
+    from drystone.design.joint_surgery import wedge_joint as wedge_joint
+    from drystone.design.margin import DesignMargin as DesignMargin
+    from drystone.design.mend_types import Mend as Mend
+    from drystone.design.mend_types import MendOptions as MendOptions
+    from drystone.design.mend_types import Mends as Mends
+    from drystone.design.mending import Mending as Mending
+    from drystone.design.mending import mend as mend
+    from drystone.design.mends import find_mends as find_mends
+    from drystone.design.missing import Ballast as Ballast
+    from drystone.design.missing import Glue as Glue
+    from drystone.design.missing import JointTurn as JointTurn
+    from drystone.design.missing import Needs as Needs
+    from drystone.design.missing import Pull as Pull
+    from drystone.design.props import PropForce as PropForce
+    from drystone.design.recuts import Recut as Recut
+    from drystone.design.recuts import RecutJoint as RecutJoint
+    from drystone.design.recuts import RecutOptions as RecutOptions
+    from drystone.design.recuts import recut_joints as recut_joints
+    from drystone.design.shape_options import HelpMeasure as HelpMeasure
+    from drystone.design.shape_options import ShapeAim as ShapeAim
+    from drystone.design.shape_options import Shaped as Shaped
+    from drystone.design.shape_options import ShapeOptions as ShapeOptions
+    from drystone.design.shape_variables import FamilyMoves as FamilyMoves
+    from drystone.design.shaping import shape as shape
+    from drystone.design.shared_planes import PlaneMoves as PlaneMoves
+    from drystone.design.sharpening import Sharpened as Sharpened
+    from drystone.design.sharpening import SharpenOptions as SharpenOptions
+    from drystone.design.sharpening import sharpen as sharpen
+    from drystone.design.tuned_values import Parameter as Parameter
+    from drystone.design.tuned_values import Tuned as Tuned
+    from drystone.design.tuned_values import TuneTrial as TuneTrial
+    from drystone.design.tuning import TuneOptions as TuneOptions
+    from drystone.design.tuning import tune as tune
 
 _NAMES = {
-    "building.buildable": "BuildNeeds Buildable BuildableOptions TriedLayout",
-    "building.buildable_search": "make_buildable",
-    "building.joint_recuts": "Recut RecutJoint RecutOptions recut_joints",
-    "causes.diagnosed": "Diagnosis Region",
-    "causes.diagnosis": "DiagnosisOptions diagnose",
-    "causes.joint_motion": "JointMotion JointState",
-    "causes.missing": "Ballast Glue JointTurn Needs Pull",
-    "causes.prop_forces": "PropForce",
-    "mends.bench": "Tried",
-    "mends.margin": "DesignMargin",
-    "mends.mend_types": "Mend MendOptions Mends",
-    "mends.mending": "Mending mend",
-    "mends.mends": "find_mends",
-    "shaping.free_moves": "Moves block_moves free_vertices joint_moves thickening",
-    "shaping.shape_options": "HelpMeasure ShapeAim ShapeOptions Shaped",
-    "shaping.shaping": "shape",
-    "shaping.shared_planes": "PlaneMoves",
-    "shaping.variables": "FamilyMoves",
-    "tuning.tuned_values": "Parameter TuneTrial Tuned",
-    "tuning.tuning": "TuneOptions tune",
-    "wedges.sharpening": "SharpenOptions Sharpened sharpen",
+    "block_surgery": "cut_block faces_toward insert_block merge_blocks move_face thicken_blocks",
+    "cuts": "Cut CutDesign CutLoop CutOptions Trial cut_until_free design_cuts split_block "
+    "tilted_cuts",
+    "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
+    "buildable": "BuildNeeds Buildable BuildableOptions TriedLayout",
+    "buildable_search": "make_buildable",
+    "recuts": "Recut RecutJoint RecutOptions recut_joints",
+    "diagnosed": "Diagnosis Region",
+    "diagnosis": "DiagnosisOptions diagnose",
+    "joint_motion": "JointMotion JointState",
+    "missing": "Ballast Glue JointTurn Needs Pull",
+    "props": "PropForce",
+    "bench": "Tried",
+    "margin": "DesignMargin",
+    "mend_types": "Mend MendOptions Mends",
+    "mending": "Mending mend",
+    "mends": "find_mends",
+    "free_moves": "Moves block_moves free_vertices joint_moves thickening",
+    "shape_options": "HelpMeasure ShapeAim ShapeOptions Shaped",
+    "shaping": "shape",
+    "shared_planes": "PlaneMoves",
+    "shape_variables": "FamilyMoves",
+    "tuned_values": "Parameter TuneTrial Tuned",
+    "tuning": "TuneOptions tune",
+    "sharpening": "SharpenOptions Sharpened sharpen",
 }
 """The public names of each module."""
 

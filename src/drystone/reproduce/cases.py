@@ -10,18 +10,17 @@ import numpy as np
 from drystone import models
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
+from drystone.design import CutOptions, cut_until_free
 from drystone.limits import Bracket, limit_friction, limit_tilt
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.reproduce.published_case import Case, Line
 from drystone.results import Result, Verdict
 from drystone.sequence import (
-    CutOptions,
     Order,
     Plan,
     PlanOptions,
     Rules,
-    cut_until_free,
     plan,
     take_turns,
 )

@@ -1,8 +1,6 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
-from drystone.sequence.cut_loop import CutLoop, CutOptions, cut_until_free
-from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.friction_sweeps import (
     FrictionSweep,
     least_buildable_friction,
@@ -41,10 +39,6 @@ from drystone.sequence.turns import Turn, Turns, take_turns
 __all__ = [
     "Centring",
     "Clamp",
-    "Cut",
-    "CutDesign",
-    "CutLoop",
-    "CutOptions",
     "DaskWorkers",
     "Evaluator",
     "ExecutorFactory",
@@ -84,16 +78,12 @@ __all__ = [
     "Structure",
     "Strut",
     "Support",
-    "Trial",
     "Turn",
     "Turns",
     "check_both",
     "check_once",
     "check_thoroughly",
     "compare_scaffolding",
-    "cut_block",
-    "cut_until_free",
-    "design_cuts",
     "find_path",
     "freedom",
     "gravity_region",
@@ -105,6 +95,5 @@ __all__ = [
     "scaffolding",
     "sweep_friction",
     "take_turns",
-    "tilted_cuts",
     "with_scaffold",
 ]

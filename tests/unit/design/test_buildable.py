@@ -11,7 +11,7 @@ from drystone import InputError, design
 from drystone.cli import main
 from drystone.cli.base.waiting import UNDER_WAY
 from drystone.design import BuildableOptions, BuildNeeds, make_buildable
-from drystone.design.building.buildable_search import (
+from drystone.design.buildable_search import (
     course_of,
     levels_of,
     lines_below,

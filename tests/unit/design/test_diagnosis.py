@@ -12,9 +12,9 @@ from drystone import Assembly, InputError, Model, Verdict, check
 from drystone.checks import check_forces
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
-from drystone.design.causes.missing_wrenches import with_wrenches
-from drystone.design.causes.prop_forces import least_prop, propped
-from drystone.design.causes.regions import regions_of
+from drystone.design.missing_wrenches import with_wrenches
+from drystone.design.props import least_prop, propped
+from drystone.design.regions import regions_of
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, prism, shelf, tower
 

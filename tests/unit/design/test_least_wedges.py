@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.base.arrays import Floats
-from drystone.design.wedges.least_wedges import least_wedges
+from drystone.design.least_wedges import least_wedges
 
 CLOSE = 0.5
 

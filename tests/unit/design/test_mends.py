@@ -9,10 +9,17 @@ import pytest
 import drystone
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
-from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
-from drystone.design.causes import prop_forces
-from drystone.design.mends import margin
-from drystone.design.surgery import still_edge, turn_joint
+from drystone.design import (
+    DesignMargin,
+    MendOptions,
+    Mends,
+    find_mends,
+    margin,
+    mend,
+    still_edge,
+    turn_joint,
+)
+from drystone.design import props as prop_forces
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, shelf, tower, wedge
 

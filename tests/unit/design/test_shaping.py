@@ -22,9 +22,9 @@ from drystone.design import (
     shape,
     thickening,
 )
-from drystone.design.shaping.corner_following import Corners
-from drystone.design.shaping.help_needed import Form
-from drystone.design.shaping.vertex_measures import BlockVertices, vertices_of
+from drystone.design.corner_following import Corners
+from drystone.design.help_needed import Form
+from drystone.design.vertex_measures import BlockVertices, vertices_of
 from drystone.models import arch, box, concave, dome, prism, shelf, tower
 from drystone.shells.shell_by_name import shell_by_name
 

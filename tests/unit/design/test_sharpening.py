@@ -10,7 +10,7 @@ import drystone
 from drystone import Assembly, InputError, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, Sharpened, SharpenOptions, sharpen
-from drystone.design.wedges.plane_joints import PlaneJoints
+from drystone.design.plane_joints import PlaneJoints
 from drystone.models import arch, box, tower
 from drystone.stability import CheckOptions
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Model, find_contacts
-from drystone.design.mends.added_mends import tied
-from drystone.design.surgery import (
+from drystone.design import (
     cut_block,
     faces_toward,
     hook_joint,
@@ -25,6 +24,7 @@ from drystone.design.surgery import (
     turn_joint,
     wedge_joint,
 )
+from drystone.design.added_mends import tied
 from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import rotation_about
 from drystone.joint_capacity import NO_LIMIT, JointCapacity

@@ -11,7 +11,7 @@ import drystone
 from drystone import Assembly, InputError
 from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
-from drystone.design.tuning.tune_goals import TuneGoals, outcome_of, planned_counts
+from drystone.design.tune_goals import TuneGoals, outcome_of, planned_counts
 from drystone.models import arch, box, tower
 from drystone.sequence import LocalWorkers
 

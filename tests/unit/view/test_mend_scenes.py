@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 import drystone
 from drystone.checks import corner_motion
 from drystone.design import DiagnosisOptions
-from drystone.design.causes.glue_needed import glued
-from drystone.design.causes.missing import ballasted
-from drystone.design.causes.prop_forces import PropSeat, propped
-from drystone.design.mends.added_mends import tied
+from drystone.design.added_mends import tied
+from drystone.design.glue_needed import glued
+from drystone.design.missing import ballasted
+from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, tower
 from drystone.settlement import push

@@ -62,7 +62,7 @@ def find_buildable(
             remedy="give --wedge one value, the shallowest",
         )  # fmt: skip
     from drystone import design  # work is imported when there is some
-    from drystone.design.building.buildable import WEDGES
+    from drystone.design.buildable import WEDGES
 
     least = WEDGES[0] if pattern.wedge is None else pattern.wedge[0]
     sign = -1.0 if least < 0.0 else 1.0

@@ -50,7 +50,7 @@ def cut(
 
     Exit code 0: every block is free. 1: none of the cuts that are tried makes it so. 2: bad input.
     """
-    from drystone import io, sequence
+    from drystone import design, io
 
     waiting.stage("read", f"reading {source.model}")
     read = io.read_file(source.model, **source.how())
@@ -58,9 +58,9 @@ def cut(
     asked: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("cut", "cutting")
     with waiting.keywords(time_limit) as common:
-        found = sequence.cut_until_free(
+        found = design.cut_until_free(
             whole,
-            options=sequence.CutOptions(blocks=blocks, most=most, **asked),
+            options=design.CutOptions(blocks=blocks, most=most, **asked),
             **common,
         )
     trials = () if found.design is None else found.design.trials

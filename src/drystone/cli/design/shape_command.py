@@ -15,7 +15,7 @@ from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
-    from drystone.design.shaping.variables import ShapeVariables
+    from drystone.design.shape_variables import ShapeVariables
 
 
 @command(
@@ -118,7 +118,7 @@ def shape(
             raise InputError(why, where=option, remedy="leave it out")
     stands_at = margins(changed.margin)
     from drystone import design  # work is imported when there is some
-    from drystone.design.shaping.free_moves import prism_axis
+    from drystone.design.free_moves import prism_axis
 
     model = subject.prepared(waiting, finding)
     size = float(model.assembly.size[model.assembly.free].mean())

@@ -16,9 +16,16 @@ from drystone import io
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
-from drystone.design import Mend, MendOptions, find_mends, recut_joints
-from drystone.design.surgery import cut_block
-from drystone.design.surgery.changed_model import acceleration_of
+from drystone.design import (
+    CutOptions,
+    Mend,
+    MendOptions,
+    cut_block,
+    cut_until_free,
+    find_mends,
+    recut_joints,
+)
+from drystone.design.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
@@ -28,13 +35,11 @@ from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 from drystone.sequence import (
-    CutOptions,
     Order,
     Plan,
     PlanOptions,
     Rules,
     Status,
-    cut_until_free,
     plan,
 )
 from drystone.view import scene_of

@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.design.surgery.changed_model import acceleration_of
+from drystone.design.changed_model import acceleration_of
 from drystone.io.jsontext import Field
 from drystone.limits import Tilt
 from drystone.loads import DOWN, LoadCase

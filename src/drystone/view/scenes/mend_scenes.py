@@ -9,8 +9,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
-from drystone.design.causes.diagnosed import Diagnosis
-from drystone.design.surgery.changed_model import ties_of
+from drystone.design.changed_model import ties_of
+from drystone.design.diagnosed import Diagnosis
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model

@@ -11,7 +11,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import counted
 from drystone.checks import block_speed, moving_joints
 from drystone.contacts import Contacts
-from drystone.design.causes.regions import first_motion_of
+from drystone.design.regions import first_motion_of
 from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results import Result

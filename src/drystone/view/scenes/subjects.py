@@ -8,7 +8,7 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.design.causes.diagnosed import Diagnosis
+from drystone.design.diagnosed import Diagnosis
 from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model

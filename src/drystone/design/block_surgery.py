@@ -1,0 +1,212 @@
+"""Changes of blocks: cut, merge, insert, move a face, thicken."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from drystone.assembly import Block
+from drystone.base.arrays import Floats, number
+from drystone.base.errors import InputError
+from drystone.design.changed_model import changed, fresh_name
+from drystone.design.joint_plane import (
+    block_with,
+    body_of,
+    joint_plane,
+    snapped,
+)
+from drystone.geometry.body.glue import cut_cell, glue
+from drystone.geometry.frames import unit
+from drystone.geometry.plane.polygon import area_vector
+from drystone.model import Model
+
+
+def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> Model:
+    """The model with a block cut in two by a plane; the part in front becomes a new block."""
+    i = int(model.assembly.indices([block])[0])
+    body = model.assembly.blocks[i]
+    along = unit(normal, "normal")
+    offset = np.array([float(along @ np.asarray(point, dtype=np.float64))])
+    behind, front = cut_cell([body_of(body)], along[None], offset)
+    if not behind or not front:
+        raise InputError(
+            f"the plane does not pass through block '{body.name}'", remedy="move the plane"
+        )
+    parts = [*behind, *front]
+    blocks = [block_with(body, part) for part in parts]
+    added: list[Block] = []
+    for part in blocks[1:]:
+        name = fresh_name(model, f"{body.name}-part", [one.name for one in added])
+        added.append(part.renamed(name))
+    fixed = [bool(model.assembly.fixed[i])] * len(added)
+    return changed(model, {i: blocks[0]}, added=added, fixed=fixed, parts_of=i)
+
+
+def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
+    """The model with two touching blocks merged into one, as if glued, with the first name.
+
+    Raises
+    ------
+    InputError
+        They do not touch, or their densities differ.
+    """
+    i, j = (int(k) for k in model.assembly.indices([one, other]))
+    contacts = model.contacts
+    pair = {i, j}
+    between = [
+        k
+        for k in range(contacts.count)
+        if {int(contacts.block_a[k]), int(contacts.block_b[k])} == pair
+    ]
+    first, second = model.assembly.blocks[i], model.assembly.blocks[j]
+    where = f"'{first.name}' and '{second.name}'"
+    if not between:
+        raise InputError("do not touch", where=where, remedy="merge blocks with a joint")
+    if first.density != second.density:
+        raise InputError("differ in density", where=where, remedy="give both the same density")
+    bodies = [body_of(first), body_of(second)]
+    for k in between:
+        joint = joint_plane(model, k)
+        bodies = [snapped(body, joint) for body in bodies]
+    merged = glue(bodies)
+    if len(merged) != 1:
+        raise InputError("do not touch along a face", where=where, remedy="merge others")
+    fixed = bool(model.assembly.fixed[i] or model.assembly.fixed[j])
+    made = changed(model, {i: block_with(first, merged[0])}, removed=[j], heirs={j: i})
+    if fixed and not model.assembly.fixed[i]:
+        at = made.assembly.index(first.name)
+        return made.with_supports([*np.flatnonzero(made.assembly.fixed).tolist(), at])
+    return made
+
+
+def move_face(model: Model, block: int | str, face: int, distance: float) -> Model:
+    """The model with a face of a block moved outward: thicker or longer, or thinner below zero.
+
+    The sides of the block are prolonged or shortened; its other planes stay.
+
+    Parameters
+    ----------
+    model
+    block
+    face
+        Its number; ``faces_toward`` finds it.
+    distance : [m]
+
+    Raises
+    ------
+    InputError
+        More than three faces meet at a corner of the face, or a face would be swallowed.
+    """
+    i = int(model.assembly.indices([block])[0])
+    body = model.assembly.blocks[i]
+    if not 0 <= face < len(body.faces):
+        raise InputError(f"block '{body.name}' has no face {face}", remedy="number them from 0")
+    return changed(model, {i: _with_moved(body, {face: number(distance, "the distance")})})
+
+
+def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
+    """The model with blocks thicker by a share of their thickness, thinner below zero.
+
+    The thickness of a block is between the two largest faces that are in no joint and look away
+    from each other; each of them is moved by half of it.
+
+    Raises
+    ------
+    InputError
+        A block has no such faces, or one of them cannot be moved.
+    """
+    new = {}
+    for i in blocks:
+        body = model.assembly.blocks[i]
+        planes = [_plane(body, k) for k in range(len(body.faces))]
+        free = [k for k in _by_area(body) if not _in_joint(model, i, *planes[k])]
+        pairs = [
+            (one, two)
+            for number_, one in enumerate(free)
+            for two in free[number_ + 1 :]
+            if planes[one][0] @ planes[two][0] < -0.5
+        ]
+        if not pairs:
+            raise InputError(
+                "has no two free faces", where=f"block '{body.name}'", remedy="choose another"
+            )
+        one, two = pairs[0]
+        middle = body.vertices[list(body.faces[two])].mean(axis=0)
+        thickness = planes[one][1] - float(planes[one][0] @ middle)
+        new[i] = _with_moved(body, dict.fromkeys((one, two), 0.5 * share * thickness))
+    return changed(model, new)
+
+
+def _by_area(block: Block) -> list[int]:
+    """The faces of a block, the largest first."""
+    size = []
+    for loop in block.faces:
+        corner = block.vertices[list(loop)]
+        size.append(float(np.linalg.norm(area_vector(corner))))
+    return sorted(range(len(size)), key=lambda k: -size[k])
+
+
+def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
+    """Whether a joint of a block lies in a plane."""
+    contacts = model.contacts
+    near = 0.01 * model.assembly.size[block]
+    return any(
+        abs(contacts.frame[k, 0] @ normal) > 0.99
+        and np.abs(contacts.polygon(int(k)) @ normal - offset).max() < near
+        for k in np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
+    )
+
+
+def _with_moved(body: Block, distances: Mapping[int, float]) -> Block:
+    """A block with some faces moved outward by distances [m], its other planes where they are."""
+    plane = [_plane(body, k) for k in range(len(body.faces))]
+    for face, distance in distances.items():
+        plane[face] = (plane[face][0], plane[face][1] + distance)
+    vertices = np.array(body.vertices)
+    where = f"block '{body.name}'"
+    for v in sorted({v for face in distances for v in body.faces[face]}):
+        meeting = [k for k, loop in enumerate(body.faces) if v in loop]
+        if len(meeting) != 3:
+            raise InputError(
+                "more than three faces meet at a corner of the face that moves",
+                where=where,
+                remedy="choose another face",
+            )
+        vertices[v] = np.linalg.solve(
+            np.array([plane[k][0] for k in meeting]), np.array([plane[k][1] for k in meeting])
+        )
+    for loop in body.faces:
+        before = area_vector(body.vertices[list(loop)])
+        after = area_vector(vertices[list(loop)])
+        sizes = float(np.linalg.norm(before) * np.linalg.norm(after))
+        if before @ after < 0.999 * sizes or sizes == 0.0:
+            raise InputError("would remove a whole face", where=where, remedy="move it less")
+    return Block(vertices, body.faces, body.name, body.density, body.metadata)
+
+
+def _plane(block: Block, face: int) -> tuple[Floats, float]:
+    """Unit normal and offset of a face."""
+    corner = block.vertices[list(block.faces[face])]
+    area = area_vector(corner)
+    normal = area / np.linalg.norm(area)
+    return normal, float(normal @ corner.mean(axis=0))
+
+
+def faces_toward(block: Block, direction: Floats) -> list[int]:
+    """Faces of a block whose normals are within 45 degrees of a direction, the nearest first."""
+    along = unit(direction)
+    cosine = [float(_plane(block, k)[0] @ along) for k in range(len(block.faces))]
+    order = sorted(range(len(cosine)), key=lambda k: -cosine[k])
+    return [k for k in order if cosine[k] > 0.7]
+
+
+def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
+    """The model with an additional block and its contacts.
+
+    Raises
+    ------
+    InputError
+        A block has its name already.
+    """
+    return changed(model, added=(block,), fixed=(fixed,))

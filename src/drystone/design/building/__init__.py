@@ -1,1 +1,0 @@
-"""Shells changed until they can be built with less help."""

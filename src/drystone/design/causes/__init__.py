@@ -1,1 +1,0 @@
-"""Why a structure falls: regions, first motions, missing forces."""

@@ -1,0 +1,212 @@
+"""The diagnosis of a structure that falls: its regions, as text and as plain values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
+from drystone.design import words as diagnosis_words
+from drystone.design.joint_motion import JointState
+from drystone.design.missing import (
+    Needs,
+)
+from drystone.model import Model
+from drystone.results import Result, Verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Region(OneLine):
+    """Connected blocks that fall or need help.
+
+    Attributes
+    ----------
+    blocks
+        Positions of the blocks in the model.
+    neighbours
+        Positions of the blocks that touch them, which are fixed in the local model.
+    local
+        The model of the region alone: first its blocks (free), then its neighbours (fixed).
+    verdict
+        Of the local model.
+    joints
+        First motion of each block at each of its interfaces.
+    needs
+        What would hold it.
+    sentence
+        What happens, and what to do.
+    """
+
+    blocks: tuple[int, ...]
+    neighbours: tuple[int, ...]
+    local: Model
+    verdict: Verdict
+    joints: tuple[JointState, ...]
+    needs: Needs
+    sentence: str
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.blocks), 'block')}, '{self.sentence}'"
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis(OneLine):
+    """Where a model falls, why, and which forces are missing.
+
+    Attributes
+    ----------
+    result
+        Result of the check, or of the penalty form if the check is undecided.
+    regions
+        The heaviest first; empty where it stands.
+    motion : (n, 6) [m, rad]
+        First motion of the blocks; the fastest one moves by about its size.
+    friction
+        Coefficient of all joints with which the whole model stands; ``None`` if it stands already
+        or none was found.
+    others
+        Blocks of regions that were not examined.
+    stopped
+        Why the needs of some regions are missing; else empty.
+    """
+
+    result: Result
+    regions: tuple[Region, ...]
+    motion: Floats
+    friction: float | None = None
+    others: tuple[int, ...] = ()
+    stopped: str = ""
+
+    def _summary(self) -> str:
+        told = counted(len(self.regions), "region")
+        return f"{self.result.verdict.value}, {told}, '{'; '.join(self.sentences)}'"
+
+    @property
+    def model(self) -> Model:
+        """The diagnosed model."""
+        return self.result.model
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """A sentence for each region, or one if the model stands."""
+        if not self.regions:
+            return (diagnosis_words.nothing(self.result),)
+        said = [region.sentence for region in self.regions]
+        if self.others:
+            more = counted(len(self.others), "more block falls", "more blocks fall")
+            said.append(f"{more}: {diagnosis_words.names_of(self.model, self.others)}")
+        if self.friction is not None:
+            regions = [region.needs.friction for region in self.regions]
+            said.append(diagnosis_words.friction_of_all(self.friction, regions))
+        return tuple(said)
+
+    @property
+    def props(self) -> tuple[Floats, Floats]:
+        """Points (p, 3) [m] and forces (p, 3) [N] of one prop for each region.
+
+        The force of a support from below if one is sufficient, else the missing force.
+        """
+        points, forces = [], []
+        for region in self.regions:
+            needs = region.needs
+            points.append(needs.point if needs.support is None else needs.support.point)
+            forces.append(needs.force if needs.support is None else needs.support.force)
+        return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: forces in N, moments in N m, lengths in m."""
+        return _plain(self)
+
+
+def _plain(diagnosis: Diagnosis) -> dict[str, Any]:
+    """A diagnosis as plain values."""
+    model = diagnosis.model
+    return {
+        "verdict": diagnosis.result.verdict.value,
+        "message": diagnosis.result.message,
+        "sentences": list(diagnosis.sentences),
+        "friction_of_all": diagnosis.friction,
+        "others": [model.assembly.names[i] for i in diagnosis.others],
+        "stopped": diagnosis.stopped,
+        "regions": [_plain_region(model, region) for region in diagnosis.regions],
+    }
+
+
+def _plain_region(model: Model, region: Region) -> dict[str, Any]:
+    names, needs = model.assembly.names, region.needs
+    return {
+        "blocks": [names[i] for i in region.blocks],
+        "neighbours": [names[i] for i in region.neighbours],
+        "verdict": region.verdict.value,
+        "sentence": region.sentence,
+        "joints": [
+            {
+                "interface": j.interface,
+                "block": names[j.block],
+                "neighbour": names[j.neighbour],
+                "motion": j.motion.name.lower(),
+                "direction": j.direction.tolist(),
+                "edge": None if j.edge is None else j.edge.tolist(),
+                "normal": j.normal,
+                "friction_use": j.friction_use,
+                "idle": j.idle,
+                "friction_spent": j.spent,
+                "hinge": j.hinge,
+            }
+            for j in region.joints
+        ],
+        "needs": {
+            "prop": {"force": needs.force.tolist(), "point": needs.point.tolist()},
+            "wrench": dict(
+                zip([names[i] for i in region.blocks], needs.wrench.tolist(), strict=True)
+            ),
+            "support": None
+            if needs.support is None
+            else {
+                "block": names[needs.support.block],
+                "force": needs.support.force.tolist(),
+                "point": needs.support.point.tolist(),
+            },
+            "friction": needs.friction,
+            "ballast": None
+            if needs.ballast is None
+            else {"block": names[needs.ballast.block], "force": needs.ballast.force},
+            "turn": None
+            if needs.turn is None
+            else {
+                "interface": needs.turn.interface,
+                "blocks": [names[model.contacts.block_a[needs.turn.interface]],
+                           names[model.contacts.block_b[needs.turn.interface]]],
+                "degrees": needs.turn.angle,
+            },
+            "glue": [
+                {
+                    "joints": [
+                        {
+                            "interface": k,
+                            "blocks": [names[model.contacts.block_a[k]],
+                                       names[model.contacts.block_b[k]]],
+                        }
+                        for k in glue.interfaces
+                    ],
+                    "strength": glue.strength,
+                }
+                for glue in needs.glue
+            ],
+            "tension": [
+                {
+                    "interface": p.interface,
+                    "blocks": [names[model.contacts.block_a[p.interface]],
+                               names[model.contacts.block_b[p.interface]]],
+                    "force": p.force,
+                    "point": p.point.tolist(),
+                    "stress": p.stress,
+                }
+                for p in needs.pulls
+            ],
+        },
+    }  # fmt: skip

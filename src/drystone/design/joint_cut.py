@@ -1,0 +1,286 @@
+"""New cuts of a joint: both blocks change together and share the new faces exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+import shapely
+
+from drystone.assembly import Block
+from drystone.base.arrays import Floats, dot, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.design.changed_model import changed
+from drystone.design.joint_plane import (
+    ON,
+    JointPlane,
+    block_with,
+    body_of,
+    covers_face,
+    faces_at,
+    snapped,
+)
+from drystone.geometry.body.glue import cut_cell, glue
+from drystone.geometry.body.split import Piece
+from drystone.geometry.plane.polygon import area_vector
+from drystone.model import Model
+
+KEPT = 1e-9
+"""Volumes below this share of the block are rounding."""
+
+_REMEMBERED = 128
+"""Changes whose blocks are kept. The same change is tried in a diagnosis, in a region and in the
+whole: of 124 changes in the mends of a shelf 41 are repeated."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cell(OneLine):
+    """A convex part of space: where ``normal @ x <= offset``.
+
+    Attributes
+    ----------
+    normal : (p, 3) unit
+    offset : (p,) [m]
+    """
+
+    normal: Floats
+    offset: Floats
+
+    @classmethod
+    def below(cls, normals: Floats, points: Floats) -> Cell:
+        """The space behind planes, given by normals and a point of each."""
+        unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        return cls(frozen(unit), frozen(dot(unit, points)))
+
+    def within(self, other: Cell) -> Cell:
+        """The intersection of both."""
+        return Cell(
+            frozen(np.concatenate([self.normal, other.normal])),
+            frozen(np.concatenate([self.offset, other.offset])),
+        )
+
+    def holds(self, points: Floats, near: float) -> bool:
+        """Whether all points (p, 3) are inside."""
+        return bool((points @ self.normal.T <= self.offset + near).all())
+
+
+@dataclass(frozen=True, eq=False)
+class JointCut:
+    """The parts that two blocks exchange at a joint.
+
+    Attributes
+    ----------
+    joint
+    to_a, to_b
+        Cells of the parts; those of one block do not overlap.
+    walls_a, walls_b
+        How far the parts of block a, and of block b, reach to the sides; ``None`` where the block
+        ends at the joint.
+    """
+
+    joint: JointPlane
+    to_a: tuple[Cell, ...]
+    to_b: tuple[Cell, ...]
+    walls_a: Cell | None
+    walls_b: Cell | None
+
+    @classmethod
+    def of(
+        cls, joint: JointPlane, one: Piece, other: Piece, to_a: Sequence[Cell], to_b: Sequence[Cell]
+    ) -> JointCut:
+        """The cut of the bodies of block a and of block b, as they are before it."""
+        ends = covers_face(one, joint), covers_face(other, joint)
+        walls_a = None if ends[0] else _walls(joint, other if ends[1] else None)
+        walls_b = None if ends[1] else _walls(joint, one if ends[0] else None)
+        return cls(joint, tuple(to_a), tuple(to_b), walls_a, walls_b)
+
+    def from_a(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block b takes of the pieces of block a, and what is left of them."""
+        return _taken(pieces, self.to_b, self.walls_a, self.joint, -1.0)
+
+    def from_b(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block a takes of the pieces of block b, and what is left of them."""
+        return _taken(pieces, self.to_a, self.walls_b, self.joint, 1.0)
+
+    def refuse_swallowed(
+        self, one: Piece, other: Piece, taken: list[Piece], given: list[Piece], where: str
+    ) -> None:
+        """Refuse a cut that removes a whole face of one of the two bodies."""
+        for body, parts, cells in ((other, given, self.to_a), (one, taken, self.to_b)):
+            _refuse_swallowed(body, parts, cells, self.joint, where)
+
+
+def one_body(pieces: Sequence[Piece], where: str, name: str) -> Piece:
+    """The union of pieces, refused where it is not one body."""
+    bodies = glue(pieces)
+    if len(bodies) != 1:
+        raise InputError(
+            f"would cut '{name}' into {len(bodies)} parts", where=where, remedy="make it smaller"
+        )
+    return bodies[0]
+
+
+def recut(
+    model: Model, joint: JointPlane, to_a: Sequence[Cell], to_b: Sequence[Cell], what: str
+) -> Model:
+    """The model with parts of block b given to block a, and of block a to block b.
+
+    Only parts that touch the joint are exchanged. If a block extends beyond the joint, the part is
+    bounded by the extended sides of the other block.
+
+    Parameters
+    ----------
+    model
+    joint
+    to_a, to_b
+        Cells of the parts; those of one block do not overlap.
+    what
+        The change in words, for errors.
+
+    Raises
+    ------
+    InputError
+        The change would remove a face, cut a block in two, or change only the joint of a fixed
+        block.
+    """
+    a, b = joint.block_a, joint.block_b
+    blocks, names = model.assembly.blocks, model.assembly.names
+    where = f"{what} of the joint of '{names[a]}' and '{names[b]}'"
+    parts = [joint.frame, joint.centre, joint.outline]
+    parts += [part for cell in (*to_a, *to_b) for part in (cell.normal, cell.offset)]
+    key = (len(to_a), tuple(np.ascontiguousarray(part).tobytes() for part in parts))
+    asked = _Exchange((blocks[a], blocks[b]), where, key, joint, tuple(to_a), tuple(to_b))
+    return changed(model, dict(zip((a, b), _exchanged(asked), strict=True)))
+
+
+@dataclass(frozen=True)
+class _Exchange:
+    """Two blocks and the parts that they exchange; equal where the key is."""
+
+    blocks: tuple[Block, Block]
+    where: str
+    key: tuple[int, tuple[bytes, ...]]
+    joint: JointPlane = field(compare=False)
+    to_a: tuple[Cell, ...] = field(compare=False)
+    to_b: tuple[Cell, ...] = field(compare=False)
+
+
+@lru_cache(_REMEMBERED)
+def _exchanged(asked: _Exchange) -> tuple[Block, Block]:
+    """The two blocks after the exchange."""
+    joint, where = asked.joint, asked.where
+    one, other = (snapped(body_of(block), joint) for block in asked.blocks)
+    cut = JointCut.of(joint, one, other, asked.to_a, asked.to_b)
+    given, kept_b = cut.from_b([other])
+    taken, kept_a = cut.from_a([one])
+    cut.refuse_swallowed(one, other, taken, given, where)
+    first, second = (
+        block_with(block, one_body(pieces, where, block.name))
+        for block, pieces in zip(asked.blocks, ([*kept_a, *given], [*kept_b, *taken]), strict=True)
+    )
+    return first, second
+
+
+def _walls(joint: JointPlane, ending: Piece | None) -> Cell:
+    """The space beyond a joint within the sides of the block that ends there.
+
+    If a side has an unsuitable inclination, or no block ends there, the side is normal to the
+    joint.
+
+    Parameters
+    ----------
+    joint
+    ending
+    """
+    corner = joint.centre + joint.outline @ joint.frame[1:]
+    normals, points = [], []
+    for start, end in zip(corner, np.roll(corner, -1, axis=0), strict=True):
+        along = (end - start) / np.linalg.norm(end - start)
+        square = np.cross(along, joint.normal)
+        normals.append(square if ending is None else _side(ending, start, end, square))
+        points.append(start)
+    return Cell.below(np.array(normals), np.array(points))
+
+
+def _side(body: Piece, start: Floats, end: Floats, square: Floats) -> Floats:
+    """Normal of the side face of a body at an edge of its joint; ``square`` where there is none."""
+    vertices, faces = body
+    near = ON * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    best = square
+    for face in faces:
+        corner = vertices[list(face)]
+        area = area_vector(corner)
+        normal = area / np.linalg.norm(area)
+        if np.abs((np.array([start, end]) - corner[0]) @ normal).max() > near:
+            continue
+        if normal @ square > 0.3 and _touches(corner, start, end, near):
+            best = normal
+    return best
+
+
+def _touches(corner: Floats, start: Floats, end: Floats, near: float) -> bool:
+    """Whether an edge of a face runs along a segment."""
+    middle = 0.5 * (start + end)
+    for p, q in zip(corner, np.roll(corner, -1, axis=0), strict=True):
+        along = q - p
+        share = np.clip((middle - p) @ along / (along @ along), 0.0, 1.0)
+        if np.linalg.norm(middle - p - share * along) <= near:
+            return True
+    return False
+
+
+def _taken(
+    pieces: Sequence[Piece], cells: Sequence[Cell], walls: Cell | None, joint: JointPlane,
+    onward: float,
+) -> tuple[list[Piece], list[Piece]]:  # fmt: skip
+    """The parts of a body in cells that touch the joint, and the rest.
+
+    Parameters
+    ----------
+    pieces
+        Of the body.
+    cells, walls, joint
+    onward
+        1 where the body lies along n, -1 against it.
+    """
+    beyond = Cell.below(-onward * joint.normal[None], joint.centre[None])
+    taken: list[Piece] = []
+    kept: list[Piece] = list(pieces)
+    for cell in cells:
+        whole = cell.within(beyond) if walls is None else cell.within(beyond).within(walls)
+        inside, kept = cut_cell(kept, whole.normal, whole.offset)
+        for piece in inside:
+            (taken if _joint_faces_over(piece, joint) else kept).append(piece)
+    return taken, kept
+
+
+def _joint_faces_over(piece: Piece, joint: JointPlane) -> bool:
+    """Whether a piece has a face on the joint itself."""
+    outline = shapely.Polygon(joint.outline)
+    for face in faces_at(piece, joint):
+        flat = (piece[0][list(face)] - joint.centre) @ joint.frame[1:].T
+        if shapely.intersection(shapely.Polygon(flat).buffer(0.0), outline).area > 0.0:
+            return True
+    return False
+
+
+def _refuse_swallowed(
+    body: Piece, parts: Sequence[Piece], cells: Sequence[Cell], joint: JointPlane, where: str
+) -> None:
+    """Refuse a change that removes a whole face of a block."""
+    if not parts:
+        return
+    vertices, faces = body
+    near = KEPT * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    own = faces_at(body, joint)
+    low = np.min([piece[0].min(axis=0) for piece in parts], axis=0) - near
+    high = np.max([piece[0].max(axis=0) for piece in parts], axis=0) + near
+    for face in faces:
+        corner = vertices[list(face)]
+        if face in own or (corner < low).any() or (corner > high).any():
+            continue
+        if any(cell.holds(corner, near) for cell in cells):
+            raise InputError("would remove a whole face", where=where, remedy="make it smaller")

@@ -1,0 +1,243 @@
+"""Changes of joints: rotation, translation, and cuts as a wedge, a key or a hook."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.base.arrays import Floats, number
+from drystone.base.errors import InputError
+from drystone.design.joint_cut import Cell, recut
+from drystone.design.joint_plane import JointPlane, ends_of, joint_plane
+from drystone.geometry.frames import rotation_about, unit
+from drystone.model import Model
+
+STEEPEST = 80.0
+"""[degrees] Largest rotation of a joint and angle of a wedge. Chosen: a slender tip remains."""
+
+
+def turn_joint(
+    model: Model,
+    interface: int,
+    angle: float,
+    axis: Floats | None = None,
+    pivot: float = 0.0,
+    first: int | None = None,
+) -> Model:
+    """The model with a rotated joint; the sum of the two volumes does not change.
+
+    Parameters
+    ----------
+    model
+    interface
+    angle : [degrees]
+        Counter-clockwise about the axis.
+    axis : (3,), optional
+        Projected into the plane of the joint. When left out, the horizontal line in it.
+    pivot
+        Line of the joint that does not move: 0 through its middle, -1 and 1 the edges.
+    first
+        Which of the two blocks is block a; left out, that of the contacts.
+
+    Raises
+    ------
+    InputError
+        The rotation is too large: a face would be removed.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> model = Model.of(tower(2), friction=0.6)
+    >>> turned = turn_joint(model, 0, 5.0)
+    >>> turned.assembly.volume.sum().round(9), turned.contacts.count
+    (np.float64(2.0), 1)
+    """
+    joint = joint_plane(model, interface, first)
+    along = _axis(joint, axis)
+    if not abs(number(angle, "the angle")) < STEEPEST:
+        raise InputError(f"the angle is {angle}", remedy=f"give less than {STEEPEST:g} degrees")
+    across = np.cross(joint.normal, along)
+    low, high = joint.reach(across)
+    at = joint.centre + (high if pivot > 0.0 else -low) * pivot * across
+    normal = rotation_about(along, angle) @ joint.normal
+    cells = _cells(normal[None], at[None], True)
+    return recut(model, joint, *cells, f"a turn by {angle:g} degrees")
+
+
+def still_edge(model: Model, interface: int, side: float, first: int | None = None) -> float:
+    """The pivot of :func:`turn_joint` with which a joint stays one plane.
+
+    The block that ends at the joint only loses volume. With a rotation about the other edge it
+    would be let into the other block, with a step.
+
+    Parameters
+    ----------
+    model, interface
+    side
+        Sign of the angle.
+    first
+    """
+    joint = joint_plane(model, interface, first)
+    ends = ends_of(model, joint)
+    return float(-np.sign(side) if ends[1] and not ends[0] else np.sign(side))
+
+
+def move_joint(model: Model, interface: int, distance: float, first: int | None = None) -> Model:
+    """The model with a joint moved along its normal, into block b where ``distance`` [m] > 0.
+
+    If block b extends beyond the joint, block a is let into it.
+    """
+    joint = joint_plane(model, interface, first)
+    at = joint.centre + number(distance, "the distance") * joint.normal
+    cells = _cells(joint.normal[None], at[None], True)
+    return recut(model, joint, *cells, f"a move by {distance:g} m")
+
+
+def wedge_joint(
+    model: Model,
+    interface: int,
+    sharpness: float,
+    axis: Floats | None = None,
+    first: int | None = None,
+) -> Model:
+    """The model with a plane joint replaced by two planes that meet in a ridge.
+
+    Parameters
+    ----------
+    model
+    interface
+    sharpness : [degrees]
+        Angle of each plane with the joint. Above zero, block a is the wedge and block b the groove.
+    axis : (3,), optional
+        Direction of the ridge, projected into the plane of the joint. When left out, the horizontal
+        line in it.
+    first
+        Which of the two blocks is block a; left out, that of the contacts.
+
+    Notes
+    -----
+    The ridge and the edges of the joint have the same distance from the old plane, so both blocks
+    exchange about equal volumes.
+    """
+    joint = joint_plane(model, interface, first)
+    return recut(model, joint, *wedge_cells(joint, sharpness, axis), wedge_words(sharpness))
+
+
+def wedge_words(sharpness: float) -> str:
+    """A wedge in words, for errors."""
+    return f"a wedge of {sharpness:g} degrees"
+
+
+def wedge_cells(
+    joint: JointPlane, sharpness: float, axis: Floats | None = None
+) -> tuple[list[Cell], list[Cell]]:
+    """The cells that block a, and that block b, takes with :func:`wedge_joint`."""
+    along = _axis(joint, axis)
+    if not abs(number(sharpness, "the sharpness")) < STEEPEST:
+        raise InputError(
+            f"the sharpness is {sharpness}", remedy=f"give less than {STEEPEST:g} degrees"
+        )
+    across = np.cross(joint.normal, along)
+    low, high = joint.reach(across)
+    half = 0.5 * (high - low)
+    middle = joint.centre + 0.5 * (low + high) * across
+    ridge = middle + 0.5 * half * np.tan(np.deg2rad(sharpness)) * joint.normal
+    normals = np.array([rotation_about(along, s * sharpness) @ joint.normal for s in (-1.0, 1.0)])
+    return _cells(normals, np.array([ridge, ridge]), sharpness > 0.0)
+
+
+def key_joint(
+    model: Model, interface: int, depth: float, share: float = 0.5, axis: Floats | None = None
+) -> Model:
+    """The model with a key: in a strip of the joint block a extends into block b.
+
+    Parameters
+    ----------
+    model
+    interface
+    depth : [m]
+    share
+        Width of the key by that of the joint.
+    axis : (3,), optional
+        Along which the key runs. Left out, the horizontal line in the joint.
+    """
+    joint = joint_plane(model, interface)
+    along = _axis(joint, axis)
+    if not 0.0 < number(share, "the share") < 1.0:
+        raise InputError(f"the share is {share}", remedy="give a number between 0 and 1")
+    across = np.cross(joint.normal, along)
+    low, high = joint.reach(across)
+    middle, half = 0.5 * (low + high), 0.5 * share * (high - low)
+    sides = [(across, middle + half), (-across, half - middle)]
+    return _strip(model, joint, sides, depth, "a key")
+
+
+def hook_joint(
+    model: Model,
+    interface: int,
+    depth: float,
+    undercut: float = 0.0,
+    axis: Floats | None = None,
+    side: int = 1,
+) -> Model:
+    """The model with a hook: in half of the joint block a extends into block b.
+
+    Parameters
+    ----------
+    model
+    interface
+    depth : [m]
+    undercut : [degrees]
+        Inclination of the face in the middle over block b: the hook then carries tension.
+    axis : (3,), optional
+        Along which the hook runs. Left out, the horizontal line in the joint.
+    side
+        1 or -1, the half that reaches over.
+    """
+    joint = joint_plane(model, interface)
+    along = _axis(joint, axis)
+    across = np.sign(side) * np.cross(joint.normal, along)
+    low, high = joint.reach(across)
+    lean = np.tan(np.deg2rad(number(undercut, "the undercut")))
+    normal = -across - lean * joint.normal
+    return _strip(model, joint, [(normal, -0.5 * (low + high))], depth, "a hook")
+
+
+def _strip(
+    model: Model,
+    joint: JointPlane,
+    sides: list[tuple[Floats, float]],
+    depth: float,
+    what: str,
+) -> Model:
+    """The part of block b within planes about the centre, to a depth, given to block a."""
+    if not number(depth, "the depth") > 0.0:
+        raise InputError(f"the depth is {depth}", remedy="give metres above zero")
+    planes = [*sides, (joint.normal, depth)]
+    normals = np.array([normal for normal, _ in planes])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    at = np.array([offset for _, offset in planes])[:, None] * normals / size**2
+    cell = Cell.below(normals, joint.centre + at)
+    return recut(model, joint, [cell], [], what)
+
+
+def _cells(normals: Floats, points: Floats, a_convex: bool) -> tuple[list[Cell], list[Cell]]:
+    """The cells of block a, behind all of some planes or behind any, and those of block b."""
+    behind = [Cell.below(n[None], p[None]) for n, p in zip(normals, points, strict=True)]
+    before = [Cell.below(-n[None], p[None]) for n, p in zip(normals, points, strict=True)]
+    if len(behind) == 1:
+        return behind, before
+    if a_convex:
+        return [behind[0].within(behind[1])], before
+    return behind, [before[0].within(before[1])]
+
+
+def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
+    """A unit vector (3,) in the plane of a joint."""
+    if axis is None:
+        along: Floats = joint.frame[1]
+        return along
+    given = unit(axis, "axis")
+    flat = given - (given @ joint.normal) * joint.normal
+    if float(np.linalg.norm(flat)) < 1e-6:
+        raise InputError("the axis is normal to the joint", remedy="give one that lies in it")
+    return unit(flat, "axis")

@@ -1,0 +1,138 @@
+"""The safety margin with which a mended structure must stand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
+from drystone.design.props import stands_evenly, stands_near
+from drystone.geometry.frames import rotation_about
+from drystone.model import Model
+from drystone.results import Result
+from drystone.stability import CheckOptions, check
+from drystone.stability.resting import stands_for_all
+
+AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
+"""The horizontal axes about which a structure is tilted."""
+
+
+@dataclass(frozen=True)
+class DesignMargin(Options):
+    """The safety margin of a structure.
+
+    Attributes
+    ----------
+    tilt : [degrees]
+        It must stand tilted by this angle to each of four sides.
+    load
+        It must stand under this multiple of its load.
+    friction
+        It must stand with this share of the friction of each joint.
+    robust
+        It must stand for all contact stiffnesses of the check. Without this, STABLE is enough,
+        also after settling. A mend that holds only after settling is told too, at a higher
+        cost, where no value of it stands for all.
+    """
+
+    tilt: float = 0.0
+    load: float = 1.0
+    friction: float = 1.0
+    robust: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, good, remedy in (
+            ("tilt", 0.0 <= self.tilt < 90.0, "give degrees from 0 to 90"),
+            ("load", 1.0 <= self.load < np.inf, "give 1 or more"),
+            ("friction", 0.0 < self.friction <= 1.0, "give a share above 0, up to 1"),
+        ):
+            if not good:
+                raise InputError(f"the margin of {name} is {getattr(self, name)}", remedy=remedy)
+
+    def cases(self, model: Model) -> list[Model]:
+        """The model in each additional case in which it must stand."""
+        cases: list[Model] = []
+        if self.friction < 1.0:
+            cases.append(model.with_friction(self.friction * model.contacts.friction))
+        if self.load != 1.0:
+            cases.append(model.with_load(self.load * model.load))
+        if self.tilt > 0.0:
+            cases += [tilted(model, axis, self.tilt) for axis in AXES]
+        return cases
+
+    def holds(
+        self, model: Model, stop: Callable[[], bool] | None = None, *, settle: bool = True
+    ) -> Result:
+        """The check of the model, or of the first case in which it does not stand.
+
+        Parameters
+        ----------
+        model
+        stop
+            Asked often; True ends a check with what is known.
+        settle
+            Follow settlement also where it cannot make the structure meet the margin.
+        """
+        options = CheckOptions(settle=settle or not self.robust)
+        first = check(model, options=options, stop=stop)
+        if not self.meets(first):
+            return first
+        for case in self.cases(model):
+            result = check(case, options=options, stop=stop)
+            if not self.meets(result):
+                return result
+        return first
+
+    def stands(
+        self,
+        model: Model,
+        *,
+        quick: bool = False,
+        stop: Callable[[], bool] | None = None,
+        near: list[dict[int, Floats]] | None = None,
+    ) -> bool:
+        """Whether a model stands at the margin, for searches: the first case that falls ends it.
+
+        Parameters
+        ----------
+        model
+        quick
+            Try one stiffness only, and do not follow settlement.
+        stop
+            Asked often; once it is True, nothing is found to stand.
+        near
+            Rest states in each case of the last model that stood, among models with the same
+            blocks; changed. For large models, see ``quickly_stands``.
+        """
+        cases = (model, *self.cases(model))
+        if near is not None and (quick or self.robust):
+            near.extend({} for _ in cases[len(near) :])
+            samples = 0 if quick else None
+            return all(
+                stands_near(case, rests, samples=samples, stop=stop)
+                for case, rests in zip(cases, near, strict=True)
+            )
+        if quick:
+            return all(stands_evenly(case, stop) for case in cases)
+        if self.robust:
+            return all(stands_for_all(case, stop=stop) for case in cases)
+        return all(check(case, stop=stop).stable for case in cases)
+
+    def meets(self, result: Result) -> bool:
+        """Whether a result is good enough."""
+        samples = result.samples
+        return result.stable and (not self.robust or samples.standing == samples.tried)
+
+
+def tilted(model: Model, axis: tuple[float, float, float], angle: float) -> Model:
+    """The model turned counter-clockwise about an axis; its load keeps its direction in space."""
+    turn = rotation_about(np.array(axis), angle)
+    wrench = np.concatenate(
+        [model.load.wrench[:, :3] @ turn, model.load.wrench[:, 3:] @ turn], axis=1
+    )
+    return model.with_load(replace(model.load, wrench=wrench))

@@ -1,0 +1,169 @@
+"""Mends of a structure: what is asked for, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from drystone.base.display import OneLine, shortened
+from drystone.base.errors import InputError, counted
+from drystone.base.settings import Options
+from drystone.design.bench import Tried
+from drystone.design.diagnosed import Diagnosis
+from drystone.design.margin import DesignMargin
+from drystone.design.mend_kinds import KINDS
+from drystone.model import Model
+from drystone.results import Result
+
+
+@dataclass(frozen=True)
+class MendOptions(Options):
+    """Options of :func:`find_mends` and of :func:`drystone.design.mend`.
+
+    Attributes
+    ----------
+    margin
+        The safety margin of the mended structure.
+    kinds
+        Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
+        ballast, glue and merge; all when left out.
+    keep
+        Positions of blocks that may not be changed, and texts that name them, read like supports:
+        names and patterns, separated by commas; see ``drystone.supports.select``. Their joints
+        are not changed either; what is added may touch them.
+    """
+
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    kinds: tuple[str, ...] = KINDS
+    keep: tuple[int | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        kinds = _several(self.kinds, str, "kinds")
+        keep = _several(self.keep, int | str, "keep")
+        for kind in kinds:
+            if kind not in KINDS:
+                raise InputError(
+                    f"there is no kind of mend '{kind}'", remedy=f"choose from {', '.join(KINDS)}"
+                )
+        if not kinds:
+            raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
+        object.__setattr__(self, "kinds", kinds)
+        object.__setattr__(self, "keep", keep)
+
+
+def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
+    """One value or several of a kind, as a tuple."""
+    if isinstance(given, kind) and not isinstance(given, bool):
+        return (given,)
+    remedy = "give names" if kind is str else "give names or positions of blocks"
+    if not isinstance(given, list | tuple):
+        raise InputError(f"{name} is {shortened(repr(given), 60)}", remedy=remedy)
+    for one in given:
+        if not isinstance(one, kind) or isinstance(one, bool):
+            raise InputError(f"{name} has {shortened(repr(one), 60)}", remedy=remedy)
+    return tuple(given)
+
+
+@dataclass(frozen=True, eq=False)
+class Mend(OneLine):
+    """A change with which a region stands, checked on the whole structure.
+
+    Attributes
+    ----------
+    kind
+        One of those of :class:`MendOptions`.
+    blocks
+        Names of the blocks of the region.
+    description
+    value
+        The least value, in degrees, as a coefficient, as a share or in newtons; see the
+        description.
+    joints
+        Number of joints that are touched.
+    added
+        Number of blocks, props, ties or weights that are added, and of joints that are glued.
+    volume : [m3]
+        Sum of the changes of volume of all blocks.
+    cost
+        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
+    before, model
+        The structure without the change, and with it.
+    result
+        The full check of it.
+    held
+        Names of blocks of other regions that were held during the search.
+    """
+
+    kind: str
+    blocks: tuple[str, ...]
+    description: str
+    value: float
+    joints: int
+    added: int
+    volume: float
+    cost: float
+    before: Model
+    model: Model
+    result: Result
+    held: tuple[str, ...] = ()
+
+    def _summary(self) -> str:
+        return f"'{self.description}', cost {self.cost:.3g}, {self.result.verdict.value}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "kind": self.kind,
+            "blocks": list(self.blocks),
+            "description": self.description,
+            "value": self.value,
+            "cost": self.cost,
+            "joints": self.joints,
+            "added": self.added,
+            "volume": self.volume,
+            "verdict": self.result.verdict.value,
+            "message": self.result.message,
+            "held": list(self.held),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Mends(OneLine):
+    """The mends of every region of a structure.
+
+    Attributes
+    ----------
+    diagnosis
+        Of the structure, or of the first case of the margin in which it falls.
+    mends
+        Per region, in order of cost; of equal cost and kind the smallest value first.
+    tried
+        Kinds that do not hold a region, by the names of its blocks.
+    message
+        Why there is nothing to mend; empty otherwise.
+    """
+
+    diagnosis: Diagnosis
+    mends: tuple[Mend, ...]
+    tried: tuple[tuple[tuple[str, ...], Tried], ...] = ()
+    message: str = ""
+
+    def _summary(self) -> str:
+        return self.message or f"{counted(len(self.mends), 'mend')}"
+
+    def of(self, blocks: Sequence[str]) -> tuple[Mend, ...]:
+        """The mends of the region with these blocks."""
+        return tuple(mend for mend in self.mends if set(mend.blocks) == set(blocks))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "mends": [mend.to_dict() for mend in self.mends],
+            "tried": [
+                {"blocks": list(blocks), "kind": one.kind, "what": one.what}
+                for blocks, one in self.tried
+            ],
+            "mending": self.message,
+        }

@@ -1,1 +1,0 @@
-"""Changes that make a structure stand, each one checked."""

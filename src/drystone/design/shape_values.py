@@ -1,0 +1,182 @@
+"""The values of a shape as functions of its variables, and their derivatives."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
+from drystone.base.progress import Stop, Stopped
+from drystone.design.changed_model import changed
+from drystone.design.help_needed import GROUND, Form
+from drystone.design.shape_options import HelpMeasure, ShapeAim, ShapeOptions
+from drystone.design.shape_variables import ShapeVariables
+from drystone.design.vertex_measures import BlockVertices
+from drystone.geometry.body.polyhedron import edges_of
+from drystone.model import Model
+
+_ROUNDING = 1e-6
+"""Share by which an edge may be shorter than the least: the optimiser keeps bounds to rounding."""
+
+
+class ShapeValues:
+    """What is to be least, the help that is needed and the lengths of edges of one shape.
+
+    Parameters
+    ----------
+    model
+        As given: where all variables are zero.
+    moves, options
+    late
+        Asked before the help is computed; True raises :class:`Stopped`.
+
+    Attributes
+    ----------
+    least_edge : [m]
+        No edge that moves gets shorter; the options' at first.
+    crossed
+        Whether a shape was refused because blocks crossed themselves.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        moves: ShapeVariables,
+        options: ShapeOptions,
+        late: Stop,
+    ) -> None:
+        self.model, self.moves, self.options, self.late = model, moves, options, late
+        self.bodies = BlockVertices.of(model.assembly)
+        self.known: dict[bytes, tuple[float, Floats]] = {}
+        self.forms: list[Form] = []
+        self.ground = GROUND
+        self.at = np.zeros(moves.count)
+        self.here = self.bodies.vertex
+        self.matrix: sparse.csr_matrix = moves.matrix_at(self.at)
+        self.least_edge = options.least_edge
+        self.crossed = False
+
+    def found_anew(self, model: Model, x: Floats) -> None:
+        """The forms of the model with variables (p,), in all its cases, with its contacts now.
+
+        From here on vertices are followed along their tangents.
+        """
+        self.known.clear()
+        cases = (model, *self.options.margin.cases(model))
+        each = self.options.aim is ShapeAim.STAND
+        self.forms = [Form.of(one, self.ground, each=each) for one in cases]
+        self.at, self.here = x, self.moves.moved(self.bodies.vertex, x)
+        self.matrix = self.moves.matrix_at(x)
+
+    def vertices(self, x: Floats) -> Floats:
+        """The vertices (v, 3) with variables (p,), along their tangents."""
+        out: Floats = self.here + (self.matrix @ (x - self.at)).reshape(-1, 3)
+        return out
+
+    def objective(self, x: Floats) -> tuple[float, Floats]:
+        """What is to be least, and its derivative (p,)."""
+        aim = self.options.aim
+        if aim is ShapeAim.STAND:
+            value, gradient = self.help_at(x)
+            return value, gradient
+        vertex = self.vertices(x)
+        if aim is ShapeAim.VOLUME:
+            volume, _ = self.bodies.measures(vertex)
+            by_vertex = self.bodies.measures_pulled_back(
+                vertex, np.ones(len(volume)), np.zeros((len(volume), 3))
+            )
+            return float(volume.sum()), self.pulled_back(by_vertex)
+        block = int(self.model.assembly.indices([self.options.block])[0])
+        own = self.bodies.owner == block
+        by_vertex = np.where(own[:, None], -self.direction / own.sum(), 0.0)
+        return float((by_vertex * vertex).sum()), self.pulled_back(by_vertex)
+
+    def pulled_back(self, by_vertex: Floats) -> Floats:
+        """The derivative (p,) by the variables, from that by the vertices (v, 3)."""
+        out: Floats = self.matrix.T @ by_vertex.ravel()
+        return out
+
+    def edges(self, x: Floats) -> tuple[Floats, Floats]:
+        """By how much edges (e,) that move are longer than the least, by the least; (e, p).
+
+        Each is measured along its direction where contacts were found. So it is linear, and an edge
+        that has turned round is too short.
+        """
+        vertex, (i, j) = self.vertices(x), self.moving.T
+        along = self.here[i] - self.here[j]
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
+        slope = np.zeros((len(i), len(x)))
+        for axis in range(3):
+            both = self.matrix[3 * i + axis] - self.matrix[3 * j + axis]
+            slope += along[:, axis, None] * both.toarray()
+        length = ((vertex[i] - vertex[j]) * along).sum(axis=1)
+        return length / self.least_edge - 1.0, slope / self.least_edge
+
+    def shortest(self, vertex: Floats) -> float:
+        """The length of the shortest edge that moves, for vertices (v, 3) [m]."""
+        i, j = self.moving.T
+        return float(np.linalg.norm(vertex[i] - vertex[j], axis=1).min(initial=np.inf))
+
+    @cached_property
+    def moving(self) -> Ints:
+        """The edges (e, 2) of all blocks whose length changes with a variable."""
+        matrix, starts = self.moves.matrix_at(np.zeros(self.moves.count)), self.bodies.start
+        edges = np.concatenate(
+            [
+                starts[i] + edges_of(block.faces)
+                for i, block in enumerate(self.model.assembly.blocks)
+            ]
+        )
+        changes = np.zeros(len(edges), dtype=bool)
+        for axis in range(3):
+            both = matrix[3 * edges[:, 0] + axis] - matrix[3 * edges[:, 1] + axis]
+            changes |= abs(both).max(axis=1).toarray().ravel() > 0.0
+        return edges[changes]
+
+    @property
+    def direction(self) -> Floats:
+        """Of the farthest reach (3,), unit."""
+        given = np.asarray(self.options.reach, dtype=np.float64)
+        size = float(np.linalg.norm(given))
+        if not 0.0 < size < np.inf:
+            raise InputError("the direction of the reach has no length", remedy="give X,Y,Z")
+        return given / size
+
+    def help_at(self, x: Floats) -> tuple[float, Floats]:
+        """Share of the load on the ground, over all cases, and its derivative (p,)."""
+        if self.late():
+            raise Stopped
+        key = np.asarray(x).tobytes()
+        if key not in self.known:
+            vertex = self.vertices(x)
+            convex = self.options.help is HelpMeasure.BALANCE
+            both = [
+                form.imbalance_at(vertex) if convex else form.help_at(vertex) for form in self.forms
+            ]
+            size = float(np.sqrt(sum(value for value, _ in both)))
+            gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
+            self.known[key] = size, self.pulled_back(gradient)
+        return self.known[key]
+
+    def made(self, x: Floats) -> Model | None:
+        """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
+        try:
+            vertex = self.moves.moved(self.bodies.vertex, x)
+            if self.shortest(vertex) < (1.0 - _ROUNDING) * self.least_edge:
+                return None
+            try:
+                assembly = self.bodies.assembly_at(vertex)
+            except InputError:
+                self.crossed = True
+                return None
+            moved = {
+                i: block
+                for i, block in enumerate(assembly.blocks)
+                if block is not self.model.assembly.blocks[i]
+            }
+            return changed(self.model, moved)
+        except InputError:
+            return None

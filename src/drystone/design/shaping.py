@@ -1,0 +1,166 @@
+"""Vertices moved by gradient until a structure stands, weighs least, or reaches farthest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+
+from drystone.base.errors import InputError
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.design.shape_options import ShapeAim, Shaped, ShapeOptions
+from drystone.design.shape_search import ShapeSearch
+from drystone.design.shape_variables import ShapeVariables
+from drystone.design.vertex_measures import vertices_of
+from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
+
+_OF_THE_MODEL = 1e-9
+"""Vertices with variables of zero are those of the model to this share of its size: rounding."""
+
+FIRST, CLOSE = 1.0, 0.1
+"""[degrees] The first step of the tilt, and the smallest one; chosen."""
+
+_STEEPEST = 89.0
+"""[degrees] Largest tilt that is asked for."""
+
+
+@checked_call
+def shape(
+    given: Given,
+    moves: ShapeVariables | Callable[[Model], ShapeVariables],
+    *,
+    options: ShapeOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Shaped:
+    """Move vertices until a structure stands, or to the best shape that stands.
+
+    The help that it needs, and its derivative by all variables (one more solve), come from the
+    compliant state; see ``drystone.design.help_needed``. In each round scipy's SLSQP
+    moves the variables within a region of trust. Contacts are then found anew, and the check
+    decides. Each round needs the one before, so an ``executor`` has nothing to share.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    moves
+        The variables, or what makes them of the model: :func:`free_vertices`, :func:`thickening`,
+        :func:`block_moves`, or :class:`FamilyMoves` of a parametric family.
+    options
+
+    Returns
+    -------
+    Shaped
+        The best shape that stands; where none does, the one that needs least help.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, the moves are those of another model, a joint is
+        curved, an edge is shorter than the least, or a model that is to be made lighter does not
+        stand.
+
+    Examples
+    --------
+    >>> from drystone.design import shape, thickening
+    >>> from drystone.models import arch
+    >>> found = shape(arch(0.09, 8), lambda model: thickening(model, (0, 0, 0), 0.05), friction=0.8)
+    >>> found.stands, round(0.09 + float(found.x[0]), 2)
+    (True, 0.1)
+    """
+    del executor  # one chain of rounds
+    chosen = ShapeOptions.of(options)
+    clock = Clock(time_limit_s, stop)
+    model = as_model(given, **how)
+    variables = moves(model) if callable(moves) else moves
+    vertex = vertices_of(model.assembly)
+    here = variables.moved(vertex, np.zeros(variables.count))
+    if np.abs(here - vertex).max() > _OF_THE_MODEL * float(np.ptp(vertex, axis=0).max()):
+        raise InputError(
+            "the values that the family starts with are not those of the model",
+            remedy="build the model with them",
+        )
+    search = ShapeSearch(model, variables, chosen, progress, clock.late)
+    shortest = search.shortest(vertex)
+    if shortest < chosen.least_edge:
+        raise InputError(
+            f"an edge that moves is {shortest:.4g} m long already, shorter than the least of "
+            f"{chosen.least_edge:.4g} m",
+            remedy=f"give a least edge of {shortest:.4g} m or less",
+        )
+    return _raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
+
+
+def _raise_tilt(search: ShapeSearch) -> Shaped:
+    """Shape a structure to stand at a tilt, then at a larger one, until no larger one is reached.
+
+    Each shape starts from the last one that stands. The step is doubled after each success, and
+    halved after each failure.
+
+    Raises
+    ------
+    InputError
+        It does not stand without a tilt.
+    """
+    x, now = np.zeros(search.moves.count), search.model
+    if not _stands(search, now, 0.0):
+        raise InputError(
+            "it does not stand as it is, at the margin that is asked for",
+            remedy="shape it to stand first",
+        )
+    first = tilt = _largest(search, now)
+    step, rounds, words = FIRST, 0, "no larger tilt was reached"
+    while step >= CLOSE:
+        if search.late():
+            words = "it was stopped"
+            break
+        wanted = min(tilt + step, _STEEPEST)
+        found = _at(search, wanted).run(x)
+        rounds += found.rounds
+        if not found.stands:
+            step *= 0.5
+            continue
+        x, now, tilt = found.x, found.model, wanted
+        if tilt == _STEEPEST:
+            words = f"stands at {_STEEPEST:g} degrees, and no more was tried"
+            break
+        step *= 2.0
+    margin = replace(search.options.margin, tilt=tilt)
+    result = margin.holds(now)
+    stands = margin.meets(result)
+    words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
+    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first)
+
+
+def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
+    """A search for a shape that stands at a tilt [degrees]."""
+    margin = replace(search.options.margin, tilt=tilt)
+    options = replace(search.options, aim=ShapeAim.STAND, margin=margin)
+    return ShapeSearch(search.model, search.moves, options, search.progress, search.late)
+
+
+def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:
+    return replace(search.options.margin, tilt=tilt).stands(model)
+
+
+def _largest(search: ShapeSearch, model: Model) -> float:
+    """The largest tilt [degrees] to each side at which a model stands, to :data:`CLOSE`."""
+    low, high = 0.0, FIRST
+    while high < _STEEPEST and _stands(search, model, high):
+        low, high = high, 2.0 * high
+    high = min(high, _STEEPEST)
+    while high - low > CLOSE:
+        middle = 0.5 * (low + high)
+        if _stands(search, model, middle):
+            low = middle
+        else:
+            high = middle
+    return low

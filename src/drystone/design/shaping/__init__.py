@@ -1,1 +1,0 @@
-"""Shape by gradient: vertices moved until a structure stands, or is least, or reaches farthest."""

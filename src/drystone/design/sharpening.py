@@ -1,0 +1,289 @@
+"""Joints sharpened until a structure stands, then each one taken back to the least that holds.
+
+Source: Kao 2023, section 6.3.3: joints are made wedges where the penalty form shows tension.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import Options, checked_call
+from drystone.design.changed_model import ChangedStructure
+from drystone.design.joint_surgery import STEEPEST
+from drystone.design.least_wedges import least_value, least_wedges
+from drystone.design.margin import DesignMargin
+from drystone.design.mends import kept_blocks, stands_already
+from drystone.design.plane_joints import PlaneJoints
+from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
+from drystone.stability import CheckOptions, check
+
+_TENSE = 0.01
+"""A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
+stretches puts a trace of tension into every hinge."""
+
+
+@dataclass(frozen=True)
+class SharpenOptions(Options):
+    """Options of :func:`sharpen`.
+
+    Attributes
+    ----------
+    margin
+        How far from falling the sharpened structure has to stand. By default it stands for all
+        contact stiffnesses that the check tries.
+    step : [degrees]
+        By which joints that show tension are sharpened in each round.
+    most : [degrees]
+        Largest sharpness of a wedge.
+    close : [degrees]
+        With any sharpened joint less sharp by so much, it no longer stands.
+    keep
+        Names, patterns or positions of blocks whose joints stay plane.
+    """
+
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    step: float = 10.0
+    most: float = 60.0
+    close: float = 0.5
+    keep: tuple[int | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0.0 < self.most < STEEPEST:
+            raise InputError(
+                f"the largest sharpness is {self.most:g} degrees",
+                remedy=f"give more than 0 and less than {STEEPEST:g}",
+            )
+        if not 0.0 < self.step <= self.most:
+            raise InputError(
+                f"the step is {self.step:g} degrees",
+                remedy="give more than 0, and no more than the largest sharpness",
+            )
+        if not 0.01 <= self.close <= self.step:
+            raise InputError(
+                f"close is {self.close:g} degrees", remedy="give 0.01 degrees up to the step"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Sharpened(ChangedStructure):
+    """A structure with wedges in some joints.
+
+    Attributes
+    ----------
+    sharpness : (j,) [degrees]
+        Of each interface of ``before``; zero where it stays plane.
+    least
+        Whether every sharpened joint is known to be needed: with any one of them plane, or less
+        sharp by ``close``, it falls. Not so where it was stopped.
+    """
+
+    sharpness: Floats
+    least: bool
+
+    @property
+    def joints(self) -> list[tuple[str, str, float]]:
+        """Names of the two blocks, and sharpness [degrees], of each wedge."""
+        contacts, names = self.before.contacts, self.before.assembly.names
+        return [
+            (names[contacts.block_a[k]], names[contacts.block_b[k]], float(self.sharpness[k]))
+            for k in np.flatnonzero(self.sharpness > 0.0)
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        joints = [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints]
+        return super().to_dict() | {"least": self.least, "joints": joints}
+
+
+@checked_call
+def sharpen(
+    given: Given,
+    *,
+    options: SharpenOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Sharpened:
+    """Make plane joints wedges of two planes where tension appears, until the structure stands.
+
+    In each round the joints that would pull if they were glued are made sharper by a step. Once it
+    stands, all wedges together are taken back to the least sharpness with which it still stands.
+    Then wedges that are not needed are made plane, and each one that is left is made as flat as
+    the structure stands with. Each check needs the one before, so an ``executor`` has nothing to
+    share.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+
+    Returns
+    -------
+    Sharpened
+        The ridge of each wedge is horizontal. Where no sharpness holds the structure, it says so,
+        with the joints as sharp as they were made.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, a block to keep does not exist, or no joint may
+        be changed.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = sharpen(arch(0.15, voussoirs=6), friction=0.7)
+    >>> found.stands, found.message
+    (True, 'it stands already: ask for a margin to make it stand more firmly')
+    """
+    del executor  # one chain of checks
+    chosen = SharpenOptions.of(options)
+    clock = Clock(time_limit_s, stop)
+    model = as_model(given, **how)
+    keep = kept_blocks(model, chosen.keep)
+    joints = PlaneJoints.of(model, keep)
+    none = np.zeros(model.contacts.count)
+    first = chosen.margin.holds(model)
+    if chosen.margin.meets(first):
+        words = stands_already(chosen.margin)
+        return Sharpened(model, model, first, True, 0, words, sharpness=none, least=True)
+    if not joints.usable.any():
+        kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
+        what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
+        raise InputError(what, remedy="let other blocks change, or try 'drystone mend'")
+    return _Sharpening(joints, chosen, progress, clock.late).run()
+
+
+class _Sharpening:
+    """The rounds, then wedges taken back."""
+
+    def __init__(
+        self,
+        joints: PlaneJoints,
+        options: SharpenOptions,
+        progress: Progress | None,
+        late: Stop,
+    ) -> None:
+        self.joints = joints
+        self.options = options
+        self.progress = progress
+        self.late = late
+        self.limit = np.where(joints.usable, options.most, 0.0)
+
+    def run(self) -> Sharpened:
+        sharpness, rounds, stands = self.rounds()
+        if not stands:
+            return self.answer(sharpness, rounds, False, self.why(sharpness))
+        sharpness = self.lowered(sharpness)
+        sharpness, known = least_wedges(
+            sharpness,
+            self.holds,
+            close=self.options.close,
+            late=self.late,
+            tell=partial(self.tell, "taking each wedge back"),
+        )
+        some = counted(int((sharpness > 0.0).sum()), "joint")
+        words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
+        if not known:
+            words += "; it was stopped before each of them was known to be needed"
+        return self.answer(sharpness, rounds, known, words)
+
+    def answer(self, sharpness: Floats, rounds: int, least: bool, words: str) -> Sharpened:
+        model = self.joints.wedged(sharpness)
+        result = self.options.margin.holds(model)
+        stands = self.options.margin.meets(result)
+        least = least and stands
+        before = self.joints.model
+        return Sharpened(before, model, result, stands, rounds, words, sharpness, least)
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        if self.progress is not None:
+            self.progress(stage, done, total)
+
+    # -- until it stands ------------------------------------------------------------------------
+    def rounds(self) -> tuple[Floats, int, bool]:
+        """Sharpness (j,), number of rounds, and whether it stands."""
+        joints, step = self.joints, self.options.step
+        sharpness = np.zeros(joints.model.contacts.count)
+        model = joints.model
+        most = int(np.ceil(self.options.most / step))
+        for number in range(most):
+            if self.late():
+                return sharpness, number, False
+            self.tell("sharpening", number, most)
+            sharper, model = self.sharper(sharpness, self.tense(model))
+            if np.array_equal(sharper, sharpness):
+                return sharpness, number, False
+            sharpness = sharper
+            if self.options.margin.stands(model):
+                return sharpness, number + 1, True
+        return sharpness, most, False
+
+    def tense(self, model: Model) -> Bools:
+        """The joints (j,) that show tension, in the first case of the margin that falls."""
+        margin = self.options.margin
+        options = CheckOptions(settle=not margin.robust)
+        for case in (model, *margin.cases(model)):
+            if not margin.meets(check(case, options=options)):
+                tension = self.joints.tension(case)
+                shows: Bools = tension > _TENSE * tension.max(initial=0.0)
+                return shows
+        return np.zeros(self.joints.model.contacts.count, dtype=bool)
+
+    def sharper(self, sharpness: Floats, tense: Bools) -> tuple[Floats, Model]:
+        """The joints that show tension sharper by a step, each as far as its blocks allow."""
+        step = self.options.step
+        wanted = np.minimum(np.where(tense, sharpness + step, sharpness), self.limit)
+        try:
+            return wanted, self.joints.wedged(wanted)
+        except InputError:  # some block is too small: find which
+            for k in np.flatnonzero(wanted > sharpness).tolist():
+                alone = np.zeros(len(wanted))
+                alone[k] = wanted[k]
+                try:
+                    self.joints.wedged(alone)
+                except InputError:
+                    self.limit[k] = wanted[k] = sharpness[k]
+        return wanted, self.joints.wedged(wanted)
+
+    def why(self, sharpness: Floats) -> str:
+        """Why no sharpness holds it."""
+        if self.late():
+            return "it was stopped before it stood"
+        if not sharpness.any():
+            return (
+                "no joint that may be changed shows tension, so that wedges do not help: "
+                "'drystone mend' tries other changes"
+            )
+        some = counted(int((sharpness > 0.0).sum()), "joint")
+        told = f"it does not stand with {some} sharpened by up to {sharpness.max():g} degrees: "
+        if sharpness.max() >= self.options.most:
+            return f"{told}allow sharper wedges, or try 'drystone mend'"
+        return f"{told}sharper wedges do not fit or do not help, try 'drystone mend'"
+
+    # -- wedges taken back ----------------------------------------------------------------------
+    def lowered(self, sharpness: Floats) -> Floats:
+        """All wedges cut down to the least common sharpness with which it stands."""
+
+        def stands(most: float) -> bool:
+            self.tell("taking all wedges back", 0, 1)
+            return self.holds(np.minimum(sharpness, most))
+
+        high = least_value(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
+        return np.minimum(sharpness, high)
+
+    def holds(self, sharpness: Floats) -> bool:
+        """Whether the structure stands with a sharpness (j,)."""
+        return self.options.margin.stands(self.joints.wedged(sharpness))

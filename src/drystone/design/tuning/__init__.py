@@ -1,1 +1,0 @@
-"""Parameters by search: the values with which a family of structures is best and stands."""

@@ -1,0 +1,207 @@
+"""Places: vertices of several blocks at one point, which move together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from drystone.assembly import Block
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import InputError
+from drystone.design.vertex_measures import vertices_of
+from drystone.model import Model
+
+TOGETHER = 1e-6
+"""Vertices are at the same place when they are nearer than this share of the size of the model."""
+
+_OFF = 1e-6
+"""A direction of which symmetries and other directions leave less than this share adds nothing."""
+
+AXES = {"x": 0, "y": 1, "z": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """The places of the vertices of a model, and their images in its symmetries.
+
+    Attributes
+    ----------
+    point : (g, 3) [m]
+        Of each place, with the coordinate along the axis of the prisms left out.
+    group : (v,)
+        The place of each vertex.
+    image : (s, g)
+        The image of each place in each symmetry; the first symmetry leaves all as it is.
+    turn : (s, 3, 3)
+        The symmetries: rotations and mirrors.
+    """
+
+    point: Floats
+    group: Ints
+    image: Ints
+    turn: Floats
+
+    @classmethod
+    def of(cls, model: Model, along: str | None, mirror: str | None, sectors: int = 1) -> Places:
+        """The places of a model.
+
+        Raises
+        ------
+        InputError
+            An axis is unknown, or the model does not have the symmetry.
+        """
+        vertex = vertices_of(model.assembly)
+        near = TOGETHER * float(np.ptp(vertex, axis=0).max())
+        flat = flattened(vertex, along)
+        group = places_of(flat, near)
+        point = flat[np.unique(group, return_index=True)[1]]
+        turn = _symmetries(mirror, sectors)
+        return cls(point, group, _images(point, turn, near), turn)
+
+    @property
+    def count(self) -> int:
+        """Number of places, g."""
+        return len(self.point)
+
+    def matrix(self, ways: Sequence[Floats], still: Bools) -> sparse.csr_matrix:
+        """Moves (3 v, p) of the vertices along ways (w, 3) of each place, but for those that stay.
+
+        Parameters
+        ----------
+        ways
+        still : (v,)
+            A place stays where one of its vertices, or of those of its images, stays.
+        """
+        stays = np.zeros(self.count, dtype=bool)
+        stays[self.group[still]] = True
+        stays = np.asarray(stays[self.image].any(axis=0), dtype=np.bool_)
+        members = [np.flatnonzero(self.group == place) for place in range(self.count)]
+        rows: list[Ints] = []
+        values: list[Floats] = []
+        firsts = np.arange(self.count) == self.image.min(axis=0)
+        for place in np.flatnonzero(~stays & firsts).tolist():
+            for way in self._kept(place, ways[place]):
+                step = dict(zip(self.image[:, place].tolist(), self.turn @ way, strict=True))
+                some = [(members[one], move) for one, move in step.items()]
+                rows.append(np.concatenate([(3 * m[:, None] + np.arange(3)).ravel()
+                                            for m, _ in some]))  # fmt: skip
+                values.append(np.concatenate([np.tile(move, len(m)) for m, move in some]))
+        shape = (3 * len(self.group), len(rows))
+        if not rows:
+            return sparse.csr_matrix(shape)
+        column = np.repeat(np.arange(len(rows)), [len(one) for one in rows])
+        made = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), column)), shape)
+        made.eliminate_zeros()
+        return made
+
+    def _kept(self, place: int, ways: Floats) -> Floats:
+        """Unit moves (w, 3) of a place along ways (w, 3) that its symmetries leave as they are."""
+        own = self.turn[self.image[:, place] == place].mean(axis=0)
+        found: list[Floats] = []
+        for move in ways @ own.T:
+            rest = move - sum((one * float(one @ move) for one in found), np.zeros(3))
+            size = float(np.linalg.norm(rest))
+            if size > _OFF:
+                found.append(rest / size)
+        return np.array(found).reshape(-1, 3)
+
+
+def _symmetries(mirror: str | None, sectors: int) -> Floats:
+    """The rotations and mirrors (s, 3, 3) of a number of sectors about z, and of a mirror axis.
+
+    Raises
+    ------
+    InputError
+        The axis is unknown, there is less than one sector, or sectors are mirrored upside down.
+    """
+    if sectors < 1:
+        raise InputError(f"sectors is {sectors}", remedy="give 1 or more")
+    if sectors > 1 and mirror == "z":
+        raise InputError("sectors about z are not mirrored along z", remedy="give x or y")
+    angle = 2.0 * np.pi * np.arange(sectors) / sectors
+    turn = np.zeros((sectors, 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
+    turn[:, 1, 0], turn[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    turn[:, 2, 2] = 1.0
+    if mirror is None:
+        return turn
+    flip = np.eye(3)
+    flip[axis_of(mirror), axis_of(mirror)] = -1.0
+    return np.concatenate([turn, turn @ flip])
+
+
+def axis_of(name: str) -> int:
+    """The position of an axis.
+
+    Raises
+    ------
+    InputError
+        It is not x, y or z.
+    """
+    if name not in AXES:
+        raise InputError(f"there is no axis '{name}'", remedy="give x, y or z")
+    return AXES[name]
+
+
+def flattened(vertex: Floats, along: str | None) -> Floats:
+    """The vertices with the coordinate along an axis left out."""
+    out = vertex.copy()
+    if along is not None:
+        out[:, axis_of(along)] = 0.0
+    return out
+
+
+def places_of(point: Floats, near: float) -> Ints:
+    """A number (v,) for each place: points that are nearer than this have the same."""
+    pairs = cKDTree(point).query_pairs(near, output_type="ndarray")
+    links = sparse.coo_matrix(
+        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(point),) * 2
+    )
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.intp)
+
+
+def require_prisms(model: Model, along: str, kept: Bools) -> None:
+    """Refuse where a block that is not among those kept (n,) is no prism along an axis.
+
+    Raises
+    ------
+    InputError
+        There is such a block that has faces of more than three corners.
+    """
+    some = [model.assembly.blocks[i] for i in np.flatnonzero(~kept)]
+    if all(len(loop) == 3 for block in some for loop in block.faces):
+        return
+    for block in some:
+        if not is_prism(block, along):
+            raise InputError(
+                f"is no prism along {along}: its faces would not stay plane",
+                where=f"block '{block.name}'",
+                remedy="keep it, name another axis, or name none",
+            )
+
+
+def is_prism(block: Block, along: str) -> bool:
+    """Whether a block is a prism along an axis."""
+    level = np.unique(np.round(block.vertices[:, axis_of(along)] / (TOGETHER * block.size)))
+    ends = places_of(flattened(block.vertices, along), TOGETHER * block.size)
+    return len(np.unique(ends)) * 2 == len(ends) and len(level) == 2
+
+
+def _images(place: Floats, turn: Floats, near: float) -> Ints:
+    """The image (s, g) of each place in each symmetry, about the mean of all places."""
+    centred = place - place.mean(axis=0)
+    found = []
+    for one in turn:
+        away, image = map(np.asarray, cKDTree(centred).query(centred @ one.T))
+        if away.max() > 10.0 * near or len(np.unique(image)) < len(image):
+            what = "mirror image" if np.linalg.det(one) < 0.0 else "image in another sector"
+            raise InputError(
+                f"the model is not its own {what}", remedy="leave the mirror or the sectors out"
+            )
+        found.append(image)
+    return np.array(found, dtype=np.intp)

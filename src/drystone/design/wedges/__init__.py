@@ -1,1 +1,0 @@
-"""Plane joints made wedges where tension appears, until a structure stands."""
