@@ -15,6 +15,8 @@ from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.report.block_overlaps import overlap_lines
+from drystone.detection.report.reasons import Missed
+from drystone.detection.report.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
@@ -61,6 +63,9 @@ class Model(Card):
         What was assumed while it was made, one sentence each.
     cases
         Load cases that came with the model, to choose from.
+    unjoined
+        Pairs that are near each other and that the contact search did not join. No proof that
+        blocks fall rests on them.
 
     Raises
     ------
@@ -84,6 +89,7 @@ class Model(Card):
     report: ContactReport | None = None
     notes: tuple[str, ...] = ()
     cases: tuple[LoadCase, ...] = ()
+    unjoined: tuple[Missed, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
@@ -107,6 +113,7 @@ class Model(Card):
         self._refuse_odd_acceleration(size)
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "cases", tuple(self.cases))
+        object.__setattr__(self, "unjoined", tuple(self.unjoined))
 
     def _refuse_odd_acceleration(self, size: Floats) -> None:
         """Refuse loads (n,) that are far from the mass of their block."""
@@ -193,7 +200,7 @@ class Model(Card):
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
         notes = (*notes, *overlap_lines(assembly.names, found.report.overlaps))
-        model = cls(assembly, contacts, load, found.report, notes)
+        model = cls(assembly, contacts, load, found.report, notes, unjoined=found.report.unjoined)
         return model if supports is None else model.with_supports(supports, up_of_load(load))
 
     def with_load(self, load: Any) -> Model:
@@ -264,6 +271,7 @@ class Model(Card):
             self.contacts.of_blocks(chosen, len(self.assembly)),
             replace(self.load, wrench=self.load.wrench[chosen], motion=motion),
             notes=self.notes,
+            unjoined=among(self.unjoined, chosen),
         )
 
     def without(self, blocks: Blocks) -> Model:

@@ -112,6 +112,40 @@ class ContactReport(Card):
         """Number of pairs of blocks that touch."""
         return len(np.unique(self.block_a * len(self.names) + self.block_b))
 
+    @property
+    def unjoined(self) -> tuple[Missed, ...]:
+        """Pairs that are near each other and were not joined, though no block lies between.
+
+        What is drawn there may be meant to touch. An overlap without facing faces has no polygon.
+        """
+        near = [
+            miss
+            for miss in self.missed
+            if miss.reason is not Reason.HIDDEN
+            and not (miss.joined and miss.reason is Reason.SLIVER)
+        ]
+        count = len(self.names)
+        known = set((self.block_a * count + self.block_b).tolist())
+        known |= {miss.block_a * count + miss.block_b for miss in near}
+        near += [
+            Missed(
+                block_a=pair.block_a,
+                block_b=pair.block_b,
+                face_a=-1,
+                face_b=-1,
+                reason=Reason.OVERLAP,
+                gap=-pair.depth,
+                angle=0.0,
+                area=0.0,
+                needed=float("nan"),
+                polygon=np.zeros((0, 3)),
+                joined=False,
+            )
+            for pair in self.overlaps
+            if pair.block_a * count + pair.block_b not in known
+        ]
+        return tuple(near)
+
     def suggestions(self) -> tuple[str, ...]:
         """Sentences that say which options would join more pairs of blocks."""
         return suggestions(

@@ -98,7 +98,7 @@ def dropped(
     interfaces = from_pieces(patches, planes, pieces, np.zeros(len(planes.f), dtype=bool))
     joined = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
     return [
-        _missed(interfaces, i, reason, float("nan"), bool(joined[i]), patches.origin)
+        missed_of(interfaces, i, reason, float("nan"), bool(joined[i]), patches.origin)
         for i in range(interfaces.count)
     ]
 
@@ -138,7 +138,7 @@ def misses(
         else:
             reason = Reason.GAP if checked.too_far[piece] else Reason.OVERLAP
             needed = float(near[piece])
-        result.append(_missed(interfaces, i, reason, needed, bool(joined[i]), patches.origin))
+        result.append(missed_of(interfaces, i, reason, needed, bool(joined[i]), patches.origin))
     return result
 
 
@@ -149,9 +149,10 @@ def _pair_keys(patches: Patches, planes: Planes, pieces: Pieces) -> Ints:
     return keys
 
 
-def _missed(
+def missed_of(
     interfaces: Interfaces, i: int, reason: Reason, needed: float, joined: bool, origin: Floats
 ) -> Missed:
+    """One interface that was not made; its points are relative to ``origin``."""
     return Missed(
         block_a=int(interfaces.block_a[i]),
         block_b=int(interfaces.block_b[i]),

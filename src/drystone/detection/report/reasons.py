@@ -21,6 +21,7 @@ class Reason(StrEnum):
     WARP = "too warped"
     SLIVER = "overlap too narrow"
     HIDDEN = "another block lies between"
+    PARTLY = "within tolerance on a part only"
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class Missed(OneLine):
     area : [m2]
         Shared area in projection; zero for an edge or a corner.
     needed
-        The option ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``)
-        that would join them; NaN for other reasons.
+        The option ``gap`` (for ``Reason.GAP``, ``OVERLAP`` and ``PARTLY``) or ``angle`` [deg] (for
+        ``ANGLE``) that would join them; NaN for other reasons.
     polygon : (c, 3) [m]
         The shared area, halfway between the faces. For an edge: a band across the gap. For a
         corner: two points across the gap.

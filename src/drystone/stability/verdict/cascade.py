@@ -11,6 +11,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.progress import Clock, Progress, Workers
 from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import NearestMechanism
+from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, SettlementOptions, settle
 from drystone.solvers.threads import one_blas_thread
@@ -27,6 +28,7 @@ from drystone.stability.stiffness_samples import TriedStiffnesses
 from drystone.stability.verdict.check_answers import Answers
 from drystone.stability.verdict.each_stiffness import EachStiffness
 from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE, Following
+from drystone.stability.verdict.near_pairs import unless_near_pairs_hold
 from drystone.stability.verdict.shims import with_shims
 
 UNBALANCED = "no contact forces can balance the loads"
@@ -97,7 +99,16 @@ class Cascade:
         self.following = Following(self.answers, self.stiffnesses, witness)
 
     def run(self) -> Result:
-        """The verdict, with its proof."""
+        """The verdict, with its proof; no proof of falling rests on pairs that were not joined."""
+        return unless_near_pairs_hold(self._decided(), self._touching)
+
+    def _touching(self, model: Model) -> Result:
+        """The verdict on the same blocks with more contacts."""
+        options, executor = self.options, self.executor
+        return Cascade(Problem.build(model), options, None, self.clock, executor).run()
+
+    def _decided(self) -> Result:
+        """The verdict on the contacts that were found."""
         problem, answers = self.problem, self.answers
         if problem.statics.free_count == 0:
             return answers.nothing_free()
@@ -112,7 +123,7 @@ class Cascade:
                 nearest=answers.nearest,
                 rest=self.rest,
             )
-            found = once.run()
+            found = once._decided()
             self._take(once)
             if not found.stable or self.clock.late():
                 return replace(found, options=self.options)
@@ -196,7 +207,7 @@ class Cascade:
                 robust=True,
                 nearest=answers.nearest,
             )
-            found = inner.run()
+            found = inner._decided()
             answers.iterations += found.iterations
             if found.stable and inner.stiffnesses.robustly:
                 self._take(inner)

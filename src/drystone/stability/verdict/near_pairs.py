@@ -1,0 +1,53 @@
+"""No proof of falling rests on a pair of blocks that is near and was not joined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from drystone.contacts import joined_contacts
+from drystone.detection.report.unjoined import contacts_if_joined, words_on
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.stability.proofs import moving_blocks
+
+UNKNOWN_FRICTION = 1.0
+"""Friction of a near pair where no other joint tells one, chosen: more than that of stone."""
+
+
+def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> Result:
+    """The result as it is, or UNDECIDED where blocks fall only because near pairs do not touch.
+
+    Parameters
+    ----------
+    found
+    check
+        Gives the verdict on the same model whose near pairs touch. Where it falls even so, the
+        fall does not rest on them.
+    """
+    if found.verdict is not Verdict.UNSTABLE or not found.model.unjoined:
+        return found
+    model, names = found.model, found.assembly.names
+    moving = set(found.falling)
+    if found.mechanism is not None:
+        moving |= set(moving_blocks(model.assembly, found.mechanism))
+    near = [m for m in model.unjoined if m.block_a in moving or m.block_b in moving]
+    if not near:
+        return found
+    friction = float(model.contacts.friction.max(initial=0.0)) or UNKNOWN_FRICTION
+    more = contacts_if_joined(near, friction)
+    if more is not None and model.contacts.dry.all():
+        touching = replace(
+            model, contacts=joined_contacts(model.contacts, more), unjoined=(), report=None
+        )
+        if check(touching).verdict is Verdict.UNSTABLE:
+            return found
+    return replace(
+        found,
+        verdict=Verdict.UNDECIDED,
+        message=f"it falls as drawn, and may stand if near blocks touch: {words_on(near, names)}",
+        mechanism=None,
+        prop=None,
+        force_with_props=None,
+        falling=(),
+    )

@@ -1,0 +1,72 @@
+"""A proof of falling never rests on a pair of blocks that is near and was not joined."""
+
+import pytest
+
+from drystone import Assembly, Model, Verdict, check
+from drystone.detection import DetectionOptions
+from drystone.detection.report.reasons import Reason
+from drystone.models import box, tower
+
+
+def above(gap: float, second: float = 0.0) -> Assembly:
+    """A cube above a cube, and a third one above both."""
+    blocks = (
+        box((1, 1, 1), name="base"),
+        box((1, 1, 1), (0, 0, 1 + gap), name="middle"),
+        box((1, 1, 1), (0, 0, 2 + gap + second), name="top"),
+    )
+    return Assembly(blocks).with_fixed([0])
+
+
+def test_a_block_that_hangs_near_another_is_undecided_and_the_option_is_named() -> None:
+    found = check(above(0.02))
+    assert found.verdict is Verdict.UNDECIDED
+    assert "'base' and 'middle' are 20 mm apart" in found.message
+    assert "--gap 0.021" in found.message
+    assert not found.falling
+    assert found.mechanism is None
+
+
+def test_the_option_that_is_named_joins_the_pair() -> None:
+    assert check(above(0.02), detection=DetectionOptions(gap=0.021)).stable
+
+
+def test_a_block_far_above_another_falls() -> None:
+    assert check(above(0.2)).falls
+
+
+def test_it_falls_where_touching_would_not_hold_it() -> None:
+    blocks = (
+        box((1, 1, 1), name="base"),
+        box((1, 1, 1), (0.8, 0, 1.02), name="tips"),
+    )
+    found = check(Assembly(blocks).with_fixed([0]))
+    assert found.falls
+    assert found.falling_names == ("tips",)
+
+
+def test_it_falls_where_the_near_pair_is_elsewhere() -> None:
+    blocks = (
+        *above(0.0, 0.02).blocks[:2],
+        box((1, 1, 1), (5, 0, 3), name="dropped"),
+        box((1, 1, 1), (10, 0, 0), name="a"),
+        box((1, 1, 1), (11.02, 0, 0), name="b"),
+    )
+    found = check(Assembly(blocks).with_fixed(["base", "a", "b"]))
+    assert found.falls
+    assert found.falling_names == ("dropped",)
+
+
+def test_the_near_pairs_stay_with_a_part_of_the_model() -> None:
+    model = Model.of(above(0.02))
+    (near,) = model.unjoined
+    assert (near.block_a, near.block_b, near.reason) == (0, 1, Reason.GAP)
+    part = model.subset(["middle", "base"])
+    assert [(m.block_a, m.block_b) for m in part.unjoined] == [(1, 0)]
+    assert model.subset(["middle", "top"]).unjoined == ()
+    assert check(part).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_blocks_that_touch_exactly_have_no_near_pairs(count: int) -> None:
+    assert Model.of(tower(count)).unjoined == ()
