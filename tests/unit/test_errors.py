@@ -8,6 +8,7 @@ from drystone.base.errors import (
     DefectKind,
     FormatError,
     InputError,
+    MissingDependency,
     one_line_errors,
     printable,
 )
@@ -18,6 +19,8 @@ def test_errors_come_back_from_another_process_whole() -> None:
     again = pickle.loads(pickle.dumps(error))
     assert type(again) is FormatError
     assert (str(again), again.kind) == ("a.obj: is open; close it", DefectKind.OPEN)
+    missing = MissingDependency("mujoco", extra="fall", purpose="a film")
+    assert str(pickle.loads(pickle.dumps(missing))) == str(missing)
 
 
 def test_a_fault_is_located_without_losing_its_kind() -> None:

@@ -154,6 +154,10 @@ class MissingDependency(DrystoneError, ImportError):
         self.purpose = purpose
         super().__init__(package, extra, purpose)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        make = functools.partial(type(self), extra=self.extra, purpose=self.purpose)
+        return make, (self.package,)
+
     def __str__(self) -> str:
         return f"{self.purpose} needs {self.package}; pip install 'drystone[{self.extra}]'"
 

@@ -7,6 +7,7 @@ drystone, 130 interrupted, with or without an answer, 141 the reader of the outp
 from __future__ import annotations
 
 import difflib
+import io
 import os
 import sys
 import traceback
@@ -180,6 +181,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     as_json = "--json" in given
     UNDER_WAY.set(None)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a name that it cannot encode is written escaped
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         code = int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
         if sys.stdout is not None:

@@ -40,20 +40,25 @@ def child(code: str, *arguments: str) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
-def interrupt(run: subprocess.Popen[str], *when: str) -> tuple[int, str, str]:
-    """Ctrl-C each time it says one of the words; exit code, stdout, stderr after the last."""
+def interrupt(
+    run: subprocess.Popen[str], *when: str, number: int = signal.SIGINT
+) -> tuple[int, str, str]:
+    """Ctrl-C, or another signal, at each of the words; exit code, stdout, stderr after the last."""
     assert run.stderr is not None
     for words in when:
         for line in run.stderr:
             if words in line:
                 break
-        run.send_signal(signal.SIGINT)
+        run.send_signal(number)
     out, err = run.communicate(timeout=60.0)
     return run.returncode, out, err
 
 
 @posix
-def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(tmp_path: Path) -> None:
+@pytest.mark.parametrize("request_to_end", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
+    tmp_path: Path, request_to_end: str
+) -> None:
     model, page = tmp_path / "wall.json", tmp_path / "page.html"
     io.write(wall(4, 6), model)
     code = (
@@ -66,7 +71,7 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(tmp_path: P
         "Waiting.__call__ = held"
     )
     run = child(code, "check", str(model), "--json", "--html", str(page))
-    number, out, _ = interrupt(run, "third")
+    number, out, _ = interrupt(run, "third", number=getattr(signal, request_to_end))
     told = json.loads(out)
     assert number == 130
     assert (told["verdict"], told["stopped"]) == ("stable", "it was interrupted")

@@ -21,6 +21,9 @@ PATIENCE = 1.0
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 NOTHING = "nothing was written"
+_REQUESTS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 _STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
@@ -81,25 +84,30 @@ class Waiting:
     def stoppable(self) -> Iterator[Callable[[], bool]]:
         """In this context the first Ctrl-C asks the work to stop, and the second ends the program.
 
-        Yields the function ``stop`` of the library.
+        So do a request to end and a closed terminal (SIGTERM, SIGHUP), which keep what is known so
+        far too. Yields the function ``stop`` of the library.
         """
+        before = {one: signal.getsignal(one) for one in _REQUESTS}
 
         def ask(*_: object) -> None:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            for one in before:
+                signal.signal(one, signal.default_int_handler)
             self.interrupted = True
             self(_STOPPING, 0, 0)
 
         ours = (
             threading.current_thread() is threading.main_thread()
-            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+            and before[signal.SIGINT] is signal.default_int_handler
         )
         if ours:
-            signal.signal(signal.SIGINT, ask)
+            for one in before:
+                signal.signal(one, ask)
         try:
             yield lambda: self.interrupted
         finally:
             if ours:
-                signal.signal(signal.SIGINT, signal.default_int_handler)
+                for one, handler in before.items():
+                    signal.signal(one, handler)
 
     @contextmanager
     def keywords(
