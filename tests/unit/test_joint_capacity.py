@@ -123,7 +123,7 @@ def test_the_command_line_takes_stresses_and_a_table(overhang, capsys):
     assert main(["check", "overhang.json", "--joint-capacity", "tension=0.01MPa"]) == 0
     assert main(["check", "overhang.json", "--joint-capacity", "tension=0.008MPa"]) == 1
     (overhang / "joints.csv").write_text(
-        "block_a,block_b,tension,cohesion,shear\nslab,pier,10000,10000,\n"
+        "block_a,block_b,tension,cohesion,shear\rslab,pier,1e999,10000,\r"  # old line ends
     )
     capsys.readouterr()
     assert main(["check", "overhang.json", "--joint-capacity", "joints.csv", "--json"]) == 0
@@ -150,10 +150,15 @@ def test_a_limit_of_moment_is_one_of_tension(overhang):
         ("tension=-3Pa", ["the tension of interface 0 is -3"]),
         ("absent.csv", ["absent.csv"]),
         ("bad.csv", ["bad.csv, line 2", "names no block"]),
+        ("lower.csv", ["lower.csv, line 2", "tension '-1' is no number from 0 on"]),
+        ("long.csv", ["long.csv: is no table", "save it as CSV"]),
     ],
 )
 def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text, words):
-    (overhang / "bad.csv").write_text("block_a,block_b,tension,cohesion,shear\na,pier,1,1,\n")
+    head = "block_a,block_b,tension,cohesion,shear"
+    (overhang / "bad.csv").write_text(f"{head}\na,pier,1,1,\n")
+    (overhang / "lower.csv").write_text(f"{head}\nslab,pier,-1,1,\n")
+    (overhang / "long.csv").write_text(f"{head}\n{'a' * 200_000}")
     assert main(["check", "overhang.json", "--joint-capacity", text]) == 2
     out, err = capsys.readouterr()
     assert out == ""

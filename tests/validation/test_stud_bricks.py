@@ -83,6 +83,8 @@ def test_bricks_side_by_side_press_each_other(tmp_path):
         (["0 0 0 4 2 45"], "the rotation is 45 degrees"),
         (["0 0 -1 4 2"], "is no brick"),
         (["0 0 0 0 2"], "is no brick"),
+        (["0 1 2 4 90 2.3"], "is no brick"),
+        (["0 0 0 4 2 " + "9" * 5000], "is no brick"),
         (["0 0 0 4 2 0 0"], "its mass is zero"),
         (["0 0 0 4 2", "2 1 0 4 2"], "bricks 0 and 1 are both at 2 1 0"),
         (["0 0 1 4 2"], "has no brick on the ground"),

@@ -45,7 +45,7 @@ _GROUND_MARGIN = 2
 _MOST = 100_000
 """Largest coordinate of a brick, chosen."""
 _BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_LINE = re.compile(r"-?\d+(\s+-?\d+){4,5}(\s+\d*\.?\d+)?")
+_LINE = re.compile(r"(-?\d{1,9}\s+){4}-?\d{1,9}(\s+-?\d{1,9}(\s+\d{0,9}\.?\d{1,9})?)?", re.ASCII)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from drystone.base import units
@@ -73,7 +72,11 @@ def _of_table(model: Model, path: str) -> JointCapacity:
     from drystone.base.files import read_bytes
     from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
-    rows = list(csv.reader(io.StringIO(read_bytes(path).decode("utf-8-sig", "replace"))))
+    lines = read_bytes(path).decode("utf-8-sig", "replace").splitlines()
+    try:
+        rows = list(csv.reader(lines, strict=True))
+    except csv.Error as error:
+        raise InputError(f"is no table: {error}", where=path, remedy="save it as CSV") from error
     expected = ["block_a", "block_b", *NAMES]
     if not rows or [one.strip() for one in rows[0]] != expected:
         raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
@@ -102,9 +105,13 @@ def _of_table(model: Model, path: str) -> JointCapacity:
                 continue
             try:
                 value = float(text)
-            except ValueError as error:
-                raise InputError(f"{name} '{text}' is not a number", where=where) from error
-            values[name][own] = np.where(value >= NO_LIMIT, NO_LIMIT, value * share)[own]
+            except ValueError:
+                value = np.nan
+            if not value >= 0.0:
+                raise InputError(
+                    f"{name} '{text[:40]}' is no number from 0 on", where=where, remedy="give N"
+                )
+            values[name][own] = NO_LIMIT if value >= NO_LIMIT else value * share[own]
     try:
         return JointCapacity(**values)
     except InputError as error:
