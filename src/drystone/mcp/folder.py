@@ -65,7 +65,8 @@ class Folder:
         if file.suffix.lower() not in _SUFFIXES:
             known = ", ".join(sorted(_SUFFIXES))
             raise InputError("is no model file", where=name, remedy=f"its suffix is one of {known}")
-        if file.suffix.lower() == ".json" and b'"arrays"' in (data := file.read_bytes()):
+        data = file.read_bytes() if file.suffix.lower() == ".json" else b""
+        if b'"arrays"' in data or b"\\u" in data:  # a key may be written with escapes
             top = jsontext.parse(data, Path(name))
             if top.has("arrays"):
                 self._file(str(PurePath(name).parent / top["arrays"]["file"].text()))

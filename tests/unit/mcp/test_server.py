@@ -98,6 +98,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (outside / "away.npz").write_bytes((made / told["arrays"]["file"]).read_bytes())
         told["arrays"]["file"] = "away.npz"
         (made / "away.json").write_text(json.dumps(told))
+        escaped = json.dumps(told).replace('"arrays"', '"\\u0061rrays"')
+        (made / "escaped.json").write_text(escaped)
         (made / "away.npz").symlink_to(outside / "away.npz")
     return made
 
@@ -248,6 +250,7 @@ if os.name == "posix":
         "link": ({"file": "link.json"}, "symbolic link"),
         "link to a folder": ({"file": "door/secret.json"}, "symbolic link"),
         "arrays by a link": ({"file": "away.json"}, "symbolic link"),
+        "arrays by a link, escaped": ({"file": "escaped.json"}, "symbolic link"),
     }
 
 
