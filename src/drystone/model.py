@@ -15,6 +15,7 @@ from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.report.block_overlaps import overlap_lines
+from drystone.detection.report.inexact import inexact_lines
 from drystone.detection.report.reasons import Missed
 from drystone.detection.report.unjoined import among
 from drystone.joint_capacity import JointCapacity
@@ -199,8 +200,10 @@ class Model(Card):
         notes: tuple[str, ...] = ()
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
-        notes = (*notes, *overlap_lines(assembly.names, found.report.overlaps))
-        model = cls(assembly, contacts, load, found.report, notes, unjoined=found.report.unjoined)
+        report = found.report
+        notes += tuple(inexact_lines(assembly.names, report.inexact))
+        notes += tuple(overlap_lines(assembly.names, report.overlaps_left))
+        model = cls(assembly, contacts, load, report, notes, unjoined=report.unjoined)
         return model if supports is None else model.with_supports(supports, up_of_load(load))
 
     def with_load(self, load: Any) -> Model:

@@ -140,11 +140,11 @@ def test_a_block_inside_another_is_told_without_a_power_of_ten() -> None:
 
 
 def test_blocks_that_share_little_are_a_note() -> None:
-    low = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.05))
+    low = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.09))
     model = Model.of(Assembly((tower(2).blocks[0], low), np.array([True, False])))
     assert model.notes == (
-        "blocks 'block-0' and 'block-1' overlap: they share 0.05 m3 (5 % of the smaller one),"
-        " 50 mm deep",
+        "blocks 'block-0' and 'block-1' overlap: they share 0.09 m3 (9 % of the smaller one),"
+        " 90 mm deep",
     )
 
 

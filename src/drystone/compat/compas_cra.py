@@ -67,7 +67,7 @@ def assembly_interfaces_numpy(
     ours, nodes = blocks_of(assembly, 1.0)
     size = float(np.median(np.cbrt(ours.volume)))
     gap = min(max(DetectionOptions().gap, float(tmax) / size), _WIDEST_GAP)
-    contacts = find_contacts(ours, options=DetectionOptions(gap=gap)).contacts
+    contacts = find_contacts(ours, options=DetectionOptions(gap=gap, inexact=False)).contacts
     frame_type: Any = importlib.import_module("compas.geometry").Frame  # installed
     known = {frozenset(edge) for edge in assembly.graph.edges()}
     for i in np.flatnonzero(contacts.area >= amin).tolist():

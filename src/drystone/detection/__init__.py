@@ -8,6 +8,7 @@ from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.block_overlaps import Overlap
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.gap_sweep import GapSweep, gap_sweep
+from drystone.detection.report.inexact import Inexact
 from drystone.detection.report.reasons import Missed, Reason
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "DetectionOptions",
     "EdgeContacts",
     "GapSweep",
+    "Inexact",
     "Missed",
     "Overlap",
     "Reason",

@@ -58,6 +58,9 @@ class DetectionOptions(Options):
         Pairs up to this distance are reported as near misses, with the gap that would join them.
     edges
         When to search for contacts along edges and at corners.
+    inexact
+        Whether to join what small errors of the drawing keep apart: overlaps up to 8 % of the
+        thinnest dimension of the smaller block, gaps up to twice the deepest overlap.
 
     Raises
     ------
@@ -72,6 +75,7 @@ class DetectionOptions(Options):
     merge: float = 0.2
     search: float = 0.05
     edges: EdgeContacts = EdgeContacts.ISOLATED
+    inexact: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

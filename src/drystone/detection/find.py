@@ -14,6 +14,7 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
+from drystone.detection.inexact_joints import Joined, join_inexact
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.misses import compare_with_tolerances, dropped, edge_misses, misses
@@ -70,6 +71,9 @@ def find_contacts(
     interface, in the plane halfway between the faces. An area with a hole is cut into several
     interfaces. Interfaces are ordered by their blocks (``block_a < block_b``) and faces.
 
+    Blocks that overlap a little more are joined as well, and so are those as little apart: the
+    drawing is off, and the report says by how much.
+
     Parameters
     ----------
     assembly
@@ -116,9 +120,15 @@ def find_contacts(
         for miss in [*missed, *beyond]
     ]
     found = joined([found, lines]).ordered()
+    plane = found.area > 0.0
+    together = found.block_a[plane] * len(assembly) + found.block_b[plane]
+    deep = _overlaps(assembly, patches, pairs, together, options)
+    joining = Joined(found, (), missed)
+    if options.inexact:
+        joining = join_inexact(assembly, patches, found, missed, deep, options)
     return Detection(
-        found.contacts(patches.origin, friction),
-        _report(assembly, patches, pairs, found, missed, short, undirected, open_ones, options),
+        joining.found.contacts(patches.origin, friction),
+        _report(assembly, patches, pairs, joining, deep, short, undirected, open_ones, options),
     )
 
 
@@ -173,17 +183,16 @@ def _report(
     assembly: Assembly,
     patches: Patches,
     pairs: Pairs,
-    found: Interfaces,
-    missed: list[Missed],
+    joining: Joined,
+    deep: tuple[Overlap, ...],
     short: tuple[Shortfall, ...],
     undirected: Ints,
     near_undirected: Ints,
     options: DetectionOptions,
 ) -> ContactReport:
+    found = joining.found
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
-    plane = found.area > 0.0
-    joined = found.block_a[plane] * len(assembly) + found.block_b[plane]
     return ContactReport(
         names=assembly.names,
         options=options,
@@ -198,12 +207,13 @@ def _report(
         angle=found.angle,
         clipped=found.clipped,
         merged=found.merged,
-        missed=tuple(missed),
+        missed=tuple(joining.missed),
+        inexact=joining.inexact,
         shortfalls=short,
         undirected=tuple((a, b) for a, b in undirected.tolist()),
         near_undirected=tuple((a, b) for a, b in near_undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
-        overlaps=_overlaps(assembly, patches, pairs, joined, options),
+        overlaps=deep,
         duplicates=_duplicates(assembly, patches, pairs),
         parts=_parts(assembly, patches),
         repairs=tuple(

@@ -17,6 +17,7 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
+from drystone.detection.report.inexact import Inexact, inexact_lines
 from drystone.detection.report.reasons import SHOWN, Missed, Reason, millimetres
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
@@ -49,7 +50,9 @@ class ContactReport(Card):
     merged : (m,)
         Number of pieces that were merged into the interface.
     missed
-        Near misses.
+        Near misses, and joints that are within tolerance on a part only.
+    inexact
+        Pairs that are joined although they are drawn beyond a tolerance.
     shortfalls
         Curved joints whose area was not completely found.
     undirected
@@ -82,6 +85,7 @@ class ContactReport(Card):
     clipped: Bools
     merged: Ints
     missed: tuple[Missed, ...]
+    inexact: tuple[Inexact, ...]
     shortfalls: tuple[Shortfall, ...]
     undirected: tuple[tuple[int, int], ...]
     near_undirected: tuple[tuple[int, int], ...]
@@ -111,6 +115,12 @@ class ContactReport(Card):
     def pair_count(self) -> int:
         """Number of pairs of blocks that touch."""
         return len(np.unique(self.block_a * len(self.names) + self.block_b))
+
+    @property
+    def overlaps_left(self) -> tuple[Overlap, ...]:
+        """Overlaps of pairs that were not joined all the same."""
+        inexact = {(pair.block_a, pair.block_b) for pair in self.inexact}
+        return tuple(p for p in self.overlaps if (p.block_a, p.block_b) not in inexact)
 
     @property
     def unjoined(self) -> tuple[Missed, ...]:
@@ -153,7 +163,7 @@ class ContactReport(Card):
             self.options,
             missed=self.missed,
             shortfalls=self.shortfalls,
-            overlaps=self.overlaps,
+            overlaps=self.overlaps_left,
             duplicates=self.duplicates,
             parts=self.parts,
             undirected=(*self.undirected, *self.near_undirected),
@@ -182,6 +192,7 @@ class ContactReport(Card):
                 f"{int(self.merged[many].sum())} pieces merged into"
                 f" {counted(int(many.sum()), 'interface')}"
             )
+        lines += inexact_lines(self.names, self.inexact)
         lines += self._missed_lines()
         lines += _first(
             [
@@ -209,7 +220,7 @@ class ContactReport(Card):
                 f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
                 f" {named([self.names[i] for i in self.isolated], SHOWN)}"
             )
-        lines += overlap_lines(self.names, self.overlaps)
+        lines += overlap_lines(self.names, self.overlaps_left)
         lines += _first(
             [
                 f"blocks '{self.names[a]}' and '{self.names[b]}' are the same block twice"
@@ -249,7 +260,11 @@ class ContactReport(Card):
             lines.append(
                 f"{counted(len(pairs), 'pair')} not joined, {reason}: {named(shown, SHOWN)}"
             )
-        beside = Counter(str(miss.reason) for miss in self.missed if miss.joined)
+        beside = Counter(
+            str(miss.reason)
+            for miss in self.missed
+            if miss.joined and miss.reason is not Reason.PARTLY
+        )
         lines += [
             f"{counted(count, 'overlap')} dropped between blocks that touch elsewhere, {reason}"
             for reason, count in beside.items()
@@ -312,6 +327,14 @@ class ContactReport(Card):
                     "joined": m.joined,
                 }
                 for m in self.missed
+            ],
+            "inexact": [
+                {
+                    "blocks": [name[pair.block_a], name[pair.block_b]],
+                    "reason": str(pair.reason),
+                    "off": pair.off,
+                }
+                for pair in self.inexact
             ],
             "shortfalls": [
                 {

@@ -135,5 +135,5 @@ def gap_sweep(
 
 
 def _counts(assembly: Assembly, options: DetectionOptions, gap: float) -> tuple[int, int, int]:
-    report = find_contacts(assembly, options=replace(options, gap=gap)).report
+    report = find_contacts(assembly, options=replace(options, gap=gap, inexact=False)).report
     return len(report.area), report.pair_count, len(report.isolated)

@@ -71,7 +71,7 @@ def faces_apart(model: Model, reach: float) -> Apart:
 @lru_cache(maxsize=4)
 def _facing(assembly: Assembly, reach: float) -> Apart:
     """The faces that are apart; a limit asks for those of the same blocks again and again."""
-    options = DetectionOptions(gap=reach, search=reach, edges=EdgeContacts.NEVER)
+    options = DetectionOptions(gap=reach, search=reach, edges=EdgeContacts.NEVER, inexact=False)
     found = find_contacts(assembly, options=options)
     sides = FaceSides(assembly)
     most = APART * np.minimum(

@@ -1,0 +1,281 @@
+"""Joints that small errors of a drawing keep apart: overlaps, and gaps as small as these.
+
+An exact drawing has no overlaps. So where blocks overlap, the drawing is off, by the depth of the
+overlap, and they are meant to touch. A gap may be meant; it is closed only where overlaps show that
+the drawing is off by as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
+from drystone.detection.detection_options import DetectionOptions, EdgeContacts
+from drystone.detection.freeform.regroup import merge_slivers
+from drystone.detection.report.block_overlaps import Overlap
+from drystone.detection.report.inexact import Inexact
+from drystone.detection.report.misses import compare_with_tolerances, missed_of
+from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.search.candidates import Pairs, facing_patches
+from drystone.detection.search.edgecontacts import edge_contacts
+from drystone.detection.search.face_overlaps import negligible, overlaps, within
+from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
+from drystone.detection.search.nearest import uncovered
+from drystone.detection.search.patches import Patches
+from drystone.detection.search.planes import planes_between
+
+DEEPEST = 0.08
+"""Overlaps up to this share of the thinnest dimension of the smaller block are joined. Chosen: a
+leg of 40 mm that is 3 mm deep in the floor."""
+NOISE = 2.0
+"""Gaps up to the deepest overlap times this are joined. Measured on blocks that are shifted at
+random: fewer pairs overlap than are apart, and the largest gap may be larger."""
+COVERED = 0.9
+"""A face with more than this share of its area in contact has no other contact across a gap."""
+THINNEST_FACES = 16
+"""The largest faces of a block, along which its thinnest dimension is measured. Chosen: a brick has
+six, and those of a finely meshed block do not matter."""
+ALIKE = 0.9
+"""Edges and corners of one pair are joined when the cosine between their normals is larger. Chosen:
+where two edges have passed each other it is zero, and nobody can say which face is meant."""
+NARROWEST = 0.02
+"""Shared areas narrower than this share of the block size are no joints. Chosen, as for near
+misses."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """What was found with the joints that are added.
+
+    Attributes
+    ----------
+    found
+    inexact
+    missed
+        What is still not joined, with the joints that are within tolerance on a part only.
+    """
+
+    found: Interfaces
+    inexact: tuple[Inexact, ...]
+    missed: list[Missed]
+
+
+def join_inexact(
+    assembly: Assembly,
+    patches: Patches,
+    found: Interfaces,
+    missed: Sequence[Missed],
+    overlapping: Sequence[Overlap],
+    options: DetectionOptions,
+) -> Joined:
+    """Join pairs of blocks that overlap a little, and those as little apart.
+
+    Nothing is done unless pairs overlap, are within tolerance on a part only, or miss each other
+    narrowly: an exact drawing is not looked at again.
+
+    Parameters
+    ----------
+    found
+        Interfaces within the tolerances.
+    missed, overlapping
+        What the search found besides.
+    """
+    count = len(patches.size)
+    deep_pairs = np.array([p.block_a * count + p.block_b for p in overlapping], dtype=np.intp)
+    near = [
+        miss.block_a * count + miss.block_b
+        for miss in missed
+        if miss.reason in (Reason.GAP, Reason.OVERLAP)
+    ]
+    clipped = found.block_a[found.clipped] * count + found.block_b[found.clipped]
+    keys = np.unique(np.concatenate([deep_pairs, np.array(near, dtype=np.intp), clipped]))
+    if len(keys) == 0:
+        return Joined(found, (), list(missed))
+    new, inexact, partly = _faces(assembly, patches, found, keys, deep_pairs, options)
+    kept = ~np.isin(_keys(found, count), _keys(new, count))
+    found = joined([found.take(np.flatnonzero(kept)), new])
+    lines = _lines(assembly, patches, found, deep_pairs, options)
+    inexact += [
+        Inexact(int(a), int(b), Reason.OVERLAP, float(-gap))
+        for a, b, gap in zip(lines.block_a, lines.block_b, lines.gap, strict=True)
+    ]
+    found = joined([found, lines]).ordered()
+    return Joined(found, tuple(inexact), [*_left(missed, new, found, count), *partly])
+
+
+def thinnest(assembly: Assembly, patches: Patches, block: int) -> float:
+    """The least dimension of a block [m] along the normals of its largest faces, or 6 V / A."""
+    first, last = patches.first_patch[block : block + 2]
+    chosen = first + np.argsort(-patches.area[first:last], kind="stable")[:THINNEST_FACES]
+    along = assembly.blocks[block].vertices @ patches.normal[chosen].T
+    return float(min(np.ptp(along, axis=0).min(), patches.size[block]))
+
+
+def _keys(found: Interfaces, count: int) -> Ints:
+    keys: Ints = found.block_a * count + found.block_b
+    return keys
+
+
+def _faces(
+    assembly: Assembly,
+    patches: Patches,
+    found: Interfaces,
+    keys: Ints,
+    deep_pairs: Ints,
+    options: DetectionOptions,
+) -> tuple[Interfaces, list[Inexact], list[Missed]]:
+    """All interfaces with an area of inexact pairs; what is within tolerance on a part."""
+    count = len(patches.size)
+    a, b = np.divmod(keys, count)
+    farther = replace(options, search=max(options.search, DEEPEST))
+    f, g = facing_patches(patches, (a, b), farther)
+    order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
+    planes = planes_between(patches, f[order], g[order])
+    shared = overlaps(patches, planes)
+    checked = compare_with_tolerances(patches, planes, shared, options)
+    pair = patches.owner[planes.f] * count + patches.owner[planes.g]
+    limit = _limits(assembly, patches, keys)[np.searchsorted(keys, pair)] + checked.slack
+    limit = np.maximum(limit, checked.tolerance)
+
+    row, corners = shared.row, Ragged(shared.start)
+    gap = planes.gap_at(shared.corner, shared.corner_row)
+    least, most, mean = corners.min(gap), corners.max(gap), corners.mean(gap)
+    good = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
+    good &= shared.width > NARROWEST * planes.size[row]
+    convex = patches.block_convex
+    solid = np.isin(pair, deep_pairs)
+    solid |= convex[patches.owner[planes.f]] & convex[patches.owner[planes.g]]
+    deep = good & solid[row] & (least < -checked.tolerance[row]) & (mean >= -limit[row])
+    deep &= shared.width > -2.0 * mean  # of two faces that a corner has passed, the wider counts
+    depth = -mean - checked.slack[row]
+    off = max(float(depth[deep].max(initial=0.0)), _overlap_within(patches, found))
+    far = np.minimum(NOISE * off, limit - checked.slack) + checked.slack
+    bare = _covered(patches, found, keys) < COVERED * patches.area
+    loose = good & ~deep & (most > checked.tolerance[row]) & (mean <= far[row])
+    loose &= (mean > 0.0) & (most <= limit[row]) & (bare[planes.f] & bare[planes.g])[row]
+
+    taken = deep | loose
+    of_row = np.zeros(len(pair), dtype=bool)
+    of_row[row[taken]] = True
+    near = within(
+        shared.select(taken | (checked.accepted & ~of_row[row])),
+        planes,
+        np.where(of_row, limit, checked.tolerance),
+    )
+    wide_enough = near.width > options.sliver * planes.size[near.row]
+    near, _ = uncovered(
+        patches, planes, near.select(wide_enough & ~negligible(patches, planes, near))
+    )
+    changed = np.unique(pair[near.row[of_row[near.row]]])
+    near = near.select(np.isin(pair[near.row], changed))
+    new = from_pieces(patches, planes, near, checked.partial & ~of_row)
+    inexact = [
+        *_told(pair, row, deep, changed, np.maximum(-least, 0.0), Reason.OVERLAP, count),
+        *_told(pair, row, loose, changed, most, Reason.GAP, count),
+    ]
+    open_ones = good & checked.accepted & checked.partial[row] & ~np.isin(pair[row], changed)
+    open_ones &= np.maximum(most, -least) - checked.slack[row] <= options.search * planes.size[row]
+    part = from_pieces(patches, planes, shared.select(open_ones), checked.partial)
+    needed = ((np.maximum(most, -least) - checked.slack[row]) / planes.size[row])[open_ones]
+    partly = [
+        missed_of(part, i, Reason.PARTLY, float(needed[i]), True, patches.origin)
+        for i in range(part.count)
+    ]
+    return merge_slivers(new, options.merge), inexact, partly
+
+
+def _limits(assembly: Assembly, patches: Patches, keys: Ints) -> Floats:
+    """How deep (p,) [m] the blocks of each pair may be in each other."""
+    a, b = np.divmod(keys, len(patches.size))
+    blocks = np.unique(np.concatenate([a, b]))
+    thin = np.array([thinnest(assembly, patches, int(block)) for block in blocks])
+    limit: Floats = DEEPEST * np.minimum(
+        thin[np.searchsorted(blocks, a)], thin[np.searchsorted(blocks, b)]
+    )
+    return limit
+
+
+def _patch(patches: Patches, block: Ints, face: Ints) -> Ints:
+    """The patches of faces by block and first face; where there is none, any."""
+    most = int(patches.face.max(initial=0)) + 1
+    place = np.searchsorted(patches.owner * most + patches.face, block * most + face)
+    return np.minimum(place, patches.count - 1)
+
+
+def _overlap_within(patches: Patches, found: Interfaces) -> float:
+    """The deepest overlap [m] within the tolerances, less what warp and curvature explain."""
+    slack = patches.warp + patches.sag
+    f = _patch(patches, found.block_a, found.face_a)
+    g = _patch(patches, found.block_b, found.face_b)
+    depth = np.where(found.area > 0.0, -found.gap - slack[f] - slack[g], 0.0)
+    return float(depth.max(initial=0.0))
+
+
+def _covered(patches: Patches, found: Interfaces, keys: Ints) -> Floats:
+    """Area (p,) [m2] of each patch in contact, but for the contacts of some pairs."""
+    other = found.take(np.flatnonzero(~np.isin(_keys(found, len(patches.size)), keys)))
+    covered = np.zeros(patches.count)
+    np.add.at(covered, _patch(patches, other.block_a, other.face_a), other.area)
+    np.add.at(covered, _patch(patches, other.block_b, other.face_b), other.area)
+    return covered
+
+
+def _told(
+    pair: Ints, row: Ints, pieces: Bools, changed: Ints, off: Floats, reason: Reason, count: int
+) -> list[Inexact]:
+    """The largest error of each pair that is joined for one reason."""
+    worst: dict[int, float] = {}
+    for key, value in zip(pair[row[pieces]].tolist(), off[pieces].tolist(), strict=True):
+        worst[key] = max(value, worst.get(key, 0.0))
+    known = set(changed.tolist())
+    return [Inexact(*divmod(k, count), reason, v) for k, v in worst.items() if k in known]
+
+
+def _lines(
+    assembly: Assembly,
+    patches: Patches,
+    found: Interfaces,
+    deep_pairs: Ints,
+    options: DetectionOptions,
+) -> Interfaces:
+    """Edges and corners that are a little deep in a block, of blocks that touch nothing else."""
+    count = len(patches.size)
+    alone = np.ones(count, dtype=bool)
+    alone[found.block_a] = alone[found.block_b] = False
+    a, b = np.divmod(deep_pairs, count)
+    chosen = np.flatnonzero(alone[a] | alone[b])
+    if options.edges is EdgeContacts.NEVER:
+        chosen = chosen[:0]
+    pairs: Pairs = a[chosen], b[chosen]
+    lines, _ = edge_contacts(assembly, patches, pairs, replace(options, gap=DEEPEST))
+    limit = _limits(assembly, patches, deep_pairs)
+    order = np.argsort(deep_pairs)
+    mine = order[np.searchsorted(deep_pairs[order], _keys(lines, count))]
+    normal, key = lines.frame[:, 0], _keys(lines, count)
+    unclear = [(normal[key == k] @ normal[key == k].T).min() < ALIKE for k in key.tolist()]
+    keep = (lines.gap < 0.0) & (-lines.gap <= limit[mine]) & ~np.array(unclear, dtype=bool)
+    return lines.take(np.flatnonzero(keep))
+
+
+def _left(missed: Sequence[Missed], new: Interfaces, found: Interfaces, count: int) -> list[Missed]:
+    """What is still missed of the faces, and whether their blocks are joined now."""
+    faces = set(
+        zip(
+            new.block_a.tolist(),
+            new.block_b.tolist(),
+            new.face_a.tolist(),
+            new.face_b.tolist(),
+            strict=True,
+        )
+    )
+    pairs = set(_keys(found, count).tolist())
+    return [
+        replace(miss, joined=miss.joined or miss.block_a * count + miss.block_b in pairs)
+        for miss in missed
+        if (miss.block_a, miss.block_b, miss.face_a, miss.face_b) not in faces
+    ]

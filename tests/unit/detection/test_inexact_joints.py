@@ -1,0 +1,123 @@
+"""Joints that small errors of the drawing keep apart are found, and the report says so."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Model, Verdict, check
+from drystone.detection import DetectionOptions, find_contacts
+from drystone.detection.report.reasons import Reason
+from drystone.geometry.frames import rotation_about
+from drystone.models import arch, box, tower, wall
+
+FLOOR = box((2.0, 2.0, 0.1), (-1.0, -1.0, -0.1), name="floor")
+
+
+def table(sunk: float) -> Assembly:
+    """A seat of 30 mm on four legs of 40 mm that reach into the floor."""
+    legs = [
+        box((0.04, 0.04, 0.45 + sunk), (x, y, -sunk), name=f"leg {x} {y}")
+        for x in (-0.19, 0.15)
+        for y in (-0.19, 0.15)
+    ]
+    seat = box((0.4, 0.4, 0.03), (-0.2, -0.2, 0.45), name="seat")
+    return Assembly((FLOOR, *legs, seat)).with_fixed(["floor"])
+
+
+def cube(sunk: float) -> Assembly:
+    return Assembly((FLOOR, box((0.4, 0.4, 0.4), (0.0, 0.0, -sunk), name="cube"))).with_fixed(
+        ["floor"]
+    )
+
+
+@pytest.mark.parametrize("sunk", [1e-4, 2e-4, 3e-4, 5e-4, 1e-3, 2e-3, 3e-3])
+def test_a_table_whose_legs_are_drawn_into_the_floor_stands(sunk: float) -> None:
+    model = Model.of(table(sunk))
+    exact = Model.of(table(0.0))
+    assert check(model).verdict is Verdict.STABLE
+    assert model.contacts.block_a.tolist() == exact.contacts.block_a.tolist()
+    assert model.contacts.block_b.tolist() == exact.contacts.block_b.tolist()
+    assert np.allclose(model.contacts.area, exact.contacts.area)
+    assert np.abs(model.contacts.point - exact.contacts.point).max() <= 0.5 * sunk + 1e-12
+
+
+@pytest.mark.parametrize("sunk", [1e-4, 1e-3, 2e-3, 5e-3])
+def test_a_cube_that_is_drawn_into_the_floor_stands(sunk: float) -> None:
+    assert check(cube(sunk)).verdict is Verdict.STABLE
+
+
+def test_what_is_joined_all_the_same_is_told_with_its_depth() -> None:
+    model = Model.of(table(5e-4))
+    assert model.report is not None
+    assert [(pair.block_a, pair.reason) for pair in model.report.inexact] == [
+        (0, Reason.OVERLAP)
+    ] * 4
+    assert [pair.off for pair in model.report.inexact] == pytest.approx([5e-4] * 4)
+    assert "4 pairs of blocks are drawn up to 0.5 mm deep into each other" in model.notes[0]
+    assert "not for the blocks as they are drawn" in model.notes[1]
+    assert model.report.to_dict()["inexact"][0]["off"] == pytest.approx(5e-4)
+    assert not model.report.missed
+
+
+def test_what_is_too_deep_is_undecided() -> None:
+    found = check(cube(0.012))
+    assert found.verdict is Verdict.UNDECIDED
+    assert "'floor' and 'cube' are 12 mm deep in each other" in found.message
+
+
+def test_joining_the_inexact_can_be_left_out() -> None:
+    assert find_contacts(cube(5e-3), options=DetectionOptions(inexact=False)).contacts.count == 0
+
+
+@pytest.mark.parametrize("model", [arch(0.15), tower(4), wall(4, 5)])
+def test_nothing_is_changed_of_an_exact_drawing(model: Assembly) -> None:
+    found = find_contacts(model)
+    assert not found.report.inexact
+    exact = find_contacts(model, options=DetectionOptions(inexact=False))
+    assert np.array_equal(found.contacts.point, exact.contacts.point)
+
+
+def test_a_gap_alone_is_not_closed() -> None:
+    found = find_contacts(cube(-5e-3))
+    assert found.contacts.count == 0
+    assert not found.report.inexact
+
+
+def test_a_gap_is_closed_where_as_deep_an_overlap_shows_that_the_drawing_is_off() -> None:
+    blocks = [
+        box((0.3, 0.3, 0.3), (x, 0.0, -deep), name=f"cube {x}")
+        for x, deep in ((-0.8, 4e-3), (0.0, -3e-3), (0.6, -12e-3))
+    ]
+    found = find_contacts(Assembly((FLOOR, *blocks)).with_fixed(["floor"]))
+    assert found.contacts.block_b.tolist() == [1, 2]
+    assert [(pair.block_b, pair.reason) for pair in found.report.inexact] == [
+        (1, Reason.OVERLAP),
+        (2, Reason.GAP),
+    ]
+
+
+def test_a_tilted_foot_in_the_floor_touches_with_all_of_its_face() -> None:
+    column = box((0.1, 0.1, 1.0), (-0.05, -0.05, 0.0), name="column")
+    turn = rotation_about(np.array([0.0, 1.0, 0.0]), 1.0)
+    tilted = column.transformed(turn, (0.0, 0.0, -0.001))
+    model = Model.of(Assembly((FLOOR, tilted)).with_fixed(["floor"]))
+    assert model.contacts.area.sum() == pytest.approx(0.01, rel=1e-2)
+    assert check(model).verdict is Verdict.STABLE
+
+
+def test_corners_of_blocks_beside_each_other_are_no_joints() -> None:
+    blocks = (
+        box((1.0, 1.0, 1.0), name="low"),
+        box((1.0, 1.0, 1.0), (0.99, 0.0, 0.99), name="high"),
+    )
+    assert find_contacts(Assembly(blocks)).contacts.count == 0
+
+
+def test_an_edge_that_is_a_little_in_the_floor_touches_along_it() -> None:
+    turned = box((0.2, 0.2, 0.2), name="cube").transformed(
+        rotation_about(np.array([0.0, 1.0, 0.0]), 45.0)
+    )
+    low = float(turned.vertices[:, 2].min())
+    sunk = turned.transformed(translation=(0.0, 0.0, -low - 0.004))
+    found = find_contacts(Assembly((FLOOR, sunk)))
+    assert found.report.kind.tolist() == [2]
+    assert found.report.inexact[0].off == pytest.approx(0.004)
