@@ -12,25 +12,21 @@ from drystone.base.arrays import Ints, of_type
 from drystone.base.display import Card
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
+from drystone.detection.face_contacts import face_contacts
 from drystone.detection.freeform.regroup import merge_slivers
-from drystone.detection.freeform.shortfall import Shortfall, shortfalls
+from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.inexact_joints import Joined, join_inexact
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
-from drystone.detection.report.misses import compare_with_tolerances, dropped, edge_misses, misses
-from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.report.misses import edge_misses
 from drystone.detection.search.candidates import (
     Pairs,
-    facing_patches,
     most_slack,
     near_blocks,
 )
 from drystone.detection.search.edgecontacts import edge_contacts
-from drystone.detection.search.face_overlaps import negligible, overlaps, within
-from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.search.nearest import uncovered
+from drystone.detection.search.interfaces import Interfaces, joined
 from drystone.detection.search.patches import Patches, patches_of
-from drystone.detection.search.planes import planes_between
 from drystone.geometry.mend.coincidence import duplicates
 from drystone.geometry.mend.parts import separate_parts
 
@@ -106,7 +102,7 @@ def find_contacts(
     check_friction(friction, 1)
     patches = patches_of(assembly)
     pairs = near_blocks(patches, options)
-    found, missed, short = _face_contacts(patches, pairs, options)
+    found, missed, short = face_contacts(patches, pairs, options)
     found = merge_slivers(found, options.merge)
     near = _pairs_for_edges(patches, pairs, found, options)
     lines, undirected = edge_contacts(assembly, patches, near, options)
@@ -130,29 +126,6 @@ def find_contacts(
         joining.found.contacts(patches.origin, friction),
         _report(assembly, patches, pairs, joining, deep, short, undirected, open_ones, options),
     )
-
-
-def _face_contacts(
-    patches: Patches, pairs: Pairs, options: DetectionOptions
-) -> tuple[Interfaces, list[Missed], tuple[Shortfall, ...]]:
-    """Interfaces with an area, near misses, and missing area of curved joints."""
-    f, g = facing_patches(patches, pairs, options)
-    order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
-    planes = planes_between(patches, f[order], g[order])
-    shared = overlaps(patches, planes)
-    checked = compare_with_tolerances(patches, planes, shared, options)
-    near = within(shared.select(checked.accepted), planes, checked.tolerance)
-    wide = near.width > options.sliver * planes.size[near.row]
-    wide &= ~negligible(patches, planes, near)
-    touching = near.select(wide)
-    found, hidden = uncovered(patches, planes, touching)
-    missed = [
-        *misses(patches, planes, shared, found, checked, options),
-        *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
-        *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
-    ]
-    short = shortfalls(patches, planes, shared, found, checked, options)
-    return from_pieces(patches, planes, found, checked.partial), missed, short
 
 
 def _pairs_for_edges(

@@ -17,8 +17,9 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.freeform.regroup import merge_slivers
+from drystone.detection.mortar_joints import join_by_mortar
 from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.inexact import Inexact
+from drystone.detection.report.inexact import Error, Inexact
 from drystone.detection.report.misses import compare_with_tolerances, missed_of
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import Pairs, facing_patches
@@ -28,6 +29,7 @@ from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import planes_between
+from drystone.detection.warped_joints import join_warped
 
 DEEPEST = 0.08
 """Overlaps up to this share of the thinnest dimension of the smaller block are joined. Chosen: a
@@ -86,6 +88,27 @@ def join_inexact(
         What the search found besides.
     """
     count = len(patches.size)
+    known = found
+    found, fans = join_warped(assembly, patches, found, missed, options)
+    found, near, partly = _join_near(assembly, patches, found, missed, overlapping, options)
+    found, mortar = join_by_mortar(patches, found, options)
+    told = [*fans, *near, *mortar]
+    if not told:
+        return Joined(known, (), [*missed, *partly])
+    found = found.ordered()
+    return Joined(found, tuple(told), [*_left(missed, told, found, count), *partly])
+
+
+def _join_near(
+    assembly: Assembly,
+    patches: Patches,
+    found: Interfaces,
+    missed: Sequence[Missed],
+    overlapping: Sequence[Overlap],
+    options: DetectionOptions,
+) -> tuple[Interfaces, list[Inexact], list[Missed]]:
+    """The interfaces with those of blocks that overlap, or are apart, a little."""
+    count = len(patches.size)
     deep_pairs = np.array([p.block_a * count + p.block_b for p in overlapping], dtype=np.intp)
     near = [
         miss.block_a * count + miss.block_b
@@ -95,17 +118,16 @@ def join_inexact(
     clipped = found.block_a[found.clipped] * count + found.block_b[found.clipped]
     keys = np.unique(np.concatenate([deep_pairs, np.array(near, dtype=np.intp), clipped]))
     if len(keys) == 0:
-        return Joined(found, (), list(missed))
+        return found, [], []
     new, inexact, partly = _faces(assembly, patches, found, keys, deep_pairs, options)
     kept = ~np.isin(_keys(found, count), _keys(new, count))
     found = joined([found.take(np.flatnonzero(kept)), new])
     lines = _lines(assembly, patches, found, deep_pairs, options)
     inexact += [
-        Inexact(int(a), int(b), Reason.OVERLAP, float(-gap))
+        Inexact(int(a), int(b), Error.OVERLAP, float(-gap))
         for a, b, gap in zip(lines.block_a, lines.block_b, lines.gap, strict=True)
     ]
-    found = joined([found, lines]).ordered()
-    return Joined(found, tuple(inexact), [*_left(missed, new, found, count), *partly])
+    return joined([found, lines]), inexact, partly
 
 
 def thinnest(assembly: Assembly, patches: Patches, block: int) -> float:
@@ -175,8 +197,8 @@ def _faces(
     near = near.select(np.isin(pair[near.row], changed))
     new = from_pieces(patches, planes, near, checked.partial & ~of_row)
     inexact = [
-        *_told(pair, row, deep, changed, np.maximum(-least, 0.0), Reason.OVERLAP, count),
-        *_told(pair, row, loose, changed, most, Reason.GAP, count),
+        *_told(pair, row, deep, changed, np.maximum(-least, 0.0), Error.OVERLAP, count),
+        *_told(pair, row, loose, changed, most, Error.GAP, count),
     ]
     open_ones = good & checked.accepted & checked.partial[row] & ~np.isin(pair[row], changed)
     open_ones &= np.maximum(most, -least) - checked.slack[row] <= options.search * planes.size[row]
@@ -226,14 +248,14 @@ def _covered(patches: Patches, found: Interfaces, keys: Ints) -> Floats:
 
 
 def _told(
-    pair: Ints, row: Ints, pieces: Bools, changed: Ints, off: Floats, reason: Reason, count: int
+    pair: Ints, row: Ints, pieces: Bools, changed: Ints, off: Floats, error: Error, count: int
 ) -> list[Inexact]:
-    """The largest error of each pair that is joined for one reason."""
+    """The largest error of each pair that is joined for one error."""
     worst: dict[int, float] = {}
     for key, value in zip(pair[row[pieces]].tolist(), off[pieces].tolist(), strict=True):
         worst[key] = max(value, worst.get(key, 0.0))
     known = set(changed.tolist())
-    return [Inexact(*divmod(k, count), reason, v) for k, v in worst.items() if k in known]
+    return [Inexact(*divmod(k, count), error, v) for k, v in worst.items() if k in known]
 
 
 def _lines(
@@ -262,20 +284,17 @@ def _lines(
     return lines.take(np.flatnonzero(keep))
 
 
-def _left(missed: Sequence[Missed], new: Interfaces, found: Interfaces, count: int) -> list[Missed]:
+def _left(
+    missed: Sequence[Missed], told: Sequence[Inexact], found: Interfaces, count: int
+) -> list[Missed]:
     """What is still missed of the faces, and whether their blocks are joined now."""
-    faces = set(
-        zip(
-            new.block_a.tolist(),
-            new.block_b.tolist(),
-            new.face_a.tolist(),
-            new.face_b.tolist(),
-            strict=True,
-        )
-    )
+    four = zip(found.block_a, found.block_b, found.face_a, found.face_b, strict=True)
+    faces = {tuple(map(int, each)) for each in four}
     pairs = set(_keys(found, count).tolist())
+    new = {(pair.block_a, pair.block_b) for pair in told}
     return [
         replace(miss, joined=miss.joined or miss.block_a * count + miss.block_b in pairs)
         for miss in missed
-        if (miss.block_a, miss.block_b, miss.face_a, miss.face_b) not in faces
+        if (miss.block_a, miss.block_b) not in new
+        or (miss.block_a, miss.block_b, miss.face_a, miss.face_b) not in faces
     ]

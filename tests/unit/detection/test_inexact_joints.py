@@ -5,7 +5,7 @@ import pytest
 
 from drystone import Assembly, Model, Verdict, check
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.detection.report.reasons import Reason
+from drystone.detection.report.inexact import Error
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, tower, wall
 
@@ -48,9 +48,7 @@ def test_a_cube_that_is_drawn_into_the_floor_stands(sunk: float) -> None:
 def test_what_is_joined_all_the_same_is_told_with_its_depth() -> None:
     model = Model.of(table(5e-4))
     assert model.report is not None
-    assert [(pair.block_a, pair.reason) for pair in model.report.inexact] == [
-        (0, Reason.OVERLAP)
-    ] * 4
+    assert [(pair.block_a, pair.error) for pair in model.report.inexact] == [(0, Error.OVERLAP)] * 4
     assert [pair.off for pair in model.report.inexact] == pytest.approx([5e-4] * 4)
     assert "4 pairs of blocks are drawn up to 0.5 mm deep into each other" in model.notes[0]
     assert "not for the blocks as they are drawn" in model.notes[1]
@@ -89,9 +87,9 @@ def test_a_gap_is_closed_where_as_deep_an_overlap_shows_that_the_drawing_is_off(
     ]
     found = find_contacts(Assembly((FLOOR, *blocks)).with_fixed(["floor"]))
     assert found.contacts.block_b.tolist() == [1, 2]
-    assert [(pair.block_b, pair.reason) for pair in found.report.inexact] == [
-        (1, Reason.OVERLAP),
-        (2, Reason.GAP),
+    assert [(pair.block_b, pair.error) for pair in found.report.inexact] == [
+        (1, Error.OVERLAP),
+        (2, Error.GAP),
     ]
 
 

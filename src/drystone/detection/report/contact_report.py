@@ -331,7 +331,7 @@ class ContactReport(Card):
             "inexact": [
                 {
                     "blocks": [name[pair.block_a], name[pair.block_b]],
-                    "reason": str(pair.reason),
+                    "error": str(pair.error),
                     "off": pair.off,
                 }
                 for pair in self.inexact

@@ -34,6 +34,15 @@ def overlaps(patches: Patches, planes: Planes) -> Pieces:
     return tidy(_shared(one, other, convex), planes)
 
 
+def projections(
+    patches: Patches, planes: Planes, rows: Ints
+) -> tuple[planar.Regions, planar.Regions]:
+    """The two patches of some planes (r,), as shapely regions in the plane of each."""
+    one = _projected(patches, planes, planes.f, reverse=False)
+    other = _projected(patches, planes, planes.g, reverse=True)
+    return _regions(one, rows), _regions(other, rows)
+
+
 def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) -> _Rings:
     """Rings of one patch per plane, in the plane, outlines counter-clockwise."""
     rings = np.diff(patches.first_ring)[patch]
