@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Ints
 from drystone.base.errors import counted
 from drystone.contacts import Contacts, joined_contacts
-from drystone.design.bench import ALL, MANY, Bench, MendCandidate
+from drystone.design.bench import MANY, Bench, MendCandidate
 from drystone.design.joint_changes import Change, with_block
 from drystone.design.missing import HEAVIEST, SEARCHED, ballasted
-from drystone.design.props import (
-    HEAD,
-    SHARES,
-    PropSeat,
-    least_prop,
-    propped,
-    quickly_stands,
-    seats,
-)
+from drystone.design.props import HEAD, PropSeat, find_props, with_props
 from drystone.design.struts import struts
 from drystone.design.words import names_of, newtons, place
 from drystone.geometry.frames import frames_from_normals
@@ -73,18 +65,19 @@ def support_mends(bench: Bench) -> Iterator[MendCandidate]:
 
 
 def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
-    """One prop on a free face, with the least force; else the fewest props that hold the region."""
-    held, motion = bench.region.needs.support, bench.motion[bench.blocks]
-    if bench.as_diagnosed and held is not None:
-        held = replace(held, seat=replace(held.seat, block=bench.region.blocks.index(held.block)))
-    elif not bench.as_diagnosed:
-        held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
-    chosen = [held.seat] if held else _fewest_props(bench.local, bench.own, motion, bench.stop)
+    """One prop, with the least force; else a few props that hold the region together."""
+    if bench.as_diagnosed:
+        found = bench.region.needs.props
+        at = {whole: i for i, whole in enumerate(bench.region.blocks)}
+        chosen = [replace(one.seat, block=at[one.block]) for one in found.props]
+    else:
+        motion = bench.motion[bench.blocks]
+        found = find_props(bench.local, bench.own, motion, bench.stop, single=bench.own[:MANY])
+        chosen = [one.seat for one in found.props]
     if not chosen:
-        more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
-        bench.fail("prop", f"no prop on a free face holds it{more}")
+        bench.fail("prop", f"no prop holds it: tried were {found.tried}")
         return
-    make = partial(_with_props, chosen)
+    make = partial(_propped, chosen)
     if not bench.stands(make):
         bench.fail("prop", "the best props do not keep the margin")
         return
@@ -98,51 +91,8 @@ def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
     yield MendCandidate.single("prop", kind + ", ".join(told), force, make, added=len(chosen))
 
 
-def _with_props(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints) -> Model:
-    for seat in chosen:
-        model = propped(model, replace(seat, block=int(blocks[seat.block])))[0]
-    return model
-
-
-def _fewest_props(
-    model: Model,
-    blocks: Sequence[int],
-    motion: Floats,
-    stop: Callable[[], bool] | None = None,
-) -> list[PropSeat]:
-    """Props that hold a model, none of which can be left out; empty where none hold it.
-
-    One prop under each block, then each one that is not needed is taken away.
-
-    Parameters
-    ----------
-    model
-    blocks
-        That may be propped.
-    motion : (n, 6)
-        First motion of the blocks.
-    stop
-
-    Raises
-    ------
-    Stopped
-    """
-    if len(blocks) > ALL:
-        return []
-    found = [next(seats(model, int(i), motion[i], SHARES[:1]), None) for i in blocks]
-    chosen = [seat for seat in found if seat is not None]
-
-    def stands(some: Sequence[PropSeat]) -> bool:
-        made = _with_props(some, model, np.arange(len(model)), np.arange(0))
-        return quickly_stands(made, stop)
-
-    if not chosen or not stands(chosen):
-        return []
-    for seat in list(chosen):
-        fewer = [one for one in chosen if one is not seat]
-        if fewer and stands(fewer):
-            chosen = fewer
-    return chosen
+def _propped(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints) -> Model:
+    return with_props(model, [replace(one, block=int(blocks[one.block])) for one in chosen])
 
 
 def tie_mends(bench: Bench) -> Iterator[MendCandidate]:

@@ -106,20 +106,25 @@ class Diagnosis(OneLine):
 
     @property
     def props(self) -> tuple[Floats, Floats]:
-        """Points (p, 3) [m] and forces (p, 3) [N] of one prop for each region.
+        """Points (p, 3) [m] and forces (p, 3) [N] of the props that hold the regions."""
+        return _arrows(
+            [(one.point, one.force) for r in self.regions for one in r.needs.props.props]
+        )
 
-        The force of a support from below if one is sufficient, else the missing force.
-        """
-        points, forces = [], []
-        for region in self.regions:
-            needs = region.needs
-            points.append(needs.point if needs.support is None else needs.support.point)
-            forces.append(needs.force if needs.support is None else needs.support.force)
-        return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
+    @property
+    def missing(self) -> tuple[Floats, Floats]:
+        """The same of the missing force of each region that no props were found to hold."""
+        bare = [region.needs for region in self.regions if not region.needs.props.props]
+        return _arrows([(needs.point, needs.force) for needs in bare])
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values: forces in N, moments in N m, lengths in m."""
         return _plain(self)
+
+
+def _arrows(pairs: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    point, force = ([one[k] for one in pairs] for k in (0, 1))
+    return np.array(point).reshape(-1, 3), np.array(force).reshape(-1, 3)
 
 
 def _plain(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -164,13 +169,14 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
             "wrench": dict(
                 zip([names[i] for i in region.blocks], needs.wrench.tolist(), strict=True)
             ),
-            "support": None
-            if needs.support is None
-            else {
-                "block": names[needs.support.block],
-                "force": needs.support.force.tolist(),
-                "point": needs.support.point.tolist(),
-            },
+            "supports": [
+                {
+                    "block": names[one.block],
+                    "force": one.force.tolist(),
+                    "point": one.point.tolist(),
+                }
+                for one in needs.props.props
+            ],
             "friction": needs.friction,
             "ballast": None
             if needs.ballast is None

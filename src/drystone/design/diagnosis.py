@@ -35,7 +35,8 @@ from drystone.design.props import (
     QUICK,
     SHARES,
     SMALL_REGION,
-    least_prop,
+    PropSearch,
+    find_props,
     quickly_stands,
 )
 from drystone.design.regions import first_motion_of, interfaces_of, local_model, regions_of
@@ -177,7 +178,8 @@ def _region(
         answer.force if answer.force is not None else answer.force_with_props,
     )
     force, point = one_force(model, blocks, wrench)
-    support = friction = ballast = turn = None
+    props = PropSearch((), "")
+    friction = ballast = turn = None
     glue: tuple[Glue, ...] = ()
     between = np.flatnonzero(interfaces)
     pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
@@ -186,9 +188,11 @@ def _region(
         neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:few]
         with contextlib.suppress(Stopped):
             shares = SHARES if len(own) <= SMALL_REGION else SHARES[:1]
-            held = least_prop(local, neediest, motion[position], late, shares)
-            if held is not None:
-                support = replace(held, seat=replace(held.seat, block=blocks[held.block]))
+            found = find_props(local, own, motion[position], late, single=neediest, shares=shares)
+            held = [
+                replace(one, seat=replace(one.seat, block=blocks[one.block])) for one in found.props
+            ]
+            props = replace(found, props=tuple(held))
             friction = friction_needed(local, late)
             ballast = ballast_needed(local, own, late)
             if ballast is not None:
@@ -205,7 +209,7 @@ def _region(
                     for one in glue_needed(local, len(own), pulling, late)
                 )
     needs = Needs(
-        frozen(wrench), frozen(force), frozen(point), support, pulls, glue, friction, ballast, turn
+        frozen(wrench), frozen(force), frozen(point), props, pulls, glue, friction, ballast, turn
     )
     return Region(
         blocks,

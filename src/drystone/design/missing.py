@@ -12,7 +12,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_changes import change_of
-from drystone.design.props import LARGE_REGION, PropForce, quickly_stands
+from drystone.design.props import LARGE_REGION, PropSearch, quickly_stands
 from drystone.geometry.body.solid import crossings
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
@@ -121,8 +121,8 @@ class Needs(OneLine):
         The wrench that would hold each block of the region, about its centroid.
     force, point : (3,) [N], (3,) [m]
         The same as one force, and its point of action.
-    support
-        The prop from below with the least force.
+    props
+        The prop with the least force, else a few that hold it together; and what was tried.
     pulls
         The joints in tension if all were glued without limit, the largest tension first; interfaces
         of the whole model.
@@ -141,7 +141,7 @@ class Needs(OneLine):
     wrench: Floats
     force: Floats
     point: Floats
-    support: PropForce | None
+    props: PropSearch
     pulls: tuple[Pull, ...]
     glue: tuple[Glue, ...]
     friction: float | None

@@ -11,9 +11,11 @@ import shapely
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.base.progress import Stopped
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
+from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
@@ -28,10 +30,6 @@ HEAD = 0.1
 _AGAINST = 0.2
 """A prop is possible where a face moves towards it with at least this share of its speed. Chosen:
 12 degrees between motion and face."""
-
-_NEAR = 0.01
-"""A joint lies on a face when its distance and its angle are below this share (of the size of the
-block). Chosen: above the tolerance of the contact search."""
 
 SHARES = (0.0, 0.4, 0.7, -0.4, -0.7)
 """Places on a face, from its middle to its ends."""
@@ -131,11 +129,14 @@ class PropSeat(OneLine):
         Of the head, on a face of the block, counter-clockwise about the normal.
     normal : (3,) unit
         From the prop into the block.
+    covered
+        Whether joints cover a part of the face.
     """
 
     block: int
     outline: Floats
     normal: Floats
+    covered: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,12 +167,28 @@ class PropForce(OneLine):
         return float(np.linalg.norm(self.force))
 
 
-def seats(
-    model: Model, block: int, motion: Floats, shares: Sequence[float] = SHARES
-) -> Iterator[PropSeat]:
-    """Places for a prop: on each free face of a block that moves forward.
+@dataclass(frozen=True)
+class PropSearch(OneLine):
+    """The props that hold a model, and what was tried.
 
-    On a face they lie on a line through its middle, along its steepest direction.
+    Attributes
+    ----------
+    props
+        None of which can be left out; empty where none hold it.
+    tried
+        The kinds of places, as text.
+    """
+
+    props: tuple[PropForce, ...]
+    tried: str
+
+
+def seats(
+    model: Model, block: int, motion: Floats, shares: Sequence[float] = SHARES, *, low: bool = False
+) -> Iterator[PropSeat]:
+    """Places for a prop against a block: on each free part of its faces that move forward.
+
+    On a part they lie on a line through its middle, along its steepest direction.
 
     Parameters
     ----------
@@ -180,51 +197,36 @@ def seats(
     motion : (6,)
         First motion of the block.
     shares
-        Of the distance from the middle of a face to its end.
+        Of the distance from the middle of a part to its end.
+    low
+        On the other faces that look along the load, in place of those that move forward.
     """
     body = model.assembly.blocks[block]
     half = 0.5 * HEAD * body.size
-    for loop in body.faces:
-        corner = body.vertices[list(loop)]
-        area = area_vector(corner)
-        size = float(np.linalg.norm(area))
-        middle = corner.mean(axis=0)
-        speed = motion[:3] + np.cross(motion[3:], middle - body.centroid)
-        if area @ speed <= _AGAINST * size * float(np.linalg.norm(speed)):
-            continue
-        frame = frames_from_normals(-area[None] / size)[0]
-        bare = _bare(model, block, corner, frame)
-        if bare.area < half**2:
+    load = model.load.wrench[block, :3]
+    for part in free_parts(model, block):
+        frame, shape = part.frame, part.shape
+        speed = motion[:3] + np.cross(motion[3:], part.middle - body.centroid)
+        forward = bool(part.normal @ speed > _AGAINST * np.linalg.norm(speed))
+        lower = bool(part.normal @ load > _AGAINST * np.linalg.norm(load))
+        if part.area < half**2 or (forward or not lower if low else not forward):
             continue
         down = frame[1:] @ np.array([0.0, 0.0, -1.0])
         steep = float(np.linalg.norm(down))
         along = down / steep if steep > _AGAINST else np.array([1.0, 0.0])
-        centre = np.array(bare.centroid.coords[0])
-        reach = (np.array(bare.exterior.coords) - centre) @ along
+        centre = part.inside
+        reach = (np.array(shape.exterior.coords) - centre) @ along
         for share in shares:
             at = centre + share * (reach.max() if share > 0.0 else -reach.min()) * along
-            head = shapely.intersection(shapely.box(*(at - half), *(at + half)), bare)
+            head = shapely.intersection(shapely.box(*(at - half), *(at + half)), shape)
             if head.geom_type == "Polygon" and head.area > half**2:
                 ring = np.array(shapely.geometry.polygon.orient(head).exterior.coords)[:-1]
-                yield PropSeat(block, frozen(corner[0] + ring @ frame[1:]), frozen(frame[0]))
+                outline = frozen(part.origin + ring @ frame[1:])
+                yield PropSeat(block, outline, frozen(frame[0]), part.covered)
 
 
-def _bare(model: Model, block: int, corner: Floats, frame: Floats) -> shapely.Polygon:
-    """The largest part of a face that no joint covers, in the plane of its frame."""
-    contacts = model.contacts
-    left = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
-    near = _NEAR * model.assembly.size[block]
-    for i in np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block)):
-        joint = contacts.polygon(int(i)) - corner[0]
-        flat = abs(float(contacts.frame[i, 0] @ frame[0])) > 1.0 - _NEAR
-        if len(joint) > 2 and flat and np.abs(joint @ frame[0]).max() < near:
-            left = shapely.difference(left, shapely.Polygon(joint @ frame[1:].T).buffer(near))
-    parts = [part for part in shapely.get_parts(left) if part.geom_type == "Polygon"]
-    return max(parts, key=lambda part: part.area, default=shapely.Polygon())
-
-
-def propped(model: Model, seat: PropSeat) -> tuple[Model, int]:
-    """The model with a fixed prop against a block, and the number of the interface between them."""
+def propped(model: Model, seat: PropSeat) -> Model:
+    """The model with a fixed prop against a block; the joint between them is the last one."""
     patch, count = np.asarray(seat.outline), len(seat.outline)
     foot = patch - HEAD * model.assembly.size[seat.block] * np.asarray(seat.normal)
     here = range(count)
@@ -241,44 +243,97 @@ def propped(model: Model, seat: PropSeat) -> tuple[Model, int]:
         patch,
         np.zeros(count, dtype=np.intp),
     )
-    held = changed(model, added=(prop,), fixed=(True,), contacts=contacts)
-    return held, held.contacts.count - 1
+    return changed(model, added=(prop,), fixed=(True,), contacts=contacts)
 
 
-def least_prop(
+def find_props(
     model: Model,
     blocks: Sequence[int],
     motion: Floats,
     stop: Callable[[], bool] | None = None,
+    *,
+    single: Sequence[int] | None = None,
     shares: Sequence[float] = SHARES,
-) -> PropForce | None:
-    """The prop at one of the blocks that holds the model with the smallest force.
+) -> PropSearch:
+    """The one prop with the smallest force that holds a model, else a few that hold it together.
 
-    ``None`` if no single prop is sufficient, or no block has a free face that moves forward.
+    Places are free parts of faces, also of those that joints cover partly. A single prop is tried
+    on the faces that move forward, then on others that look along the load. Where none is enough,
+    one prop is set under each block, then one under every free part; each one that is not needed is
+    taken away.
 
     Parameters
     ----------
     model
     blocks
+        That may be propped.
     motion : (n, 6)
         First motion of the blocks.
     stop
+    single
+        Those of the blocks at which a single prop is tried; all when left out.
     shares
-        As for :func:`seats`.
+        As for :func:`seats`, for a single prop.
 
     Raises
     ------
     Stopped
     """
-    best: PropForce | None = None
-    for block in blocks:
-        for seat in seats(model, int(block), motion[block], shares):
-            held, number = propped(model, seat)
-            if not quickly_stands(held, stop):
-                continue
-            resultant = quick_check(held, stop).resultants
-            point, force = resultant.position[number], resultant.force[number]
-            found = PropForce(seat, frozen(point), frozen(force))
-            if best is None or found.size < best.size:
-                best = found
-    return best
+    count = covered = 0
+    for low in (False, True):
+        best: PropForce | None = None
+        for block in blocks if single is None else single:
+            for seat in seats(model, int(block), motion[block], shares, low=low):
+                count, covered = count + 1, covered + seat.covered
+                if quickly_stands(with_props(model, [seat]), stop):
+                    (found,) = _forces(model, [seat], stop)
+                    best = found if best is None or found.size < best.size else best
+        if best is not None:
+            return PropSearch((best,), "")
+    tried = f"one prop at {counted(count, 'place')} on free parts of faces"
+    if covered:
+        tried += f", {covered} of them beside joints"
+    if len(blocks) > LARGE_REGION:
+        return PropSearch((), tried)
+    chosen = _few_props(model, blocks, motion, stop)
+    tried += ", one under each of its blocks, and one under every free part of their faces"
+    return PropSearch(tuple(_forces(model, chosen, stop)) if chosen else (), tried)
+
+
+def _few_props(
+    model: Model, blocks: Sequence[int], motion: Floats, stop: Callable[[], bool] | None
+) -> list[PropSeat]:
+    """Props that hold a model together, none of which can be left out; empty where none do."""
+
+    def stands(some: Sequence[PropSeat]) -> bool:
+        return quickly_stands(with_props(model, some), stop)
+
+    each: list[list[PropSeat]] = []
+    for i in blocks:
+        own = (seats(model, int(i), motion[i], SHARES[:1], low=low) for low in (False, True))
+        each.append([seat for some in own for seat in some])
+    for chosen in ([some[0] for some in each if some], [seat for some in each for seat in some]):
+        if not chosen or not stands(chosen):
+            continue
+        for seat in list(chosen):
+            fewer = [one for one in chosen if one is not seat]
+            if fewer and stands(fewer):
+                chosen = fewer
+        return chosen
+    return []
+
+
+def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
+    """The model with props at some places."""
+    for seat in some:
+        model = propped(model, seat)
+    return model
+
+
+def _forces(
+    model: Model, some: Sequence[PropSeat], stop: Callable[[], bool] | None
+) -> list[PropForce]:
+    """The forces of props that hold a model."""
+    found = quick_check(with_props(model, some), stop).resultants
+    last = zip(some, found.position[-len(some) :], found.force[-len(some) :], strict=True)
+    return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]

@@ -206,12 +206,14 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     them = "it" if len(blocks) == 1 else "them"
     ways = []
     missing = ""
-    if needs.support is not None:
-        at = "" if len(blocks) == 1 else f" on '{model.assembly.names[needs.support.block]}'"
-        ways.append(
-            f"a support{at} that takes {newtons(needs.support.size)} "
-            f"at {place(needs.support.point)}"
-        )
+    props = needs.props.props
+    if len(props) == 1:
+        at = "" if len(blocks) == 1 else f" on '{model.assembly.names[props[0].block]}'"
+        ways.append(f"a support{at} that takes {newtons(props[0].size)} at {place(props[0].point)}")
+    elif props:
+        total = newtons(sum(one.size for one in props))
+        on = names_of(model, [one.block for one in props])
+        ways.append(f"{len(props)} supports on {on} that take {total} together")
     elif float(np.linalg.norm(needs.force)) > 0.0:
         missing = f"{_force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:

@@ -140,7 +140,7 @@ def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
     options = DiagnosisOptions(needs=given.get("needs", True))
     told = diagnose(model, options=options, time_limit_s=_left(end)).to_dict()
-    kept = ("prop", "support", "friction", "ballast", "turn", "glue")
+    kept = ("prop", "supports", "friction", "ballast", "turn", "glue")
     return {
         "verdict": told["verdict"],
         "message": told["message"],

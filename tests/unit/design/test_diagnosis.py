@@ -13,7 +13,7 @@ from drystone.checks import check_forces
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
 from drystone.design.missing_wrenches import with_wrenches
-from drystone.design.props import least_prop, propped
+from drystone.design.props import find_props, with_props
 from drystone.design.regions import regions_of
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, prism, shelf, tower
@@ -81,12 +81,12 @@ def test_a_block_that_lies_too_far_out_hinges_about_the_edge_that_it_turns_over(
     np.testing.assert_allclose(joint.edge[:, [0, 2]], [[edge, base.bounds[1, 2]]] * 2, atol=1e-6)
     needs = only(found).needs
     assert needs.friction is None
-    assert needs.support is not None
+    (prop,) = needs.props.props
     reach = float(out.bounds[1, 0]) - edge
-    arm = float(needs.support.point[0]) - edge
+    arm = float(prop.point[0]) - edge
     assert 0.0 < arm <= reach
     balance = (float(out.centroid[0]) - edge) * out.mass * G
-    assert needs.support.force[2] * arm == pytest.approx(balance, rel=1e-3)
+    assert prop.force[2] * arm == pytest.approx(balance, rel=1e-3)
 
 
 def test_a_block_between_walls_needs_its_whole_weight_and_no_friction_holds_it() -> None:
@@ -98,8 +98,8 @@ def test_a_block_between_walls_needs_its_whole_weight_and_no_friction_holds_it()
     needs = region.needs
     weight = found.model.assembly.mass[region.blocks[0]] * G
     np.testing.assert_allclose(needs.force, [0.0, 0.0, weight], rtol=1e-6, atol=1e-6 * weight)
-    assert needs.support is not None
-    assert needs.support.force[2] == pytest.approx(weight, rel=1e-6)
+    (prop,) = needs.props.props
+    assert prop.force[2] == pytest.approx(weight, rel=1e-6)
     assert needs.friction is None
     assert needs.ballast is None
     assert found.friction is None
@@ -121,7 +121,7 @@ def test_both_pieces_of_the_shelf_that_fall_are_named_with_their_cause(fallen: D
         assert states[lower].spent
         assert states[0].motion is JointMotion.DROPS
         assert states[0].idle
-        assert region.needs.support is not None
+        assert len(region.needs.props.props) == 1
     needs = found.regions[1].needs
     assert needs.friction == pytest.approx(np.tan(np.deg2rad(50.08)), rel=0.012)
     assert needs.turn is not None
@@ -134,11 +134,10 @@ def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> Non
     model = fallen.model
     for region in fallen.regions:
         alone = model.with_supports(sorted(set(range(len(model))) - set(region.blocks)))
-        held = least_prop(alone, region.blocks, fallen.motion)
-        assert held is not None
-        assert region.needs.support is not None
-        assert held.size == pytest.approx(region.needs.support.size, rel=1e-6)
-        model, _ = propped(model, held.seat)
+        (held,) = find_props(alone, region.blocks, fallen.motion).props
+        (told,) = region.needs.props.props
+        assert held.size == pytest.approx(told.size, rel=1e-6)
+        model = with_props(model, [held.seat])
     assert drystone.check(model).stable
 
 
@@ -195,7 +194,7 @@ def test_a_structure_that_falls_although_it_is_glued_is_diagnosed(
     model = model.with_capacity(JointCapacity(np.ones(1), np.ones(1)))
     region = only(diagnose(model))
     assert region.verdict is Verdict.UNSTABLE
-    assert region.needs.support is not None
+    assert region.needs.props.props
     assert region.needs.pulls[0].force > 0.0
     path = tmp_path / "glued.json"
     drystone.write(model, path)
@@ -237,7 +236,7 @@ def test_check_tells_the_cause_and_mend_what_would_hold_it(
     (region,) = json.loads(capsys.readouterr().out)["regions"]
     assert region["neighbours"] == ["ramp"]
     assert [joint["motion"] for joint in region["joints"]] == ["slides"]
-    assert region["needs"]["support"]["block"] == "block"
+    assert region["needs"]["supports"][0]["block"] == "block"
     assert "props that would hold it" in page.read_text(encoding="utf-8")
 
 

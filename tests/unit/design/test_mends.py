@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, LoadCase, Model
+from drystone import Assembly, Block, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.design import (
     DesignMargin,
@@ -213,6 +213,40 @@ def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
     assert found.value == pytest.approx(9.81 * float(model.assembly.mass[2:].sum()), rel=1e-3)
     assert found.description.startswith("2 props: ")
     assert again(found.model, tmp_path).stable
+
+
+def stair(steps: int = 15, rise: float = 0.2, turn: float = 22.5) -> Model:
+    """Treads round a newel, each of which lies on half of the one below it."""
+
+    def ring(radius: float, degrees: list[float]) -> np.ndarray:
+        angle = np.deg2rad(degrees)
+        return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    def upright(plan: np.ndarray, low: float, high: float, name: str) -> Block:
+        count = len(plan)
+        ends = [np.column_stack([plan, np.full(count, z)]) for z in (low, high)]
+        sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in range(count)]
+        faces = (tuple(reversed(range(count))), tuple(range(count, 2 * count)), *sides)
+        return Block(np.concatenate(ends), faces, name)
+
+    newel = upright(ring(0.15, [turn * i for i in range(16)]), 0.0, rise * steps + 0.3, "newel")
+    blocks = [box((4.0, 4.0, 0.3), (-2.0, -2.0, -0.3), "slab"), newel]
+    for i in range(steps):
+        across = [turn * (i + k) for k in range(3)]
+        plan = np.concatenate([ring(1.0, across), ring(0.15, across[::-1])])
+        blocks.append(upright(plan, (i + 1) * rise, (i + 2) * rise, f"tread-{i:02d}"))
+    return Model.of(Assembly(tuple(blocks)).with_fixed([0]), friction=0.6)
+
+
+def test_diagnosis_and_mend_name_the_same_props_of_a_stair(tmp_path: Path) -> None:
+    found = find_mends(stair(), options=MendOptions(kinds=("prop",)))
+    (mended,) = found.mends
+    point, force = found.diagnosis.props
+    assert len(point) == mended.added > 1
+    assert np.linalg.norm(force, axis=1).sum() == pytest.approx(mended.value, rel=1e-6)
+    assert not len(found.diagnosis.missing[0])
+    assert f"{mended.added} supports on 'tread-00'" in found.diagnosis.sentences[0]
+    assert again(mended.model, tmp_path).stable
 
 
 def test_two_blocks_made_one_stand(tmp_path: Path) -> None:

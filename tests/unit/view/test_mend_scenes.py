@@ -92,7 +92,7 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
     before = drystone.Model.of(tower(4), friction=0.6)
     before = before.with_capacity(JointCapacity.of(before.contacts, tension=[0.0, 0.0, 9.0]))
     seat = PropSeat(3, box((0.1, 0.1, 0.1), (1.0, 0.0, 3.2)).vertices[[0, 3, 7, 4]], (-1.0, 0, 0))
-    after, _ = propped(tied(glued(before, np.array([0]), 50.0), 2, 1), seat)
+    after = propped(tied(glued(before, np.array([0]), 50.0), 2, 1), seat)
     friction = np.array(after.contacts.friction)
     friction[1] = 0.9
     after = after.with_friction(friction).with_load(ballasted(after, 3, 100.0).load)

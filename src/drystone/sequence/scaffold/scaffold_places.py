@@ -12,6 +12,7 @@ import shapely.ops
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
 from drystone.sequence.scaffold.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
@@ -190,25 +191,9 @@ def _foot_of(
 
 def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
     """The part (c, 3) of a face without joints that looks most along a direction, by its area."""
-    body, contacts = model.assembly.blocks[block], model.contacts
-    own = np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
-    best, found = 0.0, None
-    for loop in body.faces:
-        corner = body.vertices[list(loop)]
-        area = 0.5 * np.cross(corner - corner[0], np.roll(corner, -1, 0) - corner[0]).sum(0)
-        size = float(np.linalg.norm(area))
-        slope = float(area @ direction) / size
-        if slope <= SLOPING:
-            continue
-        frame = frames_from_normals((area / size)[None])[0]
-        face = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
-        for k in own.tolist():
-            joint = contacts.polygon(k) - corner[0]
-            if len(joint) >= 3 and np.abs(joint @ frame[0]).max() < 1e-3 * np.sqrt(size):
-                face = face.difference(shapely.Polygon(joint @ frame[1:].T).buffer(0.0))
-        free = max(shapely.get_parts(face), key=lambda part: part.area, default=None)
-        if free is not None and free.area > LEAST_FREE * size and free.area * slope > best:
-            best = free.area * slope
-            ring = shapely.get_coordinates(shapely.geometry.polygon.orient(free).exterior)[:-1]
-            found = corner[0] + ring @ frame[1:]
-    return found
+    faces = [
+        (part.area * float(part.normal @ direction), part)
+        for part in free_parts(model, block, away=0.0)
+        if part.normal @ direction > SLOPING and part.share > LEAST_FREE
+    ]
+    return max(faces, key=lambda one: one[0])[1].outline if faces else None

@@ -39,18 +39,21 @@ def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
     ['help']
     """
     stage = stage_of(found.result, "diagnosis")
-    point, force = found.props
-    props = Layer(
-        "help", "props that would hold it", LayerKind.ARROWS, "help", point, force,
-        single=True, width=2.0, group="help",
-    )  # fmt: skip
+    helps = [
+        Layer(key, label, LayerKind.ARROWS, "help", *arrows, single=True, width=2.0, group="help")
+        for key, label, arrows in (
+            ("help", "props that would hold it", found.props),
+            ("missing", "forces that are missing", found.missing),
+        )
+        if len(arrows[0])
+    ]
     shown = [layer for layer in stage.layers if layer.kind is not LayerKind.ARROWS]
     stage = replace(
         stage,
         message="; ".join(found.sentences),
         motion=found.motion if found.regions else None,
         prop=None,
-        layers=(*shown, props) if len(point) else tuple(shown),
+        layers=(*shown, *helps),
     )
     return replace(result_scene(found.result, source), stages=(stage,))
 
