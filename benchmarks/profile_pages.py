@@ -23,8 +23,7 @@ from benchmarks.measure import UNIFORM, peak_mib
 from drystone import Model, check, find_contacts, models
 from drystone.formulations.rest import interior_point
 from drystone.formulations.rest.tangent import SparseTangent, TangentSystem
-from drystone.solvers.front_factors import BlockFactor
-from drystone.solvers.multifrontal import BlockOrdering
+from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import attempts
 from drystone.stability.problem import Problem

@@ -337,13 +337,11 @@ def _of_corners(system: TangentSystem, speed: Floats) -> Floats:
 
 
 def _solution(system: TangentSystem, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
-    """The factorised tangent; near the end rounding may leave it not positive definite."""
-    for symmetric in (True, False):
-        try:
-            return system.factorise(tangent, mass, symmetric=symmetric)
-        except SolverError:
-            continue
-    return _no_solution
+    """The factorised tangent."""
+    try:
+        return system.factorise(tangent, mass)
+    except SolverError:
+        return _no_solution
 
 
 def _no_solution(right: Floats) -> Floats:

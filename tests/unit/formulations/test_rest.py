@@ -8,7 +8,6 @@ import pytest
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
 from drystone.formulations.rest import compliance, interior_point
-from drystone.formulations.rest import tangent as tangent_module
 from drystone.formulations.rest.interior_point import _Path, find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.model import Model
@@ -104,25 +103,23 @@ def test_other_friction_laws_take_fewer_steps_from_the_last_iterate_of_the_relax
 
 
 @pytest.mark.parametrize("answer", [lambda right: 0.0 * right, lambda right: np.inf * right])
-def test_a_step_in_single_precision_that_is_wrong_is_computed_again(answer, monkeypatch):
+def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, monkeypatch):
     problem, asked = problem_of(wall(5, 5), 0.6), []
     springs = compliance.uniform(problem.statics)
-    monkeypatch.setattr(tangent_module, "SINGLE_FROM", 1000)
     expected = find_rest(problem.system, springs)
     factorise = problem.system.factorise
 
-    def wrong(tangent, weight, precision=np.float64):
-        if precision is np.float64:
+    def wrong(tangent, weight, *, rough=False):
+        if not rough:
             return factorise(tangent, weight)
         asked.append(1)
         return answer
 
     monkeypatch.setattr(problem.system, "factorise", wrong)
-    monkeypatch.setattr(tangent_module, "SINGLE_FROM", 1)
     found = find_rest(problem.system, springs)
     assert asked
-    assert found.iterations == expected.iterations
-    np.testing.assert_array_equal(found.force, expected.force)
+    assert found.converged
+    np.testing.assert_allclose(found.force, expected.force, rtol=0.0, atol=1e-8)
 
 
 def test_stopping_returns_what_is_there():

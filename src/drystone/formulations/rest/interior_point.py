@@ -123,6 +123,7 @@ class _Path:
         self.options = options
         self.end = options.end
         self.steps = 0
+        self.rough = True  # until single precision leads nowhere
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
         self.row_scale = statics.load_scale[:, None]
@@ -163,6 +164,9 @@ class _Path:
                 break
             before = tau
             following, length = self.search(point, step, tau)
+            if self.rough and (length < 2.0 * SHORTEST_STEP or not np.isfinite(following.merit)):
+                self.rough = False
+                continue
             if length < options.give_up or not np.isfinite(following.merit):
                 break
             reduced = following.merit < 0.1 * point.merit
@@ -283,7 +287,10 @@ class _Path:
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
-        motion, moved = self.system.solved(tangent, self.ground, right, rough=tau >= SINGLE)
+        motion = self.system.factorise(tangent, self.ground, rough=self.rough and tau >= SINGLE)(
+            right
+        )
+        moved = statics.displacement(motion)
         return motion, moved, shift - stiffness * moved[:, 0]
 
     def search(

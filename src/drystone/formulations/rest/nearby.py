@@ -113,7 +113,7 @@ def _descend_together(
     best, since, steps = [np.inf] * count, [0] * count, 0
     before = [np.inf] * count
     solve: list[Callable[[Floats], Floats] | None] = [None] * count
-    known = [False] * count  # whether single precision does
+    rough = [True] * count  # as long as single precision leads on
     moved = statics.displacement(motion)
     while left and not (stop is not None and stop()):
         gap = moved[..., 0] + compliance.overlap
@@ -137,6 +137,7 @@ def _descend_together(
             # convergence is quadratic in the end: the last factors then do for two steps more
             if share * (share / before[i]) ** CHORDS > options.tolerance:
                 solve[i] = None
+                rough[i] = share < HOPELESS * before[i]
             before[i] = share
             lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
             if found[i] is not None or lost:
@@ -150,36 +151,13 @@ def _descend_together(
             tangent[..., 1:, 1:] = friction.by_slide
         for i in tuple(left):
             try:
-                of_row = system, tangent[i], weight, rest[i]
-                step, shift, solve[i], known[i] = _step(*of_row, solve[i], known[i])
+                factors = solve[i] or system.factorise(tangent[i], weight, rough=rough[i])
             except SolverError:
                 left.remove(i)
                 continue
+            solve[i], step = factors, factors(rest[i])
             motion[i] += step
-            moved[i] += shift
+            moved[i] += statics.displacement(step)
         steps += 1
         left = [i for i in left if since[i] < STALL]
     return found, steps
-
-
-def _step(
-    system: TangentSystem,
-    tangent: Floats,
-    weight: Floats,
-    rest: Floats,
-    solve: Callable[[Floats], Floats] | None,
-    known: bool,
-) -> tuple[Floats, Floats, Callable[[Floats], Floats], bool]:
-    """A Newton step (n, 6), its corner displacements (k, 3), and its factors.
-
-    The factors are those given, or new ones in the least precision. Also whether it is known that
-    single precision does.
-    """
-    nearly = None
-    if solve is None:
-        nearly = system.roughly_solved(tangent, weight, rest, checked=not known)
-    if nearly is not None:
-        return nearly.motion, nearly.moved, nearly.solve, True
-    solve = solve or system.factorise(tangent, weight)
-    step = solve(rest)
-    return step, system.statics.displacement(step), solve, known

@@ -90,8 +90,8 @@ def start_of_forces(
         place = np.concatenate([(slack - normal / kn)[:, None], slid], axis=1)
         force = np.concatenate([normal[:, None], -friction.force], axis=1)
         right = statics.wrench(force + np.einsum("kij,kj->ki", tangent, place)) + statics.load
-        # what the step leaves unbalanced is known by the contact law at its end
-        motion, moved = system.solved(tangent, ground, right, rough=True, checked=False)
+        motion = system.factorise(tangent, ground, rough=True)(right)
+        moved = statics.displacement(motion)
         force -= np.einsum("kij,kj->ki", tangent, moved - place)
         normal = np.maximum(force[:, 0], LEAST_FORCE * normal)
         held, slide = -force[:, 1:], moved[:, 1:]

@@ -19,15 +19,11 @@ from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
-from drystone.solvers.front_factors import Precision
 from drystone.solvers.multifrontal import BlockOrdering
 from drystone.statics import Statics
 
 SINGLE_FROM = 200
 """Free blocks from which on a rough step is computed in single precision: fewer gain no time."""
-
-ROUGH = 1e-3
-"""Share of the unbalanced wrench that such a step may leave; else it is computed again."""
 
 FULL = 60
 """Largest number of unknowns with a full matrix: from timings."""
@@ -36,22 +32,6 @@ FULL = 60
 SIDE_BY_SIDE = 8192
 """Corners whose maps are multiplied at once: from timings with 512 to all, at 4,800, 23,000 and
 119,000 corners."""
-
-
-class RoughSolution(NamedTuple):
-    """A motion by which springs nearly balance wrenches.
-
-    Attributes
-    ----------
-    motion : (n, 6)
-    moved : (k, 3) its corner displacements
-    solve
-        From other wrenches to motions, with the same factors.
-    """
-
-    motion: Floats
-    moved: Floats
-    solve: Callable[[Floats], Floats]
 
 
 class TangentSystem:
@@ -79,17 +59,11 @@ class TangentSystem:
         return few and self.statics.full_transposed is not None
 
     def factorise(
-        self,
-        tangent: Floats,
-        weight: Floats,
-        precision: Precision = np.float64,
-        *,
-        symmetric: bool = False,
+        self, tangent: Floats, weight: Floats, *, rough: bool = False
     ) -> Callable[[Floats], Floats]:
         """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
 
-        A full matrix is always inverted in double precision. ``symmetric`` takes half of the
-        arithmetic where D is symmetric and positive definite.
+        ``rough``: of many blocks, single precision will do.
 
         Raises
         ------
@@ -99,59 +73,15 @@ class TangentSystem:
         few, size = self.statics.full_transposed, 6 * self.statics.free_count
         if few is None or not self.small:
             blocks = self.sparse.blocks(tangent, weight)
-            return self.sparse.ordering.factorise(blocks, precision, symmetric=symmetric).solve
+            if rough and self.statics.free_count >= SINGLE_FROM:
+                try:
+                    return self.sparse.ordering.factorise(blocks.astype(np.float32)).solve
+                except SolverError:
+                    pass  # singular only to so few digits
+            return self.sparse.ordering.factorise(blocks).solve
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
         return inverse(matrix)
-
-    def solved(
-        self,
-        tangent: Floats,
-        weight: Floats,
-        right: Floats,
-        *,
-        rough: bool = False,
-        checked: bool = True,
-    ) -> tuple[Floats, Floats]:
-        """The motion (n, 6) by which springs balance wrenches, and its corner displacements.
-
-        ``rough``: it may leave a share of the wrenches, as for :meth:`roughly_solved`.
-
-        Raises
-        ------
-        SolverError
-            The matrix is singular.
-        """
-        nearly = self.roughly_solved(tangent, weight, right, checked=checked) if rough else None
-        if nearly is not None:
-            return nearly.motion, nearly.moved
-        motion = self.factorise(tangent, weight)(right)
-        return motion, self.statics.displacement(motion)
-
-    def roughly_solved(
-        self, tangent: Floats, weight: Floats, right: Floats, *, checked: bool = True
-    ) -> RoughSolution | None:
-        """The motion by which springs nearly balance wrenches (n, 6), by single precision.
-
-        None where this takes as long as double precision, or leaves more than ROUGH. The latter is
-        not asked where it is not to be ``checked``.
-        """
-        statics = self.statics
-        if statics.free_count < SINGLE_FROM:
-            return None
-        try:
-            solve = self.factorise(tangent, weight, np.float32)
-        except SolverError:
-            return None
-        motion = solve(right)
-        moved = statics.displacement(motion)
-        if not checked:
-            return RoughSolution(motion, moved, solve)
-        carried = statics.wrench(np.einsum("kij,kj->ki", tangent, moved))
-        scale = statics.load_scale[:, None]
-        left = (right - carried - weight * motion) / scale
-        near = np.linalg.norm(left) <= ROUGH * np.linalg.norm(right / scale)
-        return RoughSolution(motion, moved, solve) if near else None
 
 
 class _Parts(NamedTuple):
