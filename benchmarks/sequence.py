@@ -45,9 +45,9 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.stage.checkpoint import read_checkpoint
-from drystone.sequence.stage.stages import Stage, members
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.checkpoint import read_checkpoint
+from drystone.sequence.stages import Stage, members
+from drystone.sequence.structure import Structure
 from drystone.stability import check
 
 PAGE = Path(__file__).parents[1] / "docs" / "sequence.md"

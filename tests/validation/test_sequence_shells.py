@@ -8,7 +8,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce.cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
-from drystone.sequence.search.best_first import OrderSearch
+from drystone.sequence.best_first import OrderSearch
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:

@@ -25,7 +25,7 @@ from drystone.shells import (
     sample_shell,
     shape_volume,
 )
-from drystone.shells.blocks.materialise import cell_faces
+from drystone.shells.materialise import cell_faces
 from drystone.stability import CheckOptions, check
 from tests.oracle import largest_warp
 

@@ -14,7 +14,7 @@ from drystone.base.settings import Options
 from drystone.contacts import DEFAULT_FRICTION
 from drystone.sequence import Plan
 from drystone.shells import Layout, Shell
-from drystone.shells.bond.wedge import LARGEST_WEDGE
+from drystone.shells.wedge import LARGEST_WEDGE
 
 WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4)
 """Wedges that are tried, the shallowest first: those of the table of the vault, and one more."""

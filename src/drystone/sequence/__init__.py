@@ -1,11 +1,14 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
+from drystone.sequence.directions import Freedom, freedom
+from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.friction_sweeps import (
     FrictionSweep,
     least_buildable_friction,
     sweep_friction,
 )
+from drystone.sequence.grips import GripFace
 from drystone.sequence.handling import Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import (
@@ -14,26 +17,23 @@ from drystone.sequence.interlocking import (
     gravity_region,
     interlocking,
 )
+from drystone.sequence.joint_cones import Obstacle
 from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
-from drystone.sequence.motion.directions import Freedom, freedom
-from drystone.sequence.motion.grips import GripFace
-from drystone.sequence.motion.joint_cones import Obstacle
-from drystone.sequence.motion.path_search import find_path
-from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
-from drystone.sequence.motion.sweeps import Pose
+from drystone.sequence.path_search import find_path
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
+from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.scaffold.scaffold_comparison import compare_scaffolding
-from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel, with_scaffold
-from drystone.sequence.scaffold.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
-from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
-from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
-from drystone.sequence.stage.stages import Stage, StageAnswer
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.scaffold_comparison import compare_scaffolding
+from drystone.sequence.scaffold_items import ScaffoldedModel, with_scaffold
+from drystone.sequence.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
+from drystone.sequence.scaffold_places import ScaffoldOptions, Support
+from drystone.sequence.scaffold_plans import Scaffolding, scaffolding
+from drystone.sequence.stage_checks import check_both, check_once, check_thoroughly
+from drystone.sequence.stages import Stage, StageAnswer
+from drystone.sequence.structure import Structure
+from drystone.sequence.sweeps import Pose
 from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drystone.base.arrays import Floats
+from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plans import Step
-from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
+from drystone.sequence.stages import Stage, StageAnswer, mask_of
 from drystone.stability.verdict.following import SETTLES_ALIKE
 
 CHECKED = 1000

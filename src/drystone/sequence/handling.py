@@ -24,13 +24,13 @@ from drystone.base.files import PathLike, write_bytes
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.sequence.motion.grips import GripFace, grip_faces, grip_pairs
-from drystone.sequence.motion.joint_cones import Joints
-from drystone.sequence.motion.path_search import PathFinder
-from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
+from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
+from drystone.sequence.joint_cones import Joints
+from drystone.sequence.path_search import PathFinder
 from drystone.sequence.plans import Plan, placed_before
+from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot, check_robots, why_not
-from drystone.sequence.stage.stages import members
+from drystone.sequence.stages import members
 
 
 @dataclass(frozen=True, eq=False)

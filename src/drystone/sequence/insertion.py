@@ -12,13 +12,13 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
-from drystone.sequence.motion.directions import Freedom, freedom
-from drystone.sequence.motion.joint_cones import Joints, in_words, obstacles
-from drystone.sequence.motion.path_search import PathFinder
-from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
-from drystone.sequence.motion.twists import TOLERANCE, free_twists, twist_rows
-from drystone.sequence.stage.stages import members
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.directions import Freedom, freedom
+from drystone.sequence.joint_cones import Joints, in_words, obstacles
+from drystone.sequence.path_search import PathFinder
+from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
+from drystone.sequence.stages import members
+from drystone.sequence.structure import Structure
+from drystone.sequence.twists import TOLERANCE, free_twists, twist_rows
 
 EFFORT = 1500
 """Number of swept volumes that are tested before a block counts as blocked during planning.
@@ -32,7 +32,7 @@ class RemovalTest(OneLine):
     ----------
     model
     tolerance
-        See ``drystone.sequence.motion.twists.TOLERANCE``.
+        See ``drystone.sequence.twists.TOLERANCE``.
     """
 
     def __init__(self, model: Structure, tolerance: float = TOLERANCE) -> None:

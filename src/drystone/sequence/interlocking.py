@@ -31,8 +31,8 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.motion.joint_cones import Joints
-from drystone.sequence.motion.twists import free_twists, twist_rows
+from drystone.sequence.joint_cones import Joints
+from drystone.sequence.twists import free_twists, twist_rows
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
 from drystone.stability import RBEOptions, check, solve_rbe

@@ -19,8 +19,8 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.sequence.plans import Plan
-from drystone.sequence.stage.stages import Stage, mask_of, members
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stages import Stage, mask_of, members
+from drystone.sequence.structure import Structure
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")

@@ -15,22 +15,22 @@ from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
+from drystone.sequence.best_first import OrderSearch
 from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
+from drystone.sequence.deepening import search_below
+from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.exact import search_exactly
+from drystone.sequence.helping import SPARED, Trimmed, trimmed
+from drystone.sequence.imposed_order import departure
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
-from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
-from drystone.sequence.search.best_first import OrderSearch
-from drystone.sequence.search.deepening import search_below
-from drystone.sequence.search.exact import search_exactly
-from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
-from drystone.sequence.search.imposed_order import departure
-from drystone.sequence.search.states import NO_HELP, Node, SearchOptions
-from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
-from drystone.sequence.stage.stages import Stage, StageAnswer, members
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.scaffold_places import ScaffoldOptions, Support
+from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.stage_checks import Check, check_both, check_thoroughly
+from drystone.sequence.stages import Stage, StageAnswer, members
+from drystone.sequence.states import NO_HELP, Node, SearchOptions
+from drystone.sequence.structure import Structure
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 1600.0, 50.0

@@ -17,8 +17,8 @@ from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Rules
-from drystone.sequence.stage.stages import StageAnswer
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stages import StageAnswer
+from drystone.sequence.structure import Structure
 
 
 class Status(enum.Enum):

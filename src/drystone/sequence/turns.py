@@ -23,9 +23,9 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
-from drystone.sequence.stage.stage_checks import Check, check_both
-from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stage_checks import Check, check_both
+from drystone.sequence.stages import Stage, StageAnswer, mask_of
+from drystone.sequence.structure import Structure
 
 GRAVITY = 9.81
 """[m/s2], converts a payload to a force."""

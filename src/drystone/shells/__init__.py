@@ -1,15 +1,21 @@
 """Shells: a surface divided into courses and staggered blocks with planar joints."""
 
-from drystone.shells.blocks.cell_sizes import shape_volume
-from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.cell_sizes import shape_volume
+from drystone.shells.fabrication import (
+    FlatFace,
+    flat_faces,
+    own_frame,
+    write_blocks,
+    write_unrolled,
+)
+from drystone.shells.formfinding import FormFound, find_form
+from drystone.shells.meshfit import MeshFit, patch_from_mesh
+from drystone.shells.patch import Patch, Side
+from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
+from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
-from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
-from drystone.shells.surface.formfinding import FormFound, find_form
-from drystone.shells.surface.meshfit import MeshFit, patch_from_mesh
-from drystone.shells.surface.patch import Patch, Side
-from drystone.shells.surface.shape import Edge, Seam, Shape
-from drystone.shells.surface.shell_families import (
+from drystone.shells.shell_families import (
     barrel_vault,
     cross_vault,
     dome,
@@ -18,7 +24,9 @@ from drystone.shells.surface.shell_families import (
     three_legged_plan,
     tri_dome,
 )
-from drystone.shells.surface.sources import (
+from drystone.shells.shell_of_blocks import Shell, build_shell
+from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
+from drystone.shells.sources import (
     curve_through,
     patch_from_curves,
     patch_from_function,
@@ -26,14 +34,6 @@ from drystone.shells.surface.sources import (
     patch_from_sections,
     read_surface,
 )
-from drystone.shells.workshop.fabrication import (
-    FlatFace,
-    flat_faces,
-    own_frame,
-    write_blocks,
-    write_unrolled,
-)
-from drystone.shells.workshop.schedule import ScheduleRow, block_frame, schedule, write_schedule
 
 __all__ = [
     "SAMPLES",

@@ -9,11 +9,9 @@ from types import MappingProxyType
 
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
-from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Layout, ShellBody
-from drystone.shells.surface.formfinding import find_form
-from drystone.shells.surface.shape import Shape
-from drystone.shells.surface.shell_families import (
+from drystone.shells.formfinding import find_form
+from drystone.shells.shape import Shape
+from drystone.shells.shell_families import (
     barrel_vault,
     cross_vault,
     dome,
@@ -22,6 +20,8 @@ from drystone.shells.surface.shell_families import (
     three_legged_plan,
     tri_dome,
 )
+from drystone.shells.shell_of_blocks import Shell, build_shell
+from drystone.shells.shell_options import Layout, ShellBody
 
 SPAN, EYE = 6.0, 1.0
 """[m] Where none is given."""

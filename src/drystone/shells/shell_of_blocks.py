@@ -20,10 +20,15 @@ from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
-from drystone.shells.blocks.blocks_apart import refuse_overlaps
-from drystone.shells.blocks.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
-from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
-from drystone.shells.blocks.planar_joints import (
+from drystone.shells.blocks_apart import refuse_overlaps
+from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
+from drystone.shells.courses import lay_courses
+from drystone.shells.head_joints import lay_bond
+from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.materialise import Pins, cell_faces, make_blocks
+from drystone.shells.patch import Side
+from drystone.shells.pattern import lay_pattern
+from drystone.shells.planar_joints import (
     PlanarPins,
     drift_notes,
     hook_notes,
@@ -32,17 +37,12 @@ from drystone.shells.blocks.planar_joints import (
     refuse_warped,
     special_remedy,
 )
-from drystone.shells.blocks.planarise import PlanarReport
-from drystone.shells.blocks.springers import add_ground, springers
-from drystone.shells.bond.courses import lay_courses
-from drystone.shells.bond.head_joints import lay_bond
-from drystone.shells.bond.pattern import lay_pattern
-from drystone.shells.bond.tessellation import Tessellation
-from drystone.shells.bond.weld import weld
+from drystone.shells.planarise import PlanarReport
+from drystone.shells.shape import Shape
 from drystone.shells.shell_options import Ground, Layout, ShellBody
-from drystone.shells.surface.lengths import refuse_unless_positive
-from drystone.shells.surface.patch import Side
-from drystone.shells.surface.shape import Shape
+from drystone.shells.springers import add_ground, springers
+from drystone.shells.tessellation import Tessellation
+from drystone.shells.weld import weld
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,9 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import whole
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.shells.blocks.cell_sizes import Thickness
-from drystone.shells.blocks.planarise import PlanarOptions
-from drystone.shells.bond.wedge import Wedge
+from drystone.shells.cell_sizes import Thickness
+from drystone.shells.planarise import PlanarOptions
+from drystone.shells.wedge import Wedge
 
 
 class Intrados(enum.Enum):

@@ -148,7 +148,7 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     model, kept, page = (tmp_path / name for name in ("stack.json", "kept", "plan.html"))
     io.write(tower(5), model)
     code = (
-        "from drystone.sequence.stage import structure\n"
+        "from drystone.sequence import structure\n"
         "asked, once = [], structure.Structure.solve\n"
         "@functools.wraps(once)\n"
         "def slow(*model, **more):\n"

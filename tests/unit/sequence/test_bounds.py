@@ -7,8 +7,8 @@ from drystone.assembly import Assembly
 from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.sequence import Structure
-from drystone.sequence.search.needs import LocalBalance
-from drystone.sequence.stage.stages import members
+from drystone.sequence.needs import LocalBalance
+from drystone.sequence.stages import members
 
 
 def local(assembly: Assembly, friction: float) -> LocalBalance:

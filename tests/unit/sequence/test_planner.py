@@ -29,13 +29,13 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
+from drystone.sequence.best_first import OrderSearch
+from drystone.sequence.deepening import search_below
+from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import bind
-from drystone.sequence.search.best_first import OrderSearch
-from drystone.sequence.search.deepening import search_below
-from drystone.sequence.search.states import Node, SearchOptions
-from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.states import Node, SearchOptions
+from drystone.sequence.structure import Structure
 
 
 def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:

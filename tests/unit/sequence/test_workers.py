@@ -27,8 +27,8 @@ from drystone.sequence import (
     check_once,
     plan,
 )
-from drystone.sequence.stage.stages import Stage
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stages import Stage
+from drystone.sequence.structure import Structure
 from drystone.stability.problem import Problem
 from drystone.stability.screening import QUICK
 
@@ -92,7 +92,7 @@ def test_a_part_is_built_once_and_does_not_travel(monkeypatch):
     assert len(built) == 1
     assert pickle.loads(pickle.dumps(structure)).solve(whole).stands
     assert len(built) == 2
-    monkeypatch.setattr("drystone.sequence.stage.structure.KEPT", 0)
+    monkeypatch.setattr("drystone.sequence.structure.KEPT", 0)
     for block in structure.assembly.free.tolist()[-2:]:
         structure.solve(Stage(structure.everything, 1 << block))
     assert len(structure._kept) == 1

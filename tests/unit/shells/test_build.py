@@ -27,7 +27,7 @@ from drystone.shells import (
     shape_volume,
     three_legged_plan,
 )
-from drystone.shells.blocks.materialise import cell_faces
+from drystone.shells.materialise import cell_faces
 from tests.oracle import largest_warp
 
 LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)

@@ -5,8 +5,8 @@ import pytest
 
 from drystone.base.errors import InputError
 from drystone.shells import barrel_vault, dome, patch_from_function
-from drystone.shells.bond.courses import lay_courses
-from drystone.shells.bond.head_joints import LEAST_LAP, lay_bond
+from drystone.shells.courses import lay_courses
+from drystone.shells.head_joints import LEAST_LAP, lay_bond
 
 
 def fan(u, v):

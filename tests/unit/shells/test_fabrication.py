@@ -22,7 +22,7 @@ from drystone.shells import (
     write_schedule,
     write_unrolled,
 )
-from drystone.shells.blocks.materialise import HOOK, cell_faces
+from drystone.shells.materialise import HOOK, cell_faces
 
 SHELL = build_shell(
     barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), ShellBody(thickness=0.3)

@@ -5,7 +5,7 @@ import pytest
 
 from drystone import check, write
 from drystone.sequence import find_path
-from drystone.sequence.motion.removal_paths import NoPath, RemovalPath
+from drystone.sequence.removal_paths import NoPath, RemovalPath
 from drystone.shells import Layout, ShellBody, barrel_vault, build_shell, dome
 
 LAYOUT = Layout(courses=6, blocks=3)

@@ -12,7 +12,7 @@ from drystone.shells import (
     patch_from_grid,
     patch_from_sections,
 )
-from drystone.shells.surface.patch import curvatures
+from drystone.shells.patch import curvatures
 
 LINE = [(0.0, 0.0, 0.0), (0.0, 3.0, 0.0)]
 

@@ -3,9 +3,9 @@ import pytest
 
 from drystone.base.errors import InputError
 from drystone.shells import Layout, barrel_vault, build_shell, dome, patch_from_function
-from drystone.shells.bond.courses import lay_courses
-from drystone.shells.bond.head_joints import lay_bond
-from drystone.shells.bond.pattern import lay_pattern
+from drystone.shells.courses import lay_courses
+from drystone.shells.head_joints import lay_bond
+from drystone.shells.pattern import lay_pattern
 
 
 def pattern_of(patch, *, courses=4, blocks=4, wedge=0.0, partial=0):

@@ -9,9 +9,9 @@ from drystone.base.progress import Clock
 from drystone.formulations.rest.compliance import samples, uniform
 from drystone.model import Model
 from drystone.models import bridge, leaning_column
-from drystone.sequence.stage.stage_checks import BOTH
-from drystone.sequence.stage.stages import Stage, mask_of
-from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stage_checks import BOTH
+from drystone.sequence.stages import Stage, mask_of
+from drystone.sequence.structure import Structure
 from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest
 from drystone.stability.attempts import Attempts

@@ -11,7 +11,7 @@ from drystone.base.errors import counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.plans import Plan, Status
-from drystone.sequence.stage.stages import StageAnswer, members
+from drystone.sequence.stages import StageAnswer, members
 from drystone.view.scenes.header import directions, facts_of
 from drystone.view.scenes.scene import Scene, SceneStage
 from drystone.view.scenes.staging import force_layers, help_layer, interface_layers

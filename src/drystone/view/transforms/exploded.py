@@ -9,8 +9,8 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.contacts import Contacts
-from drystone.sequence.motion.directions import freedom
-from drystone.sequence.motion.twists import TOLERANCE
+from drystone.sequence.directions import freedom
+from drystone.sequence.twists import TOLERANCE
 from drystone.view.scenes.scene import Layer, Scene
 
 _MOST_CONES = 400

@@ -1,0 +1,314 @@
+"""Checks of many stages: cached by part, on any executor, resumed from a checkpoint."""
+
+from __future__ import annotations
+
+import functools
+import logging
+import pickle
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import DrystoneError
+from drystone.base.files import PathLike, as_path
+from drystone.base.progress import Stopped
+from drystone.base.workers import LOST_WORKER, ExecutorFactory
+from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
+from drystone.sequence.stage_checks import Check
+from drystone.sequence.stages import Stage, StageAnswer, members
+from drystone.sequence.structure import Structure
+from drystone.stability import PATIENT
+from drystone.stability.attempts import Candidate
+from drystone.stability.stiffness_samples import NONE_FOUND
+from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE
+
+SAVE_EVERY_S = 10.0
+"""Time between two writes of the checkpoint: an interruption loses at most this."""
+REVIVALS = 5
+"""Number of restarts of workers before the work continues in this process. If workers fail more
+often, the work itself is the probable cause."""
+
+_log = logging.getLogger(__name__)
+
+
+class Evaluator(OneLine):
+    """Answers about stages of one model.
+
+    Parameters
+    ----------
+    model
+    executor
+        An executor, or a function that starts one; without it, the work is done in this process. An
+        executor started by the function is shut down at the end; a given one is not.
+    checkpoint
+        File for all answers; if it exists and belongs to this model, the work continues from it.
+    late
+        Called before parts are checked; True ends the work.
+
+    Attributes
+    ----------
+    solved
+        Number of parts that were checked, without cached ones.
+    asked
+        Number of parts that were needed for the first time. It does not depend on the workers or
+        the checkpoint.
+    solve_s
+        Time spent on them, seen from this process.
+
+    Raises
+    ------
+    FormatError
+        The checkpoint belongs to another model, or cannot be read.
+    """
+
+    def __init__(
+        self,
+        model: Structure,
+        *,
+        executor: Executor | ExecutorFactory | None = None,
+        checkpoint: PathLike | None = None,
+        late: Callable[[], bool] = bool,
+    ) -> None:
+        self.model = model
+        self.late = late
+        self.solved = 0
+        self.asked = 0
+        self.solve_s = 0.0
+        self._known: dict[Stage, StageAnswer] = {}
+        self._ahead: dict[Stage, StageAnswer] = {}
+        self._kept: dict[Stage, StageAnswer] = {}
+        self._factory = None if isinstance(executor, Executor) else executor
+        self._executor = executor if isinstance(executor, Executor) else None
+        self._revivals = 0
+        self._file = None if checkpoint is None else as_path(checkpoint)
+        self._saved = time.monotonic()
+        if self._file is not None and self._file.exists():
+            self._kept = read_checkpoint(self._file, model)
+
+    def _summary(self) -> str:
+        return f"{self.model!r}, {self.solved} parts checked"
+
+    @functools.cached_property
+    def _payload(self) -> bytes:
+        return pickle.dumps(self.model)
+
+    @property
+    def batch(self) -> int:
+        """Number of stages to request at once."""
+        if self._executor is None and self._factory is None:
+            return 1
+        return int(getattr(self._start(), "_max_workers", None) or 2)
+
+    def __enter__(self) -> Evaluator:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.save()
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=kind is None, cancel_futures=True)
+            self._executor = None
+
+    def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> StageAnswer:
+        """The answer of a stage; see :meth:`answers`."""
+        return self.answers([stage], forces=forces, checked=checked)[0]
+
+    def answers(
+        self,
+        stages: Sequence[Stage],
+        *,
+        ahead: Sequence[Stage] = (),
+        forces: bool = False,
+        checked: bool = False,
+    ) -> list[StageAnswer]:
+        """The answers of several stages.
+
+        Parameters
+        ----------
+        stages
+        ahead
+            Stages that are likely to be requested next. Their results are stored separately until
+            then, so no answer depends on the number of workers.
+        forces
+            Whether to check again if the forces were not kept.
+        checked
+            Whether to check stages that were only screened.
+
+        Raises
+        ------
+        Stopped
+            The time limit is reached; earlier results are kept. The first stage is always checked.
+        """
+        parts = [self.model.parts(stage) for stage in stages]
+        missing = []
+        for part in dict.fromkeys(part for some in parts for part in some):
+            if not self._has(part, forces, checked):
+                self.asked += 1
+                key = part._replace(near=None)
+                if part in self._ahead:
+                    self._known[key] = self._ahead.pop(part)
+                elif key in self._kept and not (forces and self._kept[key].stands):
+                    self._known[key] = self._kept[key]
+                else:
+                    missing.append(part)
+        if missing and self._known and self.late():
+            raise Stopped
+        if missing:
+            began = time.perf_counter()
+            further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
+            for part in missing:
+                further.pop(part, None)
+            new = [
+                p
+                for p in further
+                if p not in self._ahead
+                and p._replace(near=None) not in self._kept
+                and self._find(p) is None
+            ]
+            for number, (part, found) in enumerate(self._solve([*missing, *new])):
+                if number < len(missing):
+                    self._known[part._replace(near=None)] = found
+                else:
+                    self._ahead[part] = found
+                self.solved += 1
+                if time.monotonic() - self._saved > SAVE_EVERY_S:
+                    self.save()
+            self.solve_s += time.perf_counter() - began
+        return [
+            self.model.combine(
+                stage, [one for part in some if (one := self._find(part)) is not None]
+            )
+            for stage, some in zip(stages, parts, strict=True)
+        ]
+
+    def settled(self, stage: Stage, check: Check) -> StageAnswer:
+        """A stage by another check, which is kept where it stands."""
+        other = replace(self.model, check=check)
+        for part in self.model.parts(stage):
+            if not self.answer(part).stands:
+                found = other.solve(part)
+                self.solved += 1
+                if not found.stands:
+                    return found
+                self._known[part] = found
+        return self.answer(stage)
+
+    def followed(self, stage: Stage) -> StageAnswer:
+        """A stage without what is only known of a similar one: its own blocks are followed."""
+        for part in self.model.parts(stage):
+            if self.answer(part, forces=True, checked=True).settled == SETTLES_ALIKE:
+                near = {n: rest for n, rest in self._rests_near(part).items() if n != FOLLOWED}
+                self._known[part._replace(near=None)] = self.model.solve(part, near)
+                self.solved += 1
+        return self.answer(stage, forces=True, checked=True)
+
+    def save(self) -> None:
+        """Write the checkpoint, if there is one."""
+        self._saved = time.monotonic()
+        if self._file is not None:
+            write_checkpoint(self._file, self.model, self._kept | self._known)
+
+    def _find(self, part: Stage) -> StageAnswer | None:
+        """The known answer of a part: the full check, or a screening that shows that it stands."""
+        part = part._replace(near=None)
+        checked = self._known.get(part._replace(screening=None))
+        if checked is not None:
+            return checked
+        seen = (self._known.get(part._replace(screening=one)) for one in self.model.screening)
+        return next((one for one in seen if one is not None and one.stands), self._known.get(part))
+
+    def _rests_near(self, part: Stage) -> dict[int, Floats]:
+        """Known rest states of a part and of its similar stage.
+
+        Displacements (n, 6) by the number of the contact stiffness; empty where none was found.
+        """
+        out: dict[int, Floats] = {}
+        for stage in (part.near, (part.placed, part.held)):
+            for other in () if stage is None else self.model.parts(Stage(*stage)):
+                moving = other.placed & ~other.held
+                found = self._find(other) if moving & part.placed else None
+                if found is None or not found.stands:
+                    continue
+                if not found.rests:  # from a checkpoint
+                    rests = self.model.solve(other._replace(screening=PATIENT)).rests
+                    found = self._known[other] = replace(found, rests=rests)
+                for number, motion in found.rests.items():
+                    whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
+                    if len(motion) and len(whole):
+                        whole[list(members(moving))] = motion
+                    else:
+                        out[number] = NONE_FOUND
+        return out
+
+    def _screened(self, part: Stage) -> Candidate | None:
+        """The rest state of a part with uniform stiffness that its screening found."""
+        if part.screening is not None:
+            return None
+        found = self._find(part)
+        return None if found is None else found.uniform
+
+    def _has(self, part: Stage, forces: bool, checked: bool) -> bool:
+        known = self._known.get(part._replace(near=None)) if checked else self._find(part)
+        return known is not None and not (forces and known.stands and not len(known.corner))
+
+    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, StageAnswer]]:
+        left = list(parts)
+        while left and len(parts) > 1 and (self._executor or self._factory):
+            try:
+                futures = [self._submit(part) for part in left]
+                for future in futures:
+                    yield left[0], future.result()
+                    del left[0]
+            except LOST_WORKER as error:
+                self._revive(error)
+        for part in left:
+            yield part, self.model.solve(part, self._rests_near(part), self._screened(part))
+
+    def _start(self) -> Executor | None:
+        if self._executor is None and self._factory is not None:
+            try:
+                self._executor = self._factory()
+            except DrystoneError:
+                if not self._revivals:
+                    raise
+                self._factory = None  # it is gone for good: the work goes on in this process
+        return self._executor
+
+    def _submit(self, part: Stage) -> Future[StageAnswer]:
+        executor = self._start()
+        if executor is None:
+            raise BrokenExecutor("no workers are left")
+        known, rest = self._rests_near(part), self._screened(part)
+        return executor.submit(solve_remote, self._payload, part, known, rest)
+
+    def _revive(self, error: BaseException) -> None:
+        """After the failure of a worker: start new ones if possible, else continue without."""
+        self._revivals += 1
+        _log.warning("a worker failed (%s); its stages are checked again", error)
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor = None
+        if self._revivals > REVIVALS:
+            self._factory = None
+
+
+def solve_remote(
+    payload: bytes, part: Stage, known: Mapping[int, Floats], rest: Candidate | None
+) -> StageAnswer:
+    """The verdict on one part, computed in a worker that unpacks the model once."""
+    return _unpacked(payload).solve(Stage(*part), known, rest)
+
+
+@functools.lru_cache(maxsize=2)
+def _unpacked(payload: bytes) -> Structure:
+    model = pickle.loads(payload)
+    if not isinstance(model, Structure):
+        raise TypeError(f"a worker was sent a {type(model).__name__}")
+    return model
+
+
+__all__ = ["Evaluator", "solve_remote"]

@@ -1,0 +1,165 @@
+"""Removal of unnecessary help from an order.
+
+The search relies on its screening and never removes a prop. So a block may be propped or held
+without need at the end. Here the full check is asked without each help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from drystone.sequence.best_first import OrderSearch
+from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
+from drystone.sequence.states import Cost, FoundOrder, Node
+
+POLISHED = 8
+"""Largest number of props of one stage that are tested one by one."""
+
+SPARED = 100
+"""Most free blocks of a connected part with which every prop is tested at all of its stages. A
+vault of 366 blocks has hundreds of props, each in dozens of stages."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trimmed:
+    """An order without its unnecessary help.
+
+    Attributes
+    ----------
+    path
+        Stages in the order of assembly.
+    props
+        Props at each stage.
+    cost
+    proved
+        Whether no order has a lower cost.
+    failures
+        Answer of each stage that the scaffolding does not carry; else None.
+    spared
+        Whether a stage that the search propped or held stands without it, in models of up to
+        ``SPARED`` blocks. What is known by then can lead a second search to less help.
+    """
+
+    path: list[Node]
+    props: list[int]
+    cost: Cost
+    proved: bool
+    failures: list[StageAnswer | None]
+    spared: bool
+
+
+def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
+    """The order of a search without its unnecessary help."""
+    path = found.path[::-1]
+    before = _cost(path, [node.props for node in path])
+    if len(search.levels) > 1:
+        path = apart(path, search)
+    props = _props_in_time(path, search)
+    cost = _cost(path, props)
+    failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
+    spared = cost < before and search.model.largest[0] <= SPARED
+    return Trimmed(path, props, cost, found.proved, failures, spared)
+
+
+def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
+    """Propped blocks, held blocks and simultaneous placements of an order."""
+    ever = 0
+    for mask in props:
+        ever |= mask
+    several = [node.group for node in path if len(node.group) > 1]
+    held = mask_of(block for group in several for block in group) & ~ever
+    return ever.bit_count(), held.bit_count(), sum(len(group) - 1 for group in several)
+
+
+def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
+    """The same order, with groups divided where the first blocks stand without the others.
+
+    Parameters
+    ----------
+    path
+        In the order of assembly.
+    search
+    """
+    out: list[Node] = []
+    for node in path:
+        late, end = node, len(node.group)
+        for start in range(len(node.group) - 1, 0, -1):  # the last removed come first
+            placed = node.placed | mask_of(node.group[start:])
+            props = (node.props | (node.parent.props if node.parent else 0)) & placed
+            early = replace(node, placed=placed, props=props, group=node.group[:start])
+            if search.answer(early, sure=True).stands and search.can_hold(early):
+                out.append(replace(late, group=node.group[start:end], parent=early))
+                late, end = early, start
+        out.append(late)
+    return out
+
+
+def _props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
+    """Props at each stage, from the first to the last stage that needs them."""
+    needed = [_needed(node, search) for node in path]
+    ever = 0
+    for mask in needed:
+        ever |= mask
+    active = [0] * len(path)
+    for block in members(ever):
+        when = [i for i, mask in enumerate(needed) if mask >> block & 1]
+        for i in range(when[0], when[-1] + 1):
+            active[i] |= 1 << block
+    level = search.levels[0]
+    stages = [
+        Stage(node.placed, mask, level, (node.placed, node.props) if level else None)
+        for node, mask in zip(path, active, strict=True)
+    ]
+    answers = search.evaluator.answers(stages)
+    active = [
+        mask if answer.stands and search.failure(node.placed, mask) is None else least
+        for node, mask, answer, least in zip(path, active, answers, needed, strict=True)
+    ]
+    if search.model.largest[0] <= SPARED:
+        _spare(path, active, search)
+    return active
+
+
+def _needed(node: Node, search: OrderSearch) -> int:
+    """Props without which a stage falls, tested one by one if there are few."""
+    mask = node.props
+    certain = mask_of(search.local.unbalanced(mask, node.placed))
+    if mask == certain or search.failure(node.placed, mask) is not None:
+        return mask
+    if not certain and _stands(replace(node, props=0), search, well=False):
+        return 0
+    doubtful = mask & ~certain
+    if doubtful.bit_count() <= POLISHED:
+        for block in members(doubtful):
+            if _stands(replace(node, props=mask & ~(1 << block)), search, well=False):
+                mask &= ~(1 << block)
+    return mask
+
+
+def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None:
+    """Remove props from their first and last stages while all stages stand."""
+    ever = 0
+    for mask in active:
+        ever |= mask
+    for block in members(ever):
+        bit = 1 << block
+        when = [i for i, mask in enumerate(active) if mask & bit]
+        for stages in (when, when[::-1]):
+            for i in stages:
+                if not active[i] & bit:
+                    break  # all were removed from the other end
+                if search.failure(path[i].placed, active[i]) is not None:
+                    break  # what does not carry with a prop does not carry without it
+                fewer = replace(path[i], props=active[i] & ~bit)
+                if not (
+                    search.local.holds(block, fewer.placed) and _stands(fewer, search, well=True)
+                ):
+                    break
+                active[i] &= ~bit
+
+
+def _stands(node: Node, search: OrderSearch, *, well: bool) -> bool:
+    """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
+    answer = search.answer(node, sure=True) if well else search.look(node)
+    return answer.stands and search.can_hold(node)

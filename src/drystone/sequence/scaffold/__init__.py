@@ -1,1 +1,0 @@
-"""Scaffolding as things: struts, ropes, clamps and centring in the mechanics of a stage."""

@@ -1,0 +1,184 @@
+"""Scaffolding of a plan: the ideal props of its stages replaced by struts, ropes, clamps, centring.
+
+A plan says which blocks are propped at which stages, and assumes props that hold a block in
+every direction. Here each of these blocks gets items of one kind, and each stage is checked again
+with them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
+from drystone.results import Result
+from drystone.sequence.plans import Plan
+from drystone.sequence.scaffold_items import ScaffoldedModel
+from drystone.sequence.scaffold_kinds import Clamp, ScaffoldItem
+from drystone.sequence.scaffold_places import ScaffoldOptions, Support
+from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.stage_checks import Check, check_once
+from drystone.sequence.stages import mask_of
+
+
+@dataclass(frozen=True, eq=False)
+class Scaffolding(OneLine):
+    """What a plan takes with one kind of scaffolding.
+
+    Attributes
+    ----------
+    plan
+    support
+    stages
+        Table, a row per stage that is held: ``step``, ``blocks`` that are held, ``verdict``,
+        ``items``, ``length`` [m], ``peak_force`` [N], ``overloaded`` items.
+    metre_stages : [m]
+        Sum over the stages of the length in place.
+    peak_force : [N]
+        Of one item.
+    moves
+        How often what holds a block is set up.
+    cost
+        ``stage_cost * metre_stages + move_cost * moves``.
+    items
+        Everything that is set up, block by block.
+    failed
+        Steps, from 0, that do not stand with it, or overload it, or that do not stand and have
+        nothing that is held.
+    stopped
+        Why later stages were not checked; empty otherwise.
+    """
+
+    plan: Plan
+    support: Support
+    stages: Table
+    metre_stages: float
+    peak_force: float
+    moves: int
+    cost: float
+    items: tuple[ScaffoldItem, ...]
+    failed: tuple[int, ...]
+    stopped: str = ""
+
+    @property
+    def works(self) -> bool:
+        """Whether every stage was checked and stands within the limits."""
+        return not (self.failed or self.stopped)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: what it takes, and the stages."""
+        return {
+            "support": self.support.value,
+            "metre_stages": self.metre_stages,
+            "peak_force": self.peak_force,
+            "moves": self.moves,
+            "cost": self.cost,
+            "failed": list(self.failed),
+            "items": [_plain(item) for item in self.items],
+            "stages": list(self.stages),
+        }
+
+    def _summary(self) -> str:
+        ends = "works" if self.works else f"fails at {counted(len(self.failed), 'stage')}"
+        return (
+            f"{self.support.value}: {ends}, {self.metre_stages:.3g} m stages, "
+            f"{self.peak_force:.3g} N, {counted(self.moves, 'move')}, cost {self.cost:.3g}"
+        )
+
+
+@checked_call
+def scaffolding(
+    plan: Plan,
+    support: Support | str = Support.STRUT,
+    *,
+    options: ScaffoldOptions | None = None,
+    check: Check = check_once,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+) -> Scaffolding:
+    """Check the stages of a plan again, with scaffolding in place of its ideal props.
+
+    Parameters
+    ----------
+    plan
+    support
+        The kind, or its name.
+    options
+    check
+        Tells whether a stage stands.
+
+    Raises
+    ------
+    InputError
+        A kind that is not known, or a propped block without a face for it.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> from drystone.sequence import Rules, PlanOptions, plan
+    >>> found = plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
+    >>> scaffolding(found, "clamp").works, scaffolding(found, "strut").failed
+    (True, (2, 3))
+
+    The crown slides off its one neighbour; struts along the load do not push sideways.
+    """
+    stages = ScaffoldedStages(plan.model.model, support, options, check)
+    chosen, names = stages.options, plan.model.assembly.names
+    clock = Clock(time_limit_s, stop)
+    held_before = [frozenset[int](), *(frozenset(step.props) for step in plan.steps)]
+    moves = sum(len(now - before) for before, now in pairwise(held_before))
+    propped = [(number, step) for number, step in enumerate(plan.steps) if step.props]
+    rows: list[tuple[object, ...]] = []
+    failed: list[int] = []
+    total = peak = 0.0
+    with WorkerPool(executor) as pool:
+        several = [(step.placed, mask_of(step.props)) for _, step in propped]
+        answers = pool.answers(partial(_checked, stages), several, clock.late)
+        for (number, step), (whole, result) in zip(propped, answers, strict=False):
+            bad = whole.overloaded(result) if result.force is not None else ()
+            largest = float(whole.force(result).max()) if result.force is not None else np.nan
+            length = sum(
+                item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items
+            )
+            total += length
+            peak = max(peak, largest) if largest == largest else peak
+            if not result.stable or bad:
+                failed.append(number)
+            told = ", ".join(names[b] for b in sorted(step.props))
+            count = len(whole.items)
+            rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
+            if progress is not None:
+                progress("scaffolding", len(rows), len(propped))
+    failed += [i for i, one in enumerate(plan.steps) if not (one.props or one.answer.stands)]
+    stopped = clock.reason if len(rows) < len(propped) else ""
+    keys = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
+    columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
+    table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
+    cost = chosen.stage_cost * total + chosen.move_cost * moves
+    items = tuple(item for prop in plan.props for item in stages.items(prop.block))
+    return Scaffolding(
+        plan, stages.support, table, total, peak, moves, cost, items, tuple(sorted(failed)), stopped
+    )
+
+
+def _plain(item: ScaffoldItem) -> dict[str, Any]:
+    """An item as plain values; limits that it does not have are None."""
+    told = {one.name: getattr(item, one.name) for one in fields(item)}
+    told = {key: v.tolist() if isinstance(v, np.ndarray) else v for key, v in told.items()}
+    told = {key: None if v == float("inf") else v for key, v in told.items()}
+    return told | {"length": item.length}
+
+
+def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
+    return stages.result(*stage)

@@ -1,1 +1,0 @@
-"""Search for an order of assembly."""

@@ -1,1 +1,0 @@
-"""Stages of an assembly: blocks in place, and their checks."""

@@ -1,1 +1,0 @@
-"""Cells on a surface converted to blocks with planar joints."""

@@ -1,1 +1,0 @@
-"""The pattern on a surface: courses, staggered head joints, wedges."""

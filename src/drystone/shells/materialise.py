@@ -1,0 +1,273 @@
+"""Blocks from cells on a surface: pins through the thickness, side faces, polyhedra."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import shapely
+
+from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.base.arrays import Floats, Ints, dot
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
+from drystone.geometry.body.fans import warp_and_view
+from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.shells.tessellation import Tessellation
+
+_LEAST_COSINE = 0.5
+"""Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
+degrees the faces of a block no longer approximate the surface."""
+
+_PLANAR = 1e-9
+"""Distance of a corner from the plane of its face that counts as zero, relative to the square root
+of the area. Chosen: far above rounding, far below the precision of text files."""
+
+HOOK = ((0.4, 1.4), (0.84, 0.185), (0.74, 0.1))
+"""Corners of a joggle, from the intrados: position through the thickness, divided by half the
+thickness h, and height, divided by h t with the slope t. The first face has the slope t, the
+undercut 0.85 t. No translation is free because 0.85 < 1. A rotation about a point (1, -z) is free
+where z <= 0.6 / t - 1.4 t and z >= 0.26 / (0.85 t) - 0.1 t. Such points exist up to t = 0.475. At a
+slope of 10 degrees the angle at the ridge is 36 degrees, so the contact search treats it as an edge
+and not as a curved surface."""
+
+Polygon: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Pins(OneLine):
+    """Lines of points through the thickness, one line per vertex of the tessellation.
+
+    Attributes
+    ----------
+    point : (p, 3) [m]
+        From the intrados to the extrados, vertex after vertex: two points, or five where the bed
+        joint has a joggle.
+    start : (v + 1,) vertex i has the points start[i] to start[i + 1]
+    """
+
+    point: Floats
+    start: Ints
+
+    def of(self, vertex: int) -> range:
+        """Points of one vertex, intrados first."""
+        return range(int(self.start[vertex]), int(self.start[vertex + 1]))
+
+
+def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
+    """Loops as one array and their starts."""
+    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
+    start = Ragged.of(cells).start
+    return loop, start
+
+
+def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
+    """Mean (v,) at each vertex of a value per cell (c,)."""
+    loop, start = flat_loops(mesh.cells)
+    return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
+
+
+def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
+    """(count,) mean at each vertex of a value per corner (l,) of the loops."""
+    corners = np.maximum(np.bincount(loop, minlength=count), 1)
+    mean: Floats = np.bincount(loop, value, minlength=count) / corners
+    return mean
+
+
+def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
+    """Mean component (v,) of each vertex's vector (v, 3) normal to the flat cells around it.
+
+    The cells have their vertices at ``point`` (v, 3).
+    """
+    loop, start = flat_loops(mesh.cells)
+    area = polygon.area_vectors(point[loop], start)
+    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    across = dot(vector[loop], np.repeat(facet, np.diff(start), axis=0))
+    return _corner_means(loop, across, len(point))
+
+
+def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
+    """Straight pins along the normals, half the thickness (v,) [m] to each side.
+
+    Raises
+    ------
+    InputError
+        The surface turns by more than 60 degrees across a block.
+    """
+    # pins divided by this give blocks the required thickness, measured normal to their faces
+    cosine = _facet_means(mesh, mesh.point, mesh.normal)
+    steep = cosine < _LEAST_COSINE
+    if steep.any():
+        raise InputError(
+            "is too large: the surface turns by more than 60 degrees beside it",
+            where=f"block '{mesh.name_at(int(np.argmax(steep)))}'",
+            remedy="give more courses and blocks",
+        )
+    half = 0.5 * thickness / cosine
+    low = mesh.point - half[:, None] * mesh.normal
+    high = mesh.point + half[:, None] * mesh.normal
+    point = np.stack([low, high], axis=1).reshape(-1, 3)
+    return Pins(point, 2 * np.arange(len(low) + 1, dtype=np.intp))
+
+
+def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
+    """Give straight pins on bed lines between two courses a joggle.
+
+    The section of a bed joint has four faces. From the intrados it rises at ``joggle_deg``
+    [degrees] to a ridge, falls, returns under the ridge, and then runs to the extrados. No
+    translation opens all four faces, so the upper block cannot be lifted straight. It can be
+    removed by a rotation about the direction of the course, with a centre below the extrados. A
+    negative joggle is the mirror image; the rotation is then inwards. The joggle lies in the plane
+    of the head joint that ends at the pin, so the head joint stays planar.
+    """
+    low, high = pins.point[0::2], pins.point[1::2]
+    middle, along = 0.5 * (low + high), high - low
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    up = mesh.up.copy()
+    heads = np.array(sorted(mesh.heads), dtype=np.intp).reshape(-1, 2)
+    rise = middle[heads[:, 1]] - middle[heads[:, 0]]
+    rise *= np.sign(dot(rise, mesh.up[heads[:, 0]]))[:, None]
+    up[heads[:, 0]] = rise
+    up[heads[:, 1]] = rise
+    axis = along / length
+    up -= dot(up, axis)[:, None] * axis
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    half, slope = 0.5 * length, np.tan(np.deg2rad(abs(joggle_deg)))
+    side = 1.0 if joggle_deg >= 0.0 else -1.0
+    count = np.where(mesh.inner, 2 + len(HOOK), 2)
+    start = Ragged.from_counts(count).start
+    point = np.empty((start[-1], 3))
+    point[start[:-1]], point[start[1:] - 1] = low, high
+    first = start[:-1][mesh.inner]
+    for i, (across, rise_by) in enumerate(HOOK if side > 0.0 else HOOK[::-1], start=1):
+        corner = middle + half * (side * across * axis + slope * rise_by * up)
+        point[first + i] = corner[mesh.inner]
+    return Pins(point, start)
+
+
+def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
+    """Lengthen tilted pins until the blocks have the required thickness.
+
+    The thickness is measured normal to the faces. A pin grows along its own line, so planar joints
+    between straight pins stay planar.
+    """
+    first, last = pins.start[:-1], pins.start[1:] - 1
+    low, high = pins.point[first], pins.point[last]
+    middle = 0.5 * (low + high)
+    across = _facet_means(mesh, middle, high - low)
+    factor = np.clip(thickness / np.maximum(across, 1e-300), 0.5, 2.0)
+    pin = np.repeat(np.arange(len(middle)), np.diff(pins.start))
+    grown = middle[pin] + factor[pin, None] * (pins.point - middle[pin])
+    return Pins(grown, pins.start)
+
+
+def _side_polygons(mesh: Tessellation, pins: Pins, edge: tuple[int, int]) -> list[tuple[int, ...]]:
+    """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
+    a, b = pins.of(edge[0]), pins.of(edge[1])
+    head = (min(edge), max(edge)) in mesh.heads
+    if len(a) == len(b) and not head:
+        return [(a[i], b[i], b[i + 1], a[i + 1]) for i in range(len(a) - 1)]
+    return [(*b, *reversed(a))]
+
+
+def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
+    """Every side face once."""
+    seen: set[frozenset[int]] = set()
+    polygons = []
+    for cell in mesh.cells:
+        for edge in loop_edges(cell):
+            key = frozenset(edge)
+            if key not in seen:
+                seen.add(key)
+                polygons += _side_polygons(mesh, pins, edge)
+    return polygons
+
+
+def cell_faces(
+    mesh: Tessellation, pins: Pins, cell: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, ...], list[tuple[int, ...]]]:
+    """Intrados, extrados and side faces of one cell, all outwards."""
+    low = tuple(int(pins.start[v]) for v in reversed(cell))
+    high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
+    edges = loop_edges(cell)
+    return low, high, [face for edge in edges for face in _side_polygons(mesh, pins, edge)]
+
+
+def make_blocks(
+    mesh: Tessellation,
+    pins: Pins,
+    metadata: Sequence[dict[str, Any]],
+    *,
+    density: float = DEFAULT_DENSITY,
+) -> list[Block]:
+    """One block per cell; neighbours share the corners of their common faces.
+
+    Inner and outer faces stay polygons, also slightly warped ones. A warped face stands for the fan
+    about the mean of its corners. Where this fan would fold over, the face becomes triangles.
+
+    Raises
+    ------
+    InputError
+        A block is inside out, or a face crosses itself; the block is named.
+    """
+    _refuse_crossed_faces(mesh, pins)
+    blocks = []
+    every = [cell_faces(mesh, pins, cell) for cell in mesh.cells]
+    caps = _solid_caps(pins, [cap for low, high, _ in every for cap in (low, high)])
+    for k, (name, data) in enumerate(zip(mesh.names, metadata, strict=True)):
+        faces = [*caps[2 * k], *caps[2 * k + 1], *every[k][2]]
+        used = sorted({i for face in faces for i in face})
+        local = {old: i for i, old in enumerate(used)}
+        loops = tuple(tuple(local[i] for i in face) for face in faces)
+        block = Block(pins.point[used], loops, name, density, data)
+        if block.repairs:
+            raise InputError(
+                "is turned inside out",
+                where=f"block '{name}'",
+                remedy="use a smaller thickness, wedge or joggle, or larger blocks",
+            )
+        blocks.append(block)
+    return blocks
+
+
+def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
+    """Every inner and outer face as one polygon, or as triangles where its fan would fold over."""
+    loop, start = flat_loops(caps)
+    height, seen = warp_and_view(pins.point[loop], start)
+    area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
+    made = [[cap] for cap in caps]
+    for i in np.flatnonzero((height > _PLANAR * np.sqrt(area)) & ~seen).tolist():
+        corner = np.array(caps[i], dtype=np.intp)
+        triangle, _ = triangulate(pins.point[corner], np.array([0, len(corner)]))
+        made[i] = [tuple(row) for row in corner[triangle].tolist()]
+    return made
+
+
+def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
+    """Raise for a face that, seen along its normal, is no simple polygon."""
+    faces, owner = [], []
+    for c, cell in enumerate(mesh.cells):
+        low, high, sides = cell_faces(mesh, pins, cell)
+        faces += [low, high, *sides]
+        owner += [c] * (2 + len(sides))
+    loop, start = flat_loops(faces)
+    corner = pins.point[loop]
+    area = polygon.area_vectors(corner, start)
+    size = np.linalg.norm(area, axis=1)
+    axes = frames_from_normals(area / np.maximum(size, 1e-300)[:, None])
+    face = np.repeat(np.arange(len(faces)), np.diff(start))
+    flat = np.einsum("lij,lj->li", axes[face, 1:], corner - corner[start[:-1]][face])
+    ring = shapely.linearrings(flat, indices=face)
+    bad = ~shapely.is_simple(ring) | (size <= 0.0)
+    if bad.any():
+        raise InputError(
+            "has a face that crosses itself",
+            where=f"block '{mesh.names[owner[int(np.flatnonzero(bad)[0])]]}'",
+            remedy="use a smaller thickness, wedge or joggle, or larger blocks",
+        )

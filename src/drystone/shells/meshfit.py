@@ -1,0 +1,305 @@
+"""A patch through an open triangle or quadrilateral mesh, and its distance from the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.interpolate import BSpline
+from scipy.sparse.linalg import spsolve
+
+from drystone.base.arrays import Floats, dot, frozen_floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.geometry.body.polyhedron import edges_of, loop_edges
+from drystone.geometry.mend.coincidence import first_coincident
+from drystone.shells.patch import Patch, check_patch
+
+_DEGREE = 3
+
+_SMOOTHING = 1e-6
+"""Weight of the second differences of the control points, relative to that of a mesh vertex.
+Chosen: it has an effect only where there are too few vertices."""
+
+_CORNER_TURN = 20.0
+"""[degrees] Least angle of the border at a corner, when corners are searched. Chosen."""
+
+_WELD = 1e-6
+"""Vertices closer than this, relative to the size of the mesh, are merged: formats such as STL
+repeat them."""
+
+_FARTHEST_FIT = 0.05
+"""Largest distance of a mesh from its patch, relative to the size of the mesh. Chosen: beyond it
+the corners are wrong, or the mesh is too coarse."""
+
+_REMEDY = "give a finer mesh, name its corners, or use more control points"
+
+_PROJECTED = 2_000
+"""Number of mesh points, those farthest from the patch, for which the nearest point of the patch is
+searched. Chosen: bounds the time on large meshes."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFit(OneLine):
+    """A patch, and the distance of the mesh from it.
+
+    Attributes
+    ----------
+    patch
+    deviation_max, deviation_rms : [m]
+        Distance of the mesh from the patch, at its vertices and the middles of its edges and faces.
+    deviation_vertices : [m] largest distance of a vertex
+    corners : (4, 3) [m] bottom left, bottom right, top right, top left
+    """
+
+    patch: Patch
+    deviation_max: float
+    deviation_rms: float
+    deviation_vertices: float
+    corners: Floats
+
+
+def patch_from_mesh(
+    vertices: object,
+    faces: Sequence[Sequence[int]],
+    *,
+    corners: Sequence[int] | None = None,
+    control: tuple[int, int] = (10, 10),
+    name: str = "mesh",
+) -> MeshFit:
+    """Fit a bicubic patch to an open mesh with one border.
+
+    Parameters
+    ----------
+    vertices : (p, 3) [m]
+    faces
+        Loops of vertices.
+    corners
+        Four border vertices: bottom left, bottom right, top right, top left. When left out: the
+        four sharpest turns of the border, with the lowest side as the bottom.
+    control
+        Control points along u and v.
+    name
+
+    Raises
+    ------
+    InputError
+        The mesh is closed, has several borders or no four corners, or is farther from the patch
+        than a twentieth of its size.
+
+    Notes
+    -----
+    The mesh is mapped to the unit square. Every inner vertex lies at the mean of its neighbours,
+    weighted by inverse length (source: Floater 1997). The patch is the least-squares B-spline
+    through it.
+    """
+    points = frozen_floats(vertices, (None, 3), "vertices")
+    points, loops, named = _welded(points, faces, corners)
+    border = _border(loops, name)
+    chosen = named if named is not None else _sharpest(points, border, name)
+    u, v = _layout(points, loops, border, chosen, name)
+    rows, columns = (max(_DEGREE + 1, int(c)) for c in control)
+    coefficient = _fit(points, u, v, rows, columns)
+
+    def point(at_u: Floats, at_v: Floats) -> Floats:
+        surface: Floats = np.einsum(
+            "ki,kj,ijc->kc",
+            _basis(at_u, rows).toarray(),
+            _basis(at_v, columns).toarray(),
+            coefficient,
+        )
+        return surface
+
+    patch = Patch(point, name=name)
+    distance = distances(patch, np.column_stack([u, v, points]), loops)
+    farthest = float(distance.max())
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if not farthest <= _FARTHEST_FIT * size:
+        raise InputError(
+            f"is up to {farthest:.3g} m from the patch fitted to it, more than "
+            f"{_FARTHEST_FIT:.0%} of its size",
+            where=f"mesh '{name}'",
+            remedy=_REMEDY,
+        )
+    try:
+        check_patch(patch)
+    except InputError as error:
+        raise error.located(f"mesh '{name}'", _REMEDY) from error
+    return MeshFit(
+        patch,
+        farthest,
+        float(np.sqrt((distance**2).mean())),
+        float(distance[: len(points)].max()),
+        points[chosen],
+    )
+
+
+def _welded(
+    points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None
+) -> tuple[Floats, list[list[int]], list[int] | None]:
+    """Used vertices, coincident ones merged."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    first = first_coincident(points, _WELD * size)
+    loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
+    loops = [loop for loop in loops if len(loop) > 2]
+    used = sorted({i for loop in loops for i in loop})
+    new = {old: i for i, old in enumerate(used)}
+    named = None
+    if corners is not None:
+        unknown = [c for c in corners if not 0 <= int(c) < len(points) or first[c] not in new]
+        if unknown or len(set(corners)) != 4:
+            raise InputError("corners must be four vertices of the mesh", where=str(list(corners)))
+        named = [new[int(first[c])] for c in corners]
+    return points[used], [[new[i] for i in loop] for loop in loops], named
+
+
+def _border(loops: list[list[int]], name: str) -> list[int]:
+    """The border's vertices in order, the mesh on their left."""
+    after: dict[int, int] = {}
+    runs = [edge for loop in loops for edge in loop_edges(loop)]
+    edges = set(runs)
+    if len(edges) < len(runs):
+        raise InputError(
+            "neighbouring faces have opposite normals, or three meet at an edge",
+            where=f"mesh '{name}'",
+            remedy="orient its faces consistently, and leave one surface",
+        )
+    for a, b in edges:
+        if (b, a) not in edges:
+            if a in after:
+                raise InputError("its border touches itself", where=f"mesh '{name}'")
+            after[a] = b
+    if not after:
+        raise InputError(
+            "the mesh is closed", where=f"mesh '{name}'", remedy="give an open surface"
+        )
+    run = [min(after)]
+    while after.get(run[-1], run[0]) != run[0] and len(run) <= len(after):
+        run.append(after[run[-1]])
+    if len(run) != len(after):
+        raise InputError(
+            "the mesh has several borders: it has a hole, or it is closed to a ring like a dome",
+            where=f"mesh '{name}'",
+            remedy="close its holes; for a ring use patch_from_grid with closed=True, or cut the "
+            "mesh open from border to border",
+        )
+    return run
+
+
+def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
+    """Four corners by the turn of the border, the lowest side first."""
+    run = points[border]
+    before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
+    cosine = dot(before, after)
+    cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+    turn = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    picked = np.sort(np.argsort(-turn, kind="stable")[:4])
+    if len(picked) < 4 or turn[picked].min() < _CORNER_TURN:
+        raise InputError(
+            "its border has no four corners",
+            where=f"mesh '{name}'",
+            remedy="name four vertices of the border as corners",
+        )
+    heights = []
+    for k in range(4):
+        side = _between(border, border[picked[k]], border[picked[(k + 1) % 4]])
+        heights.append(float(points[side, 2].mean()))
+    start = int(np.argmin(np.round(heights, 9)))
+    return [border[picked[(start + k) % 4]] for k in range(4)]
+
+
+def _between(border: list[int], start: int, end: int) -> list[int]:
+    i = border.index(start)
+    turned = border[i:] + border[:i]
+    return turned[: turned.index(end) + 1]
+
+
+def _layout(
+    points: Floats, loops: list[list[int]], border: list[int], corners: list[int], name: str
+) -> tuple[Floats, Floats]:
+    """(u, v) of every vertex."""
+    if any(c not in border for c in corners):
+        raise InputError("a corner is not on the border", where=f"mesh '{name}'")
+    square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # u, v of the corners
+    if not _cyclic([border.index(c) for c in corners]):  # given in the opposite direction
+        corners, square = [corners[i] for i in (0, 3, 2, 1)], square[[0, 3, 2, 1]]
+        if not _cyclic([border.index(c) for c in corners]):
+            raise InputError("the corners do not follow each other", where=f"mesh '{name}'")
+    uv = np.full((len(points), 2), np.nan)
+    for k in range(4):
+        side = _between(border, corners[k], corners[(k + 1) % 4])
+        step = np.linalg.norm(np.diff(points[side], axis=0), axis=1)
+        share = np.concatenate([[0.0], np.cumsum(step)]) / step.sum()
+        uv[side] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
+    ends = edges_of([tuple(loop) for loop in loops])
+    weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+    shape = (len(points), len(points))
+    joined = sparse.coo_matrix((weight, (ends[:, 0], ends[:, 1])), shape).tocsr()
+    joined = joined + joined.T
+    stiffness = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsc()
+    known = ~np.isnan(uv[:, 0])
+    inner = np.flatnonzero(~known)
+    if len(inner):
+        pull = -(stiffness[inner][:, np.flatnonzero(known)] @ uv[known])
+        uv[inner] = spsolve(stiffness[inner][:, inner], pull).reshape(-1, 2)
+    return np.clip(uv[:, 0], 0.0, 1.0), np.clip(uv[:, 1], 0.0, 1.0)
+
+
+def _cyclic(order: list[int]) -> bool:
+    """Whether four positions ascend cyclically."""
+    start = int(np.argmin(order))
+    turned = order[start:] + order[:start]
+    return turned == sorted(turned)
+
+
+def _basis(at: Floats, count: int) -> sparse.csr_matrix:
+    """(k, count) values of the cubic B-splines on even knots in [0, 1]."""
+    inner = np.linspace(0.0, 1.0, count - _DEGREE + 1)
+    knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
+    return sparse.csr_matrix(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, _DEGREE))
+
+
+def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Floats:
+    """Control points (rows, columns, 3) of the least-squares surface."""
+    by_u, by_v = _basis(u, rows), _basis(v, columns)
+    design = sparse.csr_matrix(
+        (by_u.toarray()[:, :, None] * by_v.toarray()[:, None, :]).reshape(len(u), -1)
+    )
+    bend_u = sparse.kron(_second(rows), sparse.eye(columns))
+    bend_v = sparse.kron(sparse.eye(rows), _second(columns))
+    system = design.T @ design + _SMOOTHING * (bend_u.T @ bend_u + bend_v.T @ bend_v)
+    solution = spsolve(sparse.csc_matrix(system), design.T @ points)
+    control: Floats = np.asarray(solution).reshape(rows, columns, 3)
+    return control
+
+
+def _second(count: int) -> sparse.csr_matrix:
+    return sparse.diags([1.0, -2.0, 1.0], [0, 1, 2], shape=(count - 2, count)).tocsr()
+
+
+def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Floats:
+    """Distance (k,) [m] from the patch of the vertices, then of the middles of edges and faces.
+
+    ``at`` (p, 5) holds u, v and the position of every vertex. A few Gauss-Newton steps correct the
+    parameters to those of the nearest point of the patch.
+    """
+    ends = edges_of([tuple(loop) for loop in loops])
+    middles = np.array([at[list(loop)].mean(axis=0) for loop in loops])
+    sample = np.concatenate([at, 0.5 * (at[ends[:, 0]] + at[ends[:, 1]]), middles])
+    distance: Floats = np.linalg.norm(patch.point(*sample[:, :2].T) - sample[:, 2:], axis=1)
+    worst = np.argsort(-distance, kind="stable")[:_PROJECTED]
+    uv, place = sample[worst, :2].copy(), sample[worst, 2:]
+    for _ in range(4):
+        tangent = np.stack(patch.tangents(*uv.T), axis=1)
+        off = np.einsum("kai,ki->ka", tangent, place - patch.point(*uv.T))
+        gram = np.einsum("kai,kbi->kab", tangent, tangent)
+        determinant = gram[:, 0, 0] * gram[:, 1, 1] - gram[:, 0, 1] ** 2
+        safe = np.where(determinant > 0.0, determinant, np.inf)
+        step_u = (gram[:, 1, 1] * off[:, 0] - gram[:, 0, 1] * off[:, 1]) / safe
+        step_v = (gram[:, 0, 0] * off[:, 1] - gram[:, 0, 1] * off[:, 0]) / safe
+        uv = np.clip(uv + np.stack([step_u, step_v], axis=1), 0.0, 1.0)
+        nearer = np.linalg.norm(patch.point(*uv.T) - place, axis=1)
+        distance[worst] = np.minimum(distance[worst], nearer)
+    return distance

@@ -1,0 +1,224 @@
+"""The pattern on a patch: cells with shared vertices, staggered and wedged.
+
+A cell is the outline of one block on the surface. The head joints of both neighbouring courses end
+on a bed line. Every cell that touches such an end has it as a vertex, so neighbours share whole
+edges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
+from drystone.shells.courses import Courses
+from drystone.shells.patch import Side
+from drystone.shells.wedge import Wedge, eased_share, wedge_amount
+
+_SAME = 1e-9
+"""Head joints closer than this in v share their corners."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Cells on a surface.
+
+    Attributes
+    ----------
+    uv : (p, 2) parameters of each vertex in its patch
+    cells
+        Loops of vertices, counter-clockwise seen from outside.
+    names
+    course, position : (c,) course of each cell, and its place in it
+    centre : (c, 2) parameters of the middle of each cell
+    heads : (h, 2) vertices at the bottom and the top of every head joint
+    inner : (p,) whether a vertex is on a bed line between two courses
+    borders
+        Per side its vertices in order and their positions along it.
+    """
+
+    uv: Floats
+    cells: tuple[tuple[int, ...], ...]
+    names: tuple[str, ...]
+    course: Ints
+    position: Ints
+    centre: Floats
+    heads: Ints
+    inner: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    borders: dict[Side, tuple[Ints, Floats]]
+
+
+def lay_pattern(
+    courses: Courses, joints: Sequence[Floats], *, wedge: Wedge | None = 0.0
+) -> Pattern:
+    """Cells of one patch from its courses and head joints.
+
+    Parameters
+    ----------
+    courses
+    joints
+        Per course the positions of its head joints along v.
+    wedge
+        Positive: the bed line rises at head joints of the course above and falls at head joints of
+        the course below. Blocks are hexagons, and each lies between two blocks of the course below.
+        Half blocks at an open end then taper inwards and are held by friction only. Negative:
+        blocks are narrow in the middle, and none can be pulled out of an open end. The wedge is
+        reduced where head joints above and below are close to each other. None: the wedge of planar
+        cells.
+
+    Raises
+    ------
+    InputError
+        The wedge turns a block inside out, or the list has another length.
+    """
+    head_course = np.concatenate([np.full(len(x), i) for i, x in enumerate(joints)]).astype(np.intp)
+    head_v = np.concatenate(list(joints))
+    number = len(head_v)
+    canonical = courses.canonical(_wrapped(head_v, courses))
+    row = np.arange(number)
+    level = np.concatenate([canonical[row, head_course], canonical[row, head_course + 1]])
+    at_v = np.tile(head_v, 2)
+    vertex, first = _merge(level, _wrapped(at_v, courses), closed=courses.patch.closed)
+    bottom, top = vertex[:number], vertex[number:]
+    v = _wrapped(at_v, courses)[first]
+    line = level[first].astype(np.intp)
+    u = _shifted(courses, v, line, bottom, top, wedge)
+    cells, course, position = _cells(courses, joints, v, line, bottom, top)
+    pattern = Pattern(
+        uv=np.stack([u, v], axis=1),
+        cells=tuple(cells),
+        names=_names(course, position),
+        course=course,
+        position=position,
+        centre=_centres(u, v, cells, closed=courses.patch.closed),
+        heads=np.stack([bottom, top], axis=1)[bottom != top],
+        inner=(line > 0) & (line < courses.count),
+        borders=_borders(courses, u, v, line),
+    )
+    _refuse_inside_out(pattern)
+    if courses.patch.turn > 0.0:  # a loop along v and back has the normal dv x du
+        pattern = replace(pattern, cells=tuple(cell[::-1] for cell in pattern.cells))
+    return pattern
+
+
+def _wrapped(v: Floats, courses: Courses) -> Floats:
+    return v % 1.0 if courses.patch.closed else v
+
+
+def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
+    """Vertex of each corner, and the first corner of each vertex; equal bed line and v."""
+    cyclic = np.where(v > 1.0 - _SAME, 0.0, v) if closed else v
+    order = np.lexsort((cyclic, level))
+    new = np.ones(len(v), dtype=bool)
+    new[1:] = (np.diff(level[order]) != 0) | (np.diff(cyclic[order]) > _SAME)
+    vertex = np.empty(len(v), dtype=np.intp)
+    vertex[order] = np.cumsum(new) - 1
+    return vertex, order[new]
+
+
+def _shifted(
+    courses: Courses, v: Floats, line: Ints, bottom: Ints, top: Ints, wedge: Wedge | None
+) -> Floats:
+    """Parameter u of each vertex: that of its bed line plus or minus the wedge."""
+    lines = courses.line(v)
+    row = np.arange(len(v))
+    share = lines[row, line]
+    starts, ends = np.zeros(len(v), dtype=bool), np.zeros(len(v), dtype=bool)
+    starts[bottom], ends[top] = True, True
+    inner = (line > 0) & (line < courses.count)
+    if not courses.patch.closed:
+        inner &= (v > 0.0) & (v < 1.0)
+    direction = np.where(inner, starts.astype(float) - ends.astype(float), 0.0)
+    amount = wedge_amount(courses, wedge, lines, v, line)
+    above = lines[row, np.minimum(line + 1, courses.count)] - share
+    under = share - lines[row, np.maximum(line - 1, 0)]
+    reach = np.minimum(np.where(above > 0.0, above, under), np.where(under > 0.0, under, above))
+    eased = eased_share(v, line, direction, closed=courses.patch.closed)
+    return courses.parameter(share + direction * eased * amount * reach, v)
+
+
+def _cells(
+    courses: Courses, joints: Sequence[Floats], v: Floats, line: Ints, bottom: Ints, top: Ints
+) -> tuple[list[tuple[int, ...]], Ints, Ints]:
+    """Loops of every course: along its lower bed line, back along its upper one."""
+    closed = courses.patch.closed
+    canonical = courses.canonical(v)
+    cells: list[tuple[int, ...]] = []
+    course: list[int] = []
+    position: list[int] = []
+    chains = []
+    for i in range(courses.count + 1):
+        on = np.flatnonzero(canonical[:, i] == line)
+        on = on[np.argsort(v[on], kind="stable")]
+        at = v[on]
+        if closed:
+            on, at = np.tile(on, 3), np.concatenate([at, at + 1.0, at + 2.0])
+        chains.append((on, at))
+    first = 0
+    for i, heads in enumerate(joints):
+        (low_on, low_at), (high_on, high_at) = chains[i], chains[i + 1]
+        low = np.searchsorted(low_at, np.stack([heads + _SAME, heads - _SAME]))
+        high = np.searchsorted(high_at, np.stack([heads + _SAME, heads - _SAME]))
+        for j in range(len(heads) - 1):
+            under = low_on[low[0, j] : low[1, j + 1]].tolist()
+            over = high_on[high[0, j] : high[1, j + 1]].tolist()
+            right = [int(bottom[first + j + 1]), int(top[first + j + 1])]
+            left = [int(top[first + j]), int(bottom[first + j])]
+            loop = [left[1], *under, *right, *over[::-1], left[0]]
+            cells.append(tuple(dict.fromkeys(loop)))
+            course.append(i)
+            position.append(j)
+        first += len(heads)
+    return cells, np.array(course, dtype=np.intp), np.array(position, dtype=np.intp)
+
+
+def _centres(u: Floats, v: Floats, cells: list[tuple[int, ...]], *, closed: bool) -> Floats:
+    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
+    corners = Ragged.of(cells)
+    base = corners.spread(v[loop[corners.first]])
+    along = (v[loop] - base + 0.5) % 1.0 - 0.5 + base if closed else v[loop]
+    both = np.stack([u[loop], along], axis=1)
+    centre: Floats = 0.5 * (corners.min(both) + corners.max(both))
+    return centre
+
+
+def _borders(courses: Courses, u: Floats, v: Floats, line: Ints) -> dict[Side, tuple[Ints, Floats]]:
+    def run(chosen: Ints, along: Floats) -> tuple[Ints, Floats]:
+        order = np.argsort(along[chosen], kind="stable")
+        return chosen[order], along[chosen][order]
+
+    top = courses.canonical(v)[:, -1]
+    borders = {
+        Side.BOTTOM: run(np.flatnonzero(line == 0), v),
+        Side.TOP: run(np.flatnonzero(line == top), v),
+    }
+    if not courses.patch.closed:
+        borders[Side.LEFT] = run(np.flatnonzero(v <= 0.0), u)
+        borders[Side.RIGHT] = run(np.flatnonzero(v >= 1.0), u)
+    return borders
+
+
+def _name(course: int, position: int) -> str:
+    return f"c{course:02d}-b{position:02d}"
+
+
+def _names(course: Ints, position: Ints) -> tuple[str, ...]:
+    return tuple(_name(c, b) for c, b in zip(course.tolist(), position.tolist(), strict=True))
+
+
+def _refuse_inside_out(pattern: Pattern) -> None:
+    """Raise for a head joint that does not rise, or a cell without area in (u, v)."""
+    rise = pattern.uv[pattern.heads[:, 1], 0] - pattern.uv[pattern.heads[:, 0], 0]
+    bad = rise <= 0.0
+    if bad.any():
+        low = int(pattern.heads[np.flatnonzero(bad)[0], 0])
+        name = next(n for n, c in zip(pattern.names, pattern.cells, strict=True) if low in c)
+        raise InputError(
+            "is turned inside out: its head joint has no height left",
+            where=f"block '{name}'",
+            remedy="use a smaller wedge or fewer partial courses",
+        )

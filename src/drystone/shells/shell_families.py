@@ -1,0 +1,301 @@
+"""Shapes with a formula: vaults, domes, flat plans for form finding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.patch import Patch, PatchFunction, Side
+from drystone.shells.shape import Edge, Seam, Shape
+
+_VAULT_THICKNESS = 0.075
+"""Default thickness of a barrel vault, relative to its span. Chosen: 0.15 of the radius of a
+semicircle, which stands from 0.1075 on (Milankovitch 1907). Flatter vaults need less."""
+
+
+def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = None) -> Shape:
+    """A vault over a rectangle: a segment of a cylinder, supported on two sides.
+
+    Parameters
+    ----------
+    span : [m], along x
+    length : [m], along y
+    rise : [m]
+        Half the span when left out: a semicircle.
+
+    Raises
+    ------
+    InputError
+        A length that is not positive, or a rise above half the span.
+    """
+    refuse_unless_positive(span=span, length=length)
+    rise = 0.5 * span if rise is None else rise
+    refuse_unless_positive(rise=rise)
+    if rise > 0.5 * span * (1.0 + 1e-12):
+        raise InputError(
+            f"the rise {rise} m is more than half the span", remedy=f"give {0.5 * span} m or less"
+        )
+    radius = (0.25 * span**2 + rise**2) / (2.0 * rise)
+    half = math.asin(min(0.5 * span / radius, 1.0))
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = half * (2.0 * u - 1.0)
+        return np.stack(
+            [radius * np.sin(angle), length * v, radius * np.cos(angle) - radius + rise], axis=-1
+        )
+
+    supports = (Edge(0, Side.BOTTOM), Edge(0, Side.TOP))
+    patch = Patch(point, name="barrel vault")
+    return Shape((patch,), (), supports, name="barrel vault", thickness=_VAULT_THICKNESS * span)
+
+
+def dome(
+    radius: float = 5.0,
+    oculus: float = 1.0,
+    springing_deg: float = 0.0,
+    *,
+    keystone: bool = False,
+) -> Shape:
+    """Part of a sphere about the z axis, its rings closed along v.
+
+    Parameters
+    ----------
+    radius : [m]
+    oculus : [m]
+        Radius of the eye.
+    springing_deg : [degrees]
+        Latitude of the springing: 0 for a hemisphere.
+    keystone
+        Whether one block closes the eye.
+
+    Raises
+    ------
+    InputError
+        The eye is not smaller than the springing.
+    """
+    refuse_unless_positive(radius=radius, oculus=oculus)
+    if not (0.0 <= springing_deg < 90.0) or oculus >= radius * math.cos(
+        math.radians(springing_deg)
+    ):
+        raise InputError(
+            f"an eye of {oculus} m radius is not above a springing at {springing_deg} degrees",
+            where="dome",
+            remedy="make the eye smaller or the springing lower",
+        )
+    low, high = math.radians(springing_deg), math.acos(oculus / radius)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        latitude = low + (high - low) * u
+        longitude = 2.0 * np.pi * v
+        ring = radius * np.cos(latitude)
+        return np.stack(
+            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
+            axis=-1,
+        )
+
+    return Shape(
+        (Patch(point, closed=True, name="dome"),),
+        supports=(Edge(0, Side.BOTTOM),),
+        keystone=(Edge(0, Side.TOP),) if keystone else (),
+        name="dome",
+    )
+
+
+def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
+    """Two equal semicircular barrels that cross: four webs, groins between them, four corners.
+
+    Parameters
+    ----------
+    span : [m]
+    springing_deg : [degrees]
+        Angle at which the webs begin; below it the corner is solid.
+    """
+    refuse_unless_positive(span=span)
+    _within(springing_deg, 5.0, 60.0, "springing_deg")
+    radius, start = 0.5 * span, math.radians(springing_deg)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = start + (np.pi - 2.0 * start) * u
+        across = -radius * np.cos(angle)
+        groin = np.abs(across)
+        return np.stack([groin + v * (radius - groin), across, radius * np.sin(angle)], axis=-1)
+
+    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    seams = tuple(
+        Seam(Edge(k, Side.LEFT, 1.0, 0.5), Edge((k + 1) % 4, Side.LEFT, 0.0, 0.5)) for k in range(4)
+    )
+    supports = tuple(Edge(k, side) for k in range(4) for side in (Side.BOTTOM, Side.TOP))
+    return Shape(webs, seams, supports, name="cross vault")
+
+
+def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True) -> Shape:
+    """A cloister vault: four barrel webs rising from the sides of a square.
+
+    Parameters
+    ----------
+    span : [m]
+    eye : [m]
+        Width of the square opening at the crown.
+    keystone
+        Whether one block closes the eye.
+    """
+    refuse_unless_positive(span=span, eye=eye)
+    if eye >= span:
+        raise InputError(f"the eye, {eye} m, is as wide as the span, {span} m")
+    radius = 0.5 * span
+    high = math.acos(eye / span)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = high * u
+        reach = radius * np.cos(angle)
+        return np.stack([reach, (2.0 * v - 1.0) * reach, radius * np.sin(angle)], axis=-1)
+
+    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    seams = tuple(Seam(Edge(k, Side.RIGHT), Edge((k + 1) % 4, Side.LEFT)) for k in range(4))
+    return Shape(
+        webs,
+        seams,
+        tuple(Edge(k, Side.BOTTOM) for k in range(4)),
+        tuple(Edge(k, Side.TOP) for k in range(4)) if keystone else (),
+        name="pavilion vault",
+    )
+
+
+FOOT_DEG, WAIST, EDGE = 18.0, 0.64, 0.6
+"""Of a tri-dome: half the angle of a foot, the least distance of the open edges from the axis by
+that of the feet, and an exponent of these edges in plan. Chosen for its look."""
+
+
+def tri_dome(
+    span: float = 10.0, rise: float = 5.0, eye: float = 1.0, *, keystone: bool = True
+) -> Shape:
+    """A dome on three feet: a paraboloid about the z axis with three arched openings.
+
+    Its three parts are alike, and join along seams above the openings. The shape is ours.
+
+    Parameters
+    ----------
+    span : [m]
+        Diameter of the circle through the feet.
+    rise : [m]
+        Height of the surface at the axis, if it had no eye.
+    eye : [m]
+        Diameter of the opening at the crown.
+    keystone
+        Whether one block closes the eye.
+
+    Raises
+    ------
+    InputError
+        A length that is not positive, or an eye as wide as the part without openings.
+    """
+    refuse_unless_positive(span=span, rise=rise, eye=eye)
+    reach, rim = 0.5 * span, 0.5 * eye
+    waist = WAIST * reach
+    if rim >= waist:
+        raise InputError(
+            f"an eye of {eye:g} m is too wide for a tri-dome over {span:g} m",
+            remedy=f"make it narrower than {2.0 * waist:g} m",
+        )
+    sixth, foot = math.pi / 3.0, math.radians(FOOT_DEG)
+
+    def leg(middle: float) -> Patch:
+        def point(u: Floats, v: Floats) -> Floats:
+            radius = reach + (rim - reach) * u
+            up = np.clip((radius - waist) / (reach - waist), 0.0, 1.0)
+            half = sixth - (sixth - foot) * up**EDGE
+            angle = middle + half * (2.0 * v - 1.0)
+            height = rise * (1.0 - (radius / reach) ** 2)
+            return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+
+        return Patch(point, name=f"leg at {math.degrees(middle):g} degrees")
+
+    above = (reach - waist) / (reach - rim)
+    return Shape(
+        tuple(leg(0.5 * math.pi + 2.0 * k * sixth) for k in range(3)),
+        tuple(
+            Seam(Edge(k, Side.RIGHT, above, 1.0), Edge((k + 1) % 3, Side.LEFT, above, 1.0))
+            for k in range(3)
+        ),
+        tuple(Edge(k, Side.BOTTOM) for k in range(3)),
+        tuple(Edge(k, Side.TOP) for k in range(3)) if keystone else (),
+        name="tri-dome",
+    )
+
+
+def _turned(function: PatchFunction, quarters: int) -> PatchFunction:
+    """The same patch turned by quarters about the z axis."""
+    c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters]
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return lambda u, v: function(u, v) @ rotation.T
+
+
+def _within(value: float, low: float, high: float, name: str) -> None:
+    if not low <= value <= high:
+        raise InputError(f"{name} is {value}", remedy=f"give {low} to {high} degrees")
+
+
+def rectangular_plan(
+    width: float, depth: float, *, open_sides: Sequence[Side] = (Side.TOP,)
+) -> Shape:
+    """A flat rectangle, v along x over ``width`` [m], u along y over ``depth`` [m].
+
+    It is supported on all sides except the open ones.
+    """
+    refuse_unless_positive(width=width, depth=depth)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        return np.stack([width * v, depth * u, np.zeros_like(u)], axis=-1)
+
+    supports = tuple(Edge(0, side) for side in Side if side not in open_sides)
+    return Shape((Patch(point, name="rectangle"),), (), supports, name="rectangular plan")
+
+
+def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) -> Shape:
+    """A flat plan of three legs that meet in the middle: three patches, three open sides.
+
+    Parameters
+    ----------
+    reach : [m]
+        From the middle to the foot of a leg.
+    waist : [m]
+        From the middle to the middle of an open side.
+    foot : [m]
+        Width of a leg at its foot.
+    """
+    refuse_unless_positive(reach=reach, waist=waist, foot=foot)
+    if waist >= reach:
+        raise InputError(
+            f"the waist, {waist:g} m, is not less than the reach, {reach:g} m",
+            where="three-legged plan",
+        )
+
+    def leg(angle: float) -> Patch:
+        def at(degrees: float, radius: float) -> Floats:
+            turn = np.deg2rad(angle + degrees)
+            return radius * np.array([np.cos(turn), np.sin(turn), 0.0])
+
+        out, side = at(0.0, 1.0), at(90.0, 1.0)
+        left, right = reach * out - 0.5 * foot * side, reach * out + 0.5 * foot * side
+        waist_left, waist_right = at(-60.0, waist), at(60.0, waist)
+
+        def point(u: Floats, v: Floats) -> Floats:
+            U, V = u[:, None], v[:, None]
+            low = (1.0 - V) * left + V * right
+            high = np.where(V < 0.5, (1.0 - 2.0 * V) * waist_left, (2.0 * V - 1.0) * waist_right)
+            result: Floats = (1.0 - U) * low + U * high
+            return result
+
+        return Patch(point, name=f"leg at {angle:g} degrees", breaks=(0.5,))
+
+    seams = tuple(
+        Seam(Edge(k, Side.TOP, 0.5, 1.0), Edge((k + 1) % 3, Side.TOP, 0.5, 0.0)) for k in range(3)
+    )
+    supports = tuple(Edge(k, Side.BOTTOM) for k in range(3))
+    legs = tuple(leg(90.0 + 120.0 * k) for k in range(3))
+    return Shape(legs, seams, supports, name="three vaults")

@@ -1,0 +1,260 @@
+"""Patches from curves, sections, control grids and functions; meshes from files."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from scipy.interpolate import CubicSpline, RectBivariateSpline
+
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.errors import FormatError, InputError
+from drystone.base.files import PathLike, read_bytes
+from drystone.base.units import scale_of
+from drystone.io import format_of
+from drystone.shells.lengths import numbers
+from drystone.shells.patch import Patch, check_patch
+
+_Curve: TypeAlias = Callable[[Floats], Any]
+"""s (k,) in [0, 1] to points (k, 3) [m]."""
+
+_CORNER_GAP = 1e-6
+"""Largest gap between two boundary curves at a corner, relative to the size of the patch."""
+
+_CROSSING_SAMPLES = 65
+"""Samples of each boundary curve in the search for crossings. Chosen."""
+
+
+def patch_from_function(
+    function: Any, *, closed: bool = False, name: str = "patch", breaks: Sequence[float] = ()
+) -> Patch:
+    """A patch from ``function(u, v)``, checked for folds; see :class:`Patch`.
+
+    Raises
+    ------
+    InputError
+        Not finite, or folded.
+    """
+    patch = Patch(function, closed, name, tuple(breaks))
+    check_patch(patch)
+    return patch
+
+
+def curve_through(points: Any) -> _Curve:
+    """A cubic curve through points (p, 3) [m], by chord length; two points give a line."""
+    corners = frozen_floats(points, (None, 3), "curve points")
+    if len(corners) < 2:
+        raise InputError("a curve needs two or more points")
+    chord = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    if not (chord > 0.0).all():
+        raise InputError(f"curve point {int(np.argmin(chord)) + 1} repeats the one before")
+    at = np.concatenate([[0.0], np.cumsum(chord)]) / chord.sum()
+    if len(corners) == 2:
+        return lambda s: corners[0] + np.asarray(s)[:, None] * (corners[1] - corners[0])
+    spline = CubicSpline(at, corners)
+    return lambda s: spline(np.asarray(s))
+
+
+def patch_from_curves(
+    bottom: _Curve, top: _Curve, left: _Curve, right: _Curve, *, name: str = "patch"
+) -> Patch:
+    """The Coons patch of four boundary curves.
+
+    Parameters
+    ----------
+    bottom, top
+        u = 0 and u = 1, run along v from the left to the right.
+    left, right
+        v = 0 and v = 1, run along u from the bottom to the top.
+
+    Raises
+    ------
+    InputError
+        The curves do not meet at a corner, cross each other, or span a folded patch.
+
+    Notes
+    -----
+    Source: Coons 1967 (bilinearly blended patch).
+
+    Examples
+    --------
+    >>> line = lambda a, b: curve_through([a, b])
+    >>> arch = lambda y: curve_through([(0, y, 0), (1, y, 1), (2, y, 0)])
+    >>> patch = patch_from_curves(line((0, 0, 0), (0, 3, 0)), line((2, 0, 0), (2, 3, 0)),
+    ...                           arch(0.0), arch(3.0))
+    >>> patch.point(0.5, 0.5).round(6).tolist()
+    [1.0, 1.5, 1.0]
+    """
+    where = f"patch '{name}'"
+    ends = np.array([0.0, 1.0])
+    b, t, lo, r = (np.asarray(c(ends), dtype=np.float64) for c in (bottom, top, left, right))
+    size = float(np.linalg.norm(np.ptp(np.concatenate([b, t]), axis=0)))
+    pairs = {
+        "bottom and left": (b[0], lo[0]),
+        "bottom and right": (b[1], r[0]),
+        "top and left": (t[0], lo[1]),
+        "top and right": (t[1], r[1]),
+    }
+    for sides, (one, other) in pairs.items():
+        gap = float(np.linalg.norm(one - other))
+        if gap > _CORNER_GAP * size:
+            raise InputError(
+                f"boundary curves {sides} are {gap:.3g} m apart at their corner",
+                where=where,
+                remedy="bottom and top run left to right, left and right run bottom to top",
+            )
+    _refuse_crossings({"bottom": bottom, "top": top, "left": left, "right": right}, size, where)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        U, V = u[:, None], v[:, None]
+        ruled_u = (1.0 - U) * np.asarray(bottom(v)) + U * np.asarray(top(v))
+        ruled_v = (1.0 - V) * np.asarray(left(u)) + V * np.asarray(right(u))
+        corners = (1.0 - U) * ((1.0 - V) * b[0] + V * b[1]) + U * ((1.0 - V) * t[0] + V * t[1])
+        result: Floats = ruled_u + ruled_v - corners
+        return result
+
+    return patch_from_function(point, name=name)
+
+
+def patch_from_sections(sections: Sequence[Any], *, name: str = "patch") -> Patch:
+    """A patch lofted through sections, each (p, 3) points [m] along v, one after another along u.
+
+    Raises
+    ------
+    InputError
+        Fewer than two sections, or a folded loft.
+
+    Examples
+    --------
+    >>> patch = patch_from_sections([[(0, 0, 0), (0, 1, 0)], [(1, 0, 1), (1, 1, 1)]])
+    >>> patch.point(1.0, 0.5).tolist()
+    [1.0, 0.5, 1.0]
+    """
+    if len(sections) < 2:
+        raise InputError("a loft needs two or more sections", where=f"patch '{name}'")
+    curves = [curve_through(section) for section in sections]
+    count = max(len(np.asarray(section)) for section in sections)
+    along = np.linspace(0.0, 1.0, count if count == 2 else 8 * count)
+    return patch_from_grid(np.stack([curve(along) for curve in curves]), name=name)
+
+
+def patch_from_grid(
+    grid: Any, *, closed: bool = False, breaks: Sequence[int] = (), name: str = "patch"
+) -> Patch:
+    """A spline patch through a grid of points.
+
+    Parameters
+    ----------
+    grid : (p, q, 3) [m]
+        Rows along u, columns along v. Cubic where there are four or more. A closed grid repeats its
+        first column at the end.
+    closed
+        Whether v is closed.
+    breaks
+        Columns at which the patch may have an edge: each side has its own spline.
+    name
+
+    Raises
+    ------
+    InputError
+        Fewer than two rows or columns, or a folded patch.
+    """
+    points = numbers(grid, "points of a control grid", f"patch '{name}'")
+    if points.ndim != 3 or points.shape[2] != 3 or min(points.shape[:2]) < 2:
+        raise InputError(
+            f"the control grid has shape {points.shape}",
+            where=f"patch '{name}'",
+            remedy="give (rows, columns, 3) with two or more rows and columns",
+        )
+    if not np.isfinite(points).all():
+        raise InputError("the control grid is not finite", where=f"patch '{name}'")
+    rows, columns = points.shape[:2]
+    if closed:  # three more columns at each end make the spline smooth across the closure
+        pad = min(3, columns - 1)
+        points = np.concatenate([points[:, -1 - pad : -1], points, points[:, 1 : 1 + pad]], axis=1)
+        at_v = (np.arange(points.shape[1]) - pad) / (columns - 1)
+        cuts = [0, points.shape[1] - 1]
+    else:
+        at_v = np.linspace(0.0, 1.0, columns)
+        cuts = [0, *sorted(breaks), columns - 1]
+    at_u = np.linspace(0.0, 1.0, rows)
+    pieces = [
+        _spline(at_u, at_v[lo : hi + 1], points[:, lo : hi + 1])
+        for lo, hi in itertools.pairwise(cuts)
+    ]
+    inner = at_v[cuts[1:-1]]
+
+    def point(u: Floats, v: Floats) -> Floats:
+        piece = np.searchsorted(inner, v, side="right")
+        out = np.empty((len(u), 3))
+        for i, splines in enumerate(pieces):
+            chosen = piece == i
+            for axis, spline in enumerate(splines):
+                out[chosen, axis] = spline.ev(u[chosen], v[chosen])
+        return out
+
+    return patch_from_function(point, closed=closed, name=name, breaks=inner.tolist())
+
+
+def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpline]:
+    degree_u, degree_v = min(3, len(at_u) - 1), min(3, len(at_v) - 1)
+    return [
+        RectBivariateSpline(at_u, at_v, points[:, :, axis], kx=degree_u, ky=degree_v, s=0)
+        for axis in range(3)
+    ]
+
+
+def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> None:
+    """Raise for boundary curves that meet away from their corners."""
+    s = np.linspace(0.0, 1.0, _CROSSING_SAMPLES)[1:-1]
+    sampled = {side: np.asarray(curve(s), dtype=np.float64) for side, curve in curves.items()}
+    middle = {side: points[len(points) // 2] for side, points in sampled.items()}
+    for one, other in (("bottom", "top"), ("left", "right")):
+        gap = np.linalg.norm(sampled[one][:, None] - sampled[other][None], axis=2)
+        across = sampled[other] - sampled[one]
+        towards = middle[other] - middle[one]
+        signs = np.sign(across @ towards)
+        if gap.min() < 1e-9 * size or ((signs < 0).any() and gap.min() < 0.05 * size):
+            i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
+            raise InputError(
+                f"boundary curves {one} and {other} cross near {s[i]:.2f} and {s[j]:.2f}",
+                where=where,
+                remedy="opposite sides of a patch must stay apart",
+            )
+
+
+def read_surface(
+    path: PathLike, *, units: str | None = None
+) -> tuple[Floats, list[tuple[int, ...]]]:
+    """Vertices (p, 3) [m] and faces of an open mesh, from any format that has faces.
+
+    Parameters
+    ----------
+    path
+    units
+        Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be read.
+    InputError
+        The unit is not known.
+    """
+    chosen = format_of(path)
+    if chosen.read is None:
+        raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
+    draft = chosen.read(read_bytes(path), Path(path))
+    vertices, faces, offset = [], [], 0
+    for shape in draft.shapes:
+        points = np.asarray(shape.vertices, dtype=np.float64).reshape(-1, 3)
+        vertices.append(points)
+        faces += [tuple(int(i) + offset for i in face) for face in shape.faces]
+        offset += len(points)
+    if not faces:
+        raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
+    return scale_of(units or draft.units or "m") * np.concatenate(vertices), faces

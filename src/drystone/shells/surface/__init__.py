@@ -1,1 +1,0 @@
-"""The middle surface of a shell: patches, their sources, form finding."""
