@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import drystone
-from drystone.base.errors import InputError, MissingDependency
+from drystone import InputError, MissingDependency
 from drystone.models import arch, tower
 from drystone.view import interact
 from drystone.view.web import notebook

@@ -3,11 +3,20 @@
 import numpy as np
 import pytest
 
-from drystone import LoadCase, Verdict, check, find_contacts, solve_rbe
+from drystone import (
+    CheckOptions,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
+    find_contacts,
+    solve_cra,
+    solve_cra_penalty,
+    solve_rbe,
+)
 from drystone.checks import check_forces, mechanism_defects
-from drystone.model import Model
 from drystone.models import a_model, arch, concave, cube_curve, h_model, shelf, stool, vault, wedge
-from drystone.stability import CheckOptions, could_hold, solve_cra, solve_cra_penalty
+from drystone.stability import could_hold
 
 STANDING = {
     "arch": (arch(0.15), 0.9, None),

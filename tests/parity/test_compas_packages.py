@@ -10,15 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, replace_block
+from drystone import Assembly, LoadCase, Model, Result, Verdict, find_contacts, io
+from drystone.assembly import replace_block
 from drystone.compat import from_compas, to_compas
 from drystone.compat.compas import CompasKind
-from drystone.detection import find_contacts
-from drystone.loads import LoadCase
-from drystone.model import Model
 from drystone.models import arch, box, vault
-from drystone.results import Result, Verdict
 
 
 def same_blocks(one: Assembly, other: Assembly) -> None:

@@ -5,10 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import check, find_contacts, io
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
-from drystone.model import Model
+from drystone import Assembly, Contacts, Model, check, find_contacts, io
 from drystone.models import arch, concave, vault
 
 EXACT = ("drystone", "drystone-npz", "compas-assembly", "compas-dem", "obj", "stl", "ply")

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
-from drystone.detection import find_contacts
-from drystone.model import Model
+from drystone import Assembly, Contacts, Model, find_contacts, plan
 from drystone.models import box
-from drystone.sequence import Plan, PlanOptions, Rules, plan
+from drystone.sequence import Plan, PlanOptions, Rules
 
 SEEDS = (
     11, 14, 25, 34, 35, 37, 46, 47, 48, 57, 74, 79, 85, 108, 123, 144, 146, 155, 165, 167,

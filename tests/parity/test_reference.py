@@ -2,10 +2,16 @@
 
 import pytest
 
-from drystone import InputError, LoadCase, MissingDependency, Verdict, find_contacts
-from drystone.model import Model
+from drystone import (
+    InputError,
+    LoadCase,
+    MissingDependency,
+    Model,
+    Verdict,
+    find_contacts,
+    solve_cra,
+)
 from drystone.models import arch, stool, wedge
-from drystone.stability import solve_cra
 from drystone.stability.programs.reference import solve_cra_reference
 
 X = (1.0, 0.0, 0.0)

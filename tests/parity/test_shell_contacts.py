@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
-from drystone.contacts import Contacts
-from drystone.detection import find_contacts
-from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell, dome
-from drystone.shells.shell_by_name import sample_shell
+from drystone import Contacts, find_contacts
+from drystone.shells import (
+    Ground,
+    Layout,
+    Shell,
+    ShellBody,
+    barrel_vault,
+    build_shell,
+    dome,
+    sample_shell,
+)
 
 SHELLS = {
     "barrel": lambda: sample_shell("barrel", 40),

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from drystone.assembly import Assembly
-from drystone.detection import Detection, DetectionOptions, find_contacts
+from drystone import Assembly, find_contacts
+from drystone.detection import Detection, DetectionOptions
 from drystone.geometry.frames import rotation_about
 from drystone.models import (
     barrel_vault,

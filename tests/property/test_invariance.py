@@ -10,12 +10,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from drystone import Assembly, LoadCase, Verdict, models
-from drystone.detection import find_contacts
+from drystone import (
+    Assembly,
+    LoadCase,
+    Model,
+    Result,
+    Verdict,
+    check,
+    find_contacts,
+    models,
+    solve_cra,
+    solve_cra_penalty,
+    solve_rbe,
+)
 from drystone.geometry.frames import rotation_about
-from drystone.model import Model
-from drystone.results import Result
-from drystone.stability import check, solve_cra, solve_cra_penalty, solve_rbe
 
 STABLE, UNSTABLE = Verdict.STABLE, Verdict.UNSTABLE
 ARCH_FRICTION = float(np.tan(np.deg2rad(43.0)))

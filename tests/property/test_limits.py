@@ -5,11 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone import solve_rbe
+from drystone import Model, limit_shrink, limit_tilt, solve_rbe
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.kern import convex_hull, edge_ratio, kern, kern_ratio, sections
-from drystone.limits import LimitOptions, limit_shrink, limit_tilt, thrust_bounds
-from drystone.model import Model
+from drystone.limits import LimitOptions, thrust_bounds
 from drystone.models import arch
 from drystone.virtual import shrink, to_kern
 from tests.oracle import touching_faces

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, LoadCase, Verdict, check, find_contacts, solve_rbe
+from drystone import Assembly, LoadCase, Model, Verdict, check, find_contacts, solve_rbe
 from drystone.checks import check_forces, mechanism_defects
-from drystone.model import Model
 from drystone.models import box
 from drystone.settlement import Outcome
 from drystone.stability import RBEOptions

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drystone.detection import DetectionOptions, find_contacts
+from drystone import find_contacts
+from drystone.detection import DetectionOptions
 from drystone.shells import (
     Edge,
     Layout,

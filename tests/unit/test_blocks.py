@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
-from drystone.base.errors import InputError
-from drystone.contacts import Contacts
-from drystone.detection import contacts_from_mesh, find_contacts
+from drystone import Assembly, Block, Contacts, InputError, find_contacts
+from drystone.detection import contacts_from_mesh
 from drystone.models import box, tower
 from drystone.repair import mended_block
 

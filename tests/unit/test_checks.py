@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from drystone import Model
 from drystone.checks import check_forces, moving_joints
-from drystone.model import Model
 from drystone.models import tower
 
 

@@ -14,10 +14,9 @@ import click
 import pytest
 
 import drystone as drystone_package
-from drystone import __version__, models
+from drystone import Verdict, __version__, models
 from drystone.cli import main
 from drystone.cli.application import app
-from drystone.results import Verdict
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -4,14 +4,8 @@ import pickle
 
 import pytest
 
-from drystone.base.errors import (
-    DefectKind,
-    FormatError,
-    InputError,
-    MissingDependency,
-    one_line_errors,
-    printable,
-)
+from drystone import FormatError, InputError, MissingDependency
+from drystone.base.errors import DefectKind, one_line_errors, printable
 
 
 def test_errors_come_back_from_another_process_whole() -> None:

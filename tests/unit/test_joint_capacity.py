@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import JointCapacity, Model
-from drystone.base.errors import InputError
+from drystone import InputError, JointCapacity, Model, plan
 from drystone.cli.application import main
 from drystone.joint_capacity import NO_LIMIT
 from drystone.models import arch, h_model, tower
-from drystone.sequence import plan
 
 MODEL = Model.of(tower(4), friction=0.6)
 

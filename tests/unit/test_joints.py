@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, Contacts, InputError, LoadCase, Result, Verdict, solve_rbe
+from drystone import Assembly, Contacts, InputError, LoadCase, Model, Result, Verdict, solve_rbe
 from drystone.joints import chain, corner_pressure, force_network, hinged, worst_joints
-from drystone.model import Model
 from drystone.models import arch, tower, wall
 from tests.oracle import touching_faces
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
-from drystone.base.errors import InputError
-from drystone.detection import find_contacts
+from drystone import Assembly, Block, InputError, find_contacts
 from drystone.models import box, tower
 from drystone.repair import mended_block, split_components
 

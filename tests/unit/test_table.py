@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, limits, solve_rbe
+from drystone import InputError, Model, limits, solve_rbe
 from drystone.base.table import SHOWN, Table
-from drystone.model import Model
 from drystone.models import tower
 from drystone.virtual import to_point
 from tests.oracle import touching_faces

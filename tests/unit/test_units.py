@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from drystone import InputError
 from drystone.base import units
-from drystone.base.errors import InputError
 
 
 def test_friction_is_a_coefficient_or_an_angle() -> None:

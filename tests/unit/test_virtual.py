@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone import Contacts, InputError, Verdict, solve_rbe
+from drystone import Contacts, InputError, Model, Verdict, solve_rbe
 from drystone.geometry.plane.kern import kern_ratio, sections
-from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.virtual import (
     joint_sections,

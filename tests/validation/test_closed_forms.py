@@ -5,10 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone import Assembly, LoadCase, Result, Verdict, models
-from drystone.detection import find_contacts
-from drystone.model import Model
-from drystone.stability import check, solve_rbe
+from drystone import (
+    Assembly,
+    LoadCase,
+    Model,
+    Result,
+    Verdict,
+    check,
+    find_contacts,
+    models,
+    solve_rbe,
+)
 from tests.oracle import Oracle, down, touching_faces
 
 STABLE, UNSTABLE = Verdict.STABLE, Verdict.UNSTABLE

@@ -5,20 +5,22 @@ from functools import partial
 import numpy as np
 import pytest
 
-from drystone import Assembly, Contacts, LoadCase, Verdict, check, solve_rbe
-from drystone.formulations.equilibrium import FrictionCone, Objective
-from drystone.limits import (
-    Limit,
-    LimitOptions,
-    Tilt,
+from drystone import (
+    Assembly,
+    Contacts,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
     limit_friction,
     limit_load,
     limit_shrink,
     limit_thickness,
     limit_tilt,
-    thrust_bounds,
+    solve_rbe,
 )
-from drystone.model import Model
+from drystone.formulations.equilibrium import FrictionCone, Objective
+from drystone.limits import Limit, LimitOptions, Tilt, thrust_bounds
 from drystone.models import (
     arch,
     box,

@@ -10,11 +10,20 @@ from collections.abc import Callable
 
 import pytest
 
-from drystone import Assembly, CheckOptions, LoadCase, Verdict, models
+from drystone import (
+    Assembly,
+    CheckOptions,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
+    find_contacts,
+    models,
+    solve_cra,
+    solve_rbe,
+)
 from drystone.checks import corner_motion
-from drystone.detection import find_contacts
-from drystone.model import Model
-from drystone.stability import FrictionCone, RBEOptions, check, could_hold, solve_cra, solve_rbe
+from drystone.stability import FrictionCone, RBEOptions, could_hold
 
 Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)

@@ -3,11 +3,9 @@
 import pytest
 
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
-from drystone.assembly import Assembly
-from drystone.detection import find_contacts
-from drystone.model import Model
+from drystone import Assembly, Model, find_contacts, plan
 from drystone.reproduce.cases import niche, ring_dome
-from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
+from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status
 from drystone.sequence.best_first import OrderSearch
 
 

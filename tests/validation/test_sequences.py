@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone.detection import find_contacts
-from drystone.model import Model
+from drystone import Model, find_contacts, plan
 from drystone.models import corbelled_bridge, leaning_column, winding_column
-from drystone.sequence import plan
 
 
 def least_friction_of_bridge() -> float:

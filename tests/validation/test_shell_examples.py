@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drystone.results import Verdict
+from drystone import Verdict
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from drystone.detection import DetectionOptions, find_contacts
+from drystone import CheckOptions, LoadCase, Model, Verdict, check, find_contacts
+from drystone.detection import DetectionOptions
 from drystone.geometry.body.polyhedron import edge_defects
 from drystone.geometry.body.solid import solid_angles
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.loads import LoadCase
-from drystone.model import Model
-from drystone.results import Verdict
 from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (
     SAMPLES,
@@ -26,7 +24,6 @@ from drystone.shells import (
     shape_volume,
 )
 from drystone.shells.materialise import cell_faces
-from drystone.stability import CheckOptions, check
 from tests.oracle import largest_warp
 
 TIGHTEST = DetectionOptions(gap=1e-6)

@@ -12,7 +12,7 @@ from drystone import InputError, Model, Verdict, check, limit_tilt, plan, solve_
 from drystone.models import arch, bridge, shelf, snake
 from drystone.reproduce import SECTIONS, reproduce, save_case
 from drystone.sequence import PlanOptions
-from drystone.stability.programs.cra import CRAOptions
+from drystone.stability import CRAOptions
 from drystone.virtual import shrink
 
 THOROUGH = PlanOptions(patience=math.inf)

@@ -10,8 +10,7 @@ import pytest
 
 import drystone
 from benchmarks.field.stud_bricks import DESIGNS
-from drystone import JointCapacity, Verdict, solve_rbe
-from drystone.base.errors import FormatError
+from drystone import FormatError, JointCapacity, Verdict, solve_rbe
 from drystone.joint_capacity import NO_LIMIT
 from drystone.stability import RBEOptions
 

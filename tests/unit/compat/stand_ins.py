@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from drystone.assembly import Assembly, Block
-from drystone.contacts import Contacts
+from drystone import Assembly, Block, Contacts
 
 
 class Mesh:

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError, MissingDependency
+from drystone import InputError, MissingDependency, find_contacts
 from drystone.compat import compas, from_compas, to_compas
-from drystone.detection import find_contacts
 from drystone.models import arch, box, tower
 from tests.unit.compat.stand_ins import (
     BlockModel,

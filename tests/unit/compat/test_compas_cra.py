@@ -4,9 +4,8 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
+from drystone import Assembly, find_contacts
 from drystone.compat import compas_cra
-from drystone.detection import find_contacts
 from drystone.models import box, h_model, tower, wedge
 from tests.unit.compat.stand_ins import CRAAssembly, Frame, Interface
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
-from drystone.detection import find_contacts
+from drystone import Assembly, find_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, concave, cube_curve, dome, prism, random_pack, wall
 

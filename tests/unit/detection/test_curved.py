@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from drystone.assembly import Assembly, Block, replace_block
+from drystone import Assembly, Block, Model, Verdict, check, find_contacts
+from drystone.assembly import replace_block
 from drystone.base.arrays import Floats
-from drystone.detection import DetectionOptions, find_contacts
-from drystone.model import Model
+from drystone.detection import DetectionOptions
 from drystone.models import box, cube_curve, curve_three_blocks, prism
-from drystone.results import Verdict
-from drystone.stability import check
 
 Surface = Callable[[Floats, Floats], Floats]
 UNMERGED = DetectionOptions(merge=0.0)

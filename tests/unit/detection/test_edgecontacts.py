@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
-from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
+from drystone import Assembly, Block, find_contacts
+from drystone.detection import DetectionOptions, EdgeContacts
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism, tower, wall
 

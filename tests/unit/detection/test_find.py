@@ -7,10 +7,8 @@ import pytest
 from scipy.spatial import Voronoi
 from shapely.geometry import Polygon
 
-from drystone.assembly import Assembly, Block
-from drystone.base.errors import InputError
-from drystone.contacts import Contacts
-from drystone.detection import DetectionOptions, Reason, find_contacts
+from drystone import Assembly, Block, Contacts, InputError, find_contacts
+from drystone.detection import DetectionOptions, Reason
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.models import (

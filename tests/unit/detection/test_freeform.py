@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, replace_block
-from drystone.base.errors import InputError
-from drystone.detection import DetectionOptions, contacts_from_mesh, find_contacts, regroup
+from drystone import Assembly, InputError, find_contacts
+from drystone.assembly import replace_block
+from drystone.detection import DetectionOptions, contacts_from_mesh, regroup
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, concave, cube_curve, curve_three_blocks, tower
 

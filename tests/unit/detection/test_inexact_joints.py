@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, Model, Verdict, check
-from drystone.detection import DetectionOptions, find_contacts
+from drystone import Assembly, Model, Verdict, check, find_contacts
+from drystone.detection import DetectionOptions
 from drystone.detection.report.inexact import Error
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, tower, wall

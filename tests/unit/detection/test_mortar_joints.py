@@ -2,8 +2,8 @@
 
 import pytest
 
-from drystone import Assembly, Model, Verdict, check
-from drystone.detection import DetectionOptions, find_contacts
+from drystone import Assembly, Model, Verdict, check, find_contacts
+from drystone.detection import DetectionOptions
 from drystone.detection.report.inexact import Error
 from drystone.models import box
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
+from drystone import Assembly, Block, InputError
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
 from drystone.detection.search.patches import patches_of
 from drystone.models import box, concave, curve_three_blocks, dome, prism, tower, welded
 

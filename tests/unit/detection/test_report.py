@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.errors import InputError
-from drystone.detection import DetectionOptions, Reason, find_contacts, gap_sweep
+from drystone import Assembly, Block, InputError, find_contacts
+from drystone.assembly import replace_block
+from drystone.detection import DetectionOptions, Reason, gap_sweep
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, concave, random_pack, tower
 from drystone.view.scenes.inspection_scenes import missed_layers

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
+from drystone import Assembly, Block
 from drystone.geometry.body.fans import fan_warped, point_owners, warp_and_view
 from drystone.geometry.body.polyhedron import mass_properties
 from drystone.geometry.plane.triangulate import triangulate

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Block
+from drystone import Block
 from drystone.base.arrays import Floats
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.parts import separate_parts

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
+from drystone import Assembly, Block
 from drystone.geometry.body.convexity import convex_bodies
 from drystone.geometry.body.shared_volume import shared_volumes
 from drystone.geometry.frames import rotation_about

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Block
+from drystone import Block
 from drystone.geometry.body import solid
 from drystone.geometry.body.polyhedron import stack_faces
 from drystone.geometry.plane.triangulate import triangulate

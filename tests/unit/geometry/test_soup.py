@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
+from drystone import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend import soup

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import io
+from drystone import FormatError, io
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError
 from drystone.geometry.mend import coincidence
 from drystone.models import box, vault
 

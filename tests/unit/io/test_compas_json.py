@@ -6,14 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.errors import FormatError
-from drystone.contacts import Contacts
-from drystone.loads import LoadCase
-from drystone.model import Model
+from drystone import Assembly, Block, Contacts, FormatError, LoadCase, Model, Result, Verdict, io
+from drystone.assembly import replace_block
 from drystone.models import arch, box, tower, vault
-from drystone.results import Result, Verdict
 
 CUBE = box((1.0, 1.0, 1.0))
 

@@ -9,14 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, replace_block
-from drystone.base.errors import FormatError, InputError
-from drystone.contacts import Contacts
-from drystone.loads import LoadCase
-from drystone.model import Model
+from drystone import (
+    Assembly,
+    Contacts,
+    FormatError,
+    InputError,
+    LoadCase,
+    Model,
+    Result,
+    Verdict,
+    io,
+)
+from drystone.assembly import replace_block
 from drystone.models import arch, box, tower
-from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.results import Residuals, Samples
 
 
 def cube(name: str = "a", x: float = 0.0, **more: Any) -> dict[str, Any]:

@@ -6,9 +6,8 @@ from typing import BinaryIO
 
 import pytest
 
-from drystone import io
+from drystone import FormatError, io
 from drystone.base import files
-from drystone.base.errors import FormatError
 from drystone.models import tower
 
 

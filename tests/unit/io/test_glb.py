@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, replace_block
-from drystone.base.errors import FormatError
+from drystone import Assembly, FormatError, io
+from drystone.assembly import replace_block
 from drystone.models import arch, box, concave, dome, tower, vault
 
 CUBE = box((1.0, 2.0, 3.0))

@@ -10,13 +10,9 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import io
-from drystone.base.errors import FormatError, InputError
+from drystone import FormatError, InputError, LoadCase, Model, io, save_page
 from drystone.cli import main
-from drystone.loads import LoadCase
-from drystone.model import Model
 from drystone.models import box, tower
-from drystone.view import save_page
 
 LONG = int("1" * 400)
 CUBE = box((1.0, 1.0, 1.0))

@@ -3,9 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, replace_block
-from drystone.base.errors import FormatError
+from drystone import Assembly, FormatError, io
+from drystone.assembly import replace_block
 from drystone.models import arch, concave, tower, vault
 
 CUBE = """v 0 0 0

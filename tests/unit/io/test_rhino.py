@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly, replace_block
-from drystone.base.errors import FormatError, MissingDependency
+from drystone import Assembly, FormatError, MissingDependency, io
+from drystone.assembly import replace_block
 from drystone.io import rhino
 from drystone.models import arch, box, concave, vault
 

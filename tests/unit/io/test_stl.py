@@ -4,9 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import io
-from drystone.assembly import Assembly
-from drystone.base.errors import FormatError
+from drystone import Assembly, FormatError, io
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.models import arch, box, concave, dome, tower, wall
 

@@ -1,9 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
-from drystone.base.errors import InputError
-from drystone.model import Model
+from drystone import Assembly, InputError, Model
 from drystone.models import arch, box, dome, tower, vault
 from drystone.supports import advice, select
 

@@ -3,8 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError
-from drystone.detection import find_contacts
+from drystone import InputError, find_contacts
 from drystone.shells import (
     Edge,
     Ground,

@@ -3,7 +3,7 @@ import itertools
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError
+from drystone import InputError
 from drystone.shells import barrel_vault, dome, patch_from_function
 from drystone.shells.courses import lay_courses
 from drystone.shells.head_joints import LEAST_LAP, lay_bond

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError
-from drystone.io import read, write
+from drystone import InputError, read, write
 from drystone.shells import (
     Layout,
     ShellBody,

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError
+from drystone import InputError
 from drystone.shells import (
     Edge,
     FormOptions,

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import check, write
-from drystone.sequence import find_path
-from drystone.sequence.removal_paths import NoPath, RemovalPath
+from drystone.sequence import NoPath, RemovalPath, find_path
 from drystone.shells import Layout, ShellBody, barrel_vault, build_shell, dome
 
 LAYOUT = Layout(courses=6, blocks=3)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.base.errors import FormatError, InputError
+from drystone import FormatError, InputError
 from drystone.shells import (
     Edge,
     Layout,

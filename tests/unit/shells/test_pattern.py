@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.base.errors import InputError
+from drystone import InputError
 from drystone.shells import Layout, barrel_vault, build_shell, dome, patch_from_function
 from drystone.shells.courses import lay_courses
 from drystone.shells.head_joints import lay_bond
