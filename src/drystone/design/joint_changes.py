@@ -11,8 +11,9 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.block_surgery import insert_block
+from drystone.design.joint_cut import JointRecut, recut
 from drystone.design.joint_plane import joint_plane
-from drystone.design.joint_surgery import move_joint, still_edge, turn_joint, wedge_joint
+from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
 from drystone.model import Model
 
 Change: TypeAlias = Callable[[Model, Ints, Ints], Model]
@@ -39,23 +40,14 @@ def words_of(kind: str, name: str) -> Callable[[float], str]:
 def change_of(kind: str, group: list[int], side: float, value: float) -> Change:
     """The change of joints by a value, in degrees, or in metres where they are let in."""
 
+    def one(model: Model, k: int) -> JointRecut:
+        joint = joint_plane(model, k)
+        if kind == "turn":
+            return turn_cut(joint, side * value, pivot=still_edge(model, k, side))
+        return (wedge_cut if kind == "wedge" else move_cut)(joint, side * value)
+
     def make(model: Model, _: Ints, interfaces: Ints) -> Model:
-        contacts = model.contacts
-        joints = [
-            (int(contacts.block_a[k]), int(contacts.block_b[k]), contacts.centroid[k])
-            for k in interfaces[group]
-        ]
-        for a, b, centre in joints:
-            k = interface_near(model, a, b, centre)
-            if kind == "turn":
-                model = turn_joint(
-                    model, k, side * value, pivot=still_edge(model, k, side, a), first=a
-                )
-            elif kind == "wedge":
-                model = wedge_joint(model, k, side * value, first=a)
-            else:
-                model = move_joint(model, k, side * value, first=a)
-        return model
+        return recut(model, [one(model, k) for k in interfaces[group].tolist()])
 
     return make
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.design.joint_cut import Cell, recut
+from drystone.design.joint_cut import Cell, JointRecut, recut
 from drystone.design.joint_plane import JointPlane, ends_of, joint_plane
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
@@ -51,7 +51,13 @@ def turn_joint(
     >>> turned.assembly.volume.sum().round(9), turned.contacts.count
     (np.float64(2.0), 1)
     """
-    joint = joint_plane(model, interface, first)
+    return recut(model, [turn_cut(joint_plane(model, interface, first), angle, axis, pivot)])
+
+
+def turn_cut(
+    joint: JointPlane, angle: float, axis: Floats | None = None, pivot: float = 0.0
+) -> JointRecut:
+    """The new cut of a joint with :func:`turn_joint`."""
     along = _axis(joint, axis)
     if not abs(number(angle, "the angle")) < STEEPEST:
         raise InputError(f"the angle is {angle}", remedy=f"give less than {STEEPEST:g} degrees")
@@ -59,8 +65,7 @@ def turn_joint(
     low, high = joint.reach(across)
     at = joint.centre + (high if pivot > 0.0 else -low) * pivot * across
     normal = rotation_about(along, angle) @ joint.normal
-    cells = _cells(normal[None], at[None], True)
-    return recut(model, joint, *cells, f"a turn by {angle:g} degrees")
+    return _divided(joint, normal[None], at[None], f"a turn by {angle:g} degrees")
 
 
 def still_edge(model: Model, interface: int, side: float, first: int | None = None) -> float:
@@ -86,10 +91,13 @@ def move_joint(model: Model, interface: int, distance: float, first: int | None 
 
     If block b extends beyond the joint, block a is let into it.
     """
-    joint = joint_plane(model, interface, first)
+    return recut(model, [move_cut(joint_plane(model, interface, first), distance)])
+
+
+def move_cut(joint: JointPlane, distance: float) -> JointRecut:
+    """The new cut of a joint with :func:`move_joint`."""
     at = joint.centre + number(distance, "the distance") * joint.normal
-    cells = _cells(joint.normal[None], at[None], True)
-    return recut(model, joint, *cells, f"a move by {distance:g} m")
+    return _divided(joint, joint.normal[None], at[None], f"a move by {distance:g} m")
 
 
 def wedge_joint(
@@ -118,19 +126,11 @@ def wedge_joint(
     The ridge and the edges of the joint have the same distance from the old plane, so both blocks
     exchange about equal volumes.
     """
-    joint = joint_plane(model, interface, first)
-    return recut(model, joint, *wedge_cells(joint, sharpness, axis), wedge_words(sharpness))
+    return recut(model, [wedge_cut(joint_plane(model, interface, first), sharpness, axis)])
 
 
-def wedge_words(sharpness: float) -> str:
-    """A wedge in words, for errors."""
-    return f"a wedge of {sharpness:g} degrees"
-
-
-def wedge_cells(
-    joint: JointPlane, sharpness: float, axis: Floats | None = None
-) -> tuple[list[Cell], list[Cell]]:
-    """The cells that block a, and that block b, takes with :func:`wedge_joint`."""
+def wedge_cut(joint: JointPlane, sharpness: float, axis: Floats | None = None) -> JointRecut:
+    """The new cut of a joint with :func:`wedge_joint`."""
     along = _axis(joint, axis)
     if not abs(number(sharpness, "the sharpness")) < STEEPEST:
         raise InputError(
@@ -142,7 +142,8 @@ def wedge_cells(
     middle = joint.centre + 0.5 * (low + high) * across
     ridge = middle + 0.5 * half * np.tan(np.deg2rad(sharpness)) * joint.normal
     normals = np.array([rotation_about(along, s * sharpness) @ joint.normal for s in (-1.0, 1.0)])
-    return _cells(normals, np.array([ridge, ridge]), sharpness > 0.0)
+    words = f"a wedge of {sharpness:g} degrees"
+    return _divided(joint, normals, np.array([ridge, ridge]), words, sharpness > 0.0)
 
 
 def key_joint(
@@ -217,18 +218,19 @@ def _strip(
     size = np.linalg.norm(normals, axis=1, keepdims=True)
     at = np.array([offset for _, offset in planes])[:, None] * normals / size**2
     cell = Cell.below(normals, joint.centre + at)
-    return recut(model, joint, [cell], [], what)
+    return recut(model, [JointRecut(joint, (cell,), (), what)])
 
 
-def _cells(normals: Floats, points: Floats, a_convex: bool) -> tuple[list[Cell], list[Cell]]:
-    """The cells of block a, behind all of some planes or behind any, and those of block b."""
+def _divided(
+    joint: JointPlane, normals: Floats, points: Floats, words: str, a_convex: bool = True
+) -> JointRecut:
+    """A cut after which block a is behind all of some planes, or behind any of them."""
     behind = [Cell.below(n[None], p[None]) for n, p in zip(normals, points, strict=True)]
     before = [Cell.below(-n[None], p[None]) for n, p in zip(normals, points, strict=True)]
-    if len(behind) == 1:
-        return behind, before
-    if a_convex:
-        return [behind[0].within(behind[1])], before
-    return behind, [before[0].within(before[1])]
+    if len(behind) > 1:
+        some = behind if a_convex else before
+        some[:] = [some[0].within(some[1])]
+    return JointRecut(joint, tuple(behind), tuple(before), words)
 
 
 def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
