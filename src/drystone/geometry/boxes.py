@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
 
-_BATCH = 20_000
-"""Boxes in one batch. Chosen: bounds the memory."""
+_FEW = 4096
+"""Up to so many pairs all are compared: faster than a tree, measured."""
+_PAIRS = 1_000_000
+"""Pairs of boxes in one batch, about. Chosen: bounds the memory to some 100 MB."""
+_FIRST = 256
+"""Boxes in the first batch, before it is known how many others each overlaps."""
+_GROWTH = 64
+"""A batch has at most so many times the boxes of the one before. Chosen: parts of a body may be
+meshed more finely than others."""
 
 
 def overlapping(low: Floats, high: Floats) -> tuple[Ints, Ints]:
@@ -47,6 +56,20 @@ def between(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> tup
     -------
     first, second : (p,)
         Positions in the two sets, in lexicographic order.
+    """
+    found = [np.zeros((2, 0), dtype=np.intp)]
+    found += [np.stack(pair) for pair in batches(low_a, high_a, low_b, high_b)]
+    first, second = np.concatenate(found, axis=1)
+    order = np.lexsort((second, first))
+    return first[order], second[order]
+
+
+def batches(
+    low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats
+) -> Iterator[tuple[Ints, Ints]]:
+    """The pairs of :func:`between` in batches of bounded size, by the boxes of the first set.
+
+    The memory does not grow with the number of pairs, unless one box overlaps very many others.
 
     Notes
     -----
@@ -54,9 +77,13 @@ def between(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> tup
     which the boxes cover the largest part of the extent. It would separate the fewest pairs, and is
     tested last.
     """
-    none = np.zeros(0, dtype=np.intp)
     if len(low_a) == 0 or len(low_b) == 0:
-        return none, none
+        return
+    if len(low_a) * len(low_b) <= _FEW:
+        apart = (low_a[:, None] > high_b).any(axis=2) | (low_b > high_a[:, None]).any(axis=2)
+        first, second = np.nonzero(~apart)
+        yield first, second
+        return
     whole = np.maximum(high_a.max(axis=0), high_b.max(axis=0))
     whole = whole - np.minimum(low_a.min(axis=0), low_b.min(axis=0))
     mean = 0.5 * ((high_a - low_a).mean(axis=0) + (high_b - low_b).mean(axis=0))
@@ -67,16 +94,15 @@ def between(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> tup
         for low, high in ((low_a, high_a), (low_b, high_b))
     )
     tree = shapely.STRtree(diagonal_b)
-    found = [np.zeros((2, 0), dtype=np.intp)]
-    for begin in range(0, len(diagonal_a), _BATCH):
-        i, j = tree.query(diagonal_a[begin : begin + _BATCH])
+    begin, several = 0, _FIRST
+    while begin < len(diagonal_a):
+        i, j = tree.query(diagonal_a[begin : begin + several]).astype(np.intp)
         i = i + begin
         near = low_a[i, left_out] <= high_b[j, left_out]
         near &= low_b[j, left_out] <= high_a[i, left_out]
-        found.append(np.stack([i[near], j[near]]))
-    first, second = np.concatenate(found, axis=1).astype(np.intp)
-    order = np.lexsort((second, first))
-    return first[order], second[order]
+        yield i[near], j[near]
+        begin += several
+        several = max(1, min(_GROWTH * several, several * _PAIRS // max(len(i), 1)))
 
 
 def touching(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> Bools:

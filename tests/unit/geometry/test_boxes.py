@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.base.ragged import expand
-from drystone.geometry.boxes import between, overlapping
+from drystone.geometry.boxes import batches, between, overlapping
 
 
 def all_pairs(low_a, high_a, low_b, high_b):
@@ -54,3 +54,12 @@ def test_empty_ranges_expand_to_nothing() -> None:
     source, value = expand(np.array([3, 7, 1]), np.array([0, 2, 0]))
     assert source.tolist() == [1, 1]
     assert value.tolist() == [7, 8]
+
+
+def test_batches_are_bounded_and_hold_every_pair() -> None:
+    low = np.random.default_rng(2).random((3000, 3))
+    parts = list(batches(low - 0.4, low + 0.4, low, low))
+    found = np.concatenate([np.stack(part, axis=1) for part in parts])
+    expected = np.stack(between(low - 0.4, low + 0.4, low, low), axis=1)
+    assert np.array_equal(found[np.lexsort(found.T[::-1])], expected)
+    assert max(len(i) for i, _ in parts) < 0.5 * len(expected)

@@ -77,3 +77,13 @@ def test_segments_cross_where_they_enter_and_leave() -> None:
     hit, share = solid.crossings(start[:, None], end[:, None], triangles_of(box((1, 1, 1))))
     assert hit.sum(axis=1).tolist() == [2, 0]
     np.testing.assert_allclose(np.sort(share[hit]), [0.25, 0.5])
+
+
+@pytest.mark.parametrize("least", [0.0, 0.3, 9.0])
+def test_farthest_is_the_largest_of_all_distances(least: float) -> None:
+    points = np.random.default_rng(5).uniform(-1.0, 3.0, (4000, 3))
+    surface = triangles_of(CORNER)
+    away = solid.distance(points, surface).max()
+    assert solid.farthest(points, surface, least) == (away if away > least else 0.0)
+    beside = solid.distance(points[:1], surface)[0]
+    assert solid.farthest(points[:1], surface, least) == (beside if beside > least else 0.0)

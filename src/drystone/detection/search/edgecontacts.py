@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.candidates import Pairs, warp_slack
@@ -48,12 +49,24 @@ class _Wire:
     point: Floats  # (v, 3)
     edge: Ints  # (e, 2)
 
-    def lowest_neighbour(self, height: Floats) -> Floats:
-        """For heights (v, ...) of the vertices: the least height among the neighbours of each."""
-        least = np.full(height.shape, np.inf)
-        np.minimum.at(least, self.edge[:, 0], height[self.edge[:, 1]])
-        np.minimum.at(least, self.edge[:, 1], height[self.edge[:, 0]])
-        return least
+    @cached_property
+    def beside(self) -> tuple[Ragged, Ints]:
+        """The neighbours of each vertex: rows by vertex, and the neighbour of each row."""
+        mine, theirs = np.concatenate([self.edge, self.edge[:, ::-1]]).T
+        order = np.lexsort((theirs, mine))
+        return Ragged.from_owners(mine[order], len(self.point)), theirs[order]
+
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner (e, 3) [m] of every edge."""
+        one, other = self.point[self.edge[:, 0]], self.point[self.edge[:, 1]]
+        return np.minimum(one, other), np.maximum(one, other)
+
+    def around(self, vertex: Ints) -> tuple[Ragged, Ints]:
+        """Some vertices, each with its neighbours: rows by given vertex, and their vertices."""
+        rows, neighbour = self.beside
+        part, row = rows.take(vertex)
+        return part, neighbour[row]
 
 
 def edge_contacts(
@@ -138,19 +151,6 @@ class _EdgeSearch:
             self._wires[block] = _Wire(body.vertices - self._patches.origin, edges_of(body.faces))
         return self._wires[block]
 
-    def _near_patches(self, other: int, wire: _Wire, margin: float) -> Ints:
-        first, last = self._patches.first_patch[other : other + 2]
-        patch = np.arange(first, last)
-        low, high = wire.point.min(axis=0) - margin, wire.point.max(axis=0) + margin
-        reach = self._slack[patch, None]
-        near = boxes.touching(
-            self._patches.low[patch] - reach,
-            self._patches.high[patch] + reach,
-            np.broadcast_to(low, (len(patch), 3)),
-            np.broadcast_to(high, (len(patch), 3)),
-        )
-        return patch[near].astype(np.intp)
-
     def _region(self, patch: int) -> Any:
         """The patch as a shapely polygon in its own plane."""
         if patch not in self._regions:
@@ -170,17 +170,15 @@ class _EdgeSearch:
     ) -> tuple[list[_Touch], bool]:
         """Edges and vertices of one block on faces of the other."""
         wire = self._wire(body)
-        margin = self._gap * size
-        patch = self._near_patches(other, wire, margin)
-        offset = wire.point[:, None] - self._patches.centre[None, patch]
-        height = (offset * self._patches.normal[None, patch]).sum(axis=2)
-        tolerance = margin + self._slack[patch]
-        rests = (np.abs(height) <= tolerance) & (wire.lowest_neighbour(height) >= -tolerance)
+        resting = _Resting(wire, self._patches, self._frame, self._slack, self._gap * size)
+        edge, edge_patch, vertex, vertex_patch = resting.on(other)
         touches: list[_Touch] = []
         meets = False
-        for column in np.flatnonzero(rests.any(axis=0)).tolist():
-            g = int(patch[column])
-            found, at_outline = self._on_face(wire, g, height[:, column], rests[:, column], size)
+        every = np.unique(np.concatenate([edge_patch, vertex_patch]))
+        edges = np.searchsorted(edge_patch, [every, every + 1]).T.tolist()
+        vertices = np.searchsorted(vertex_patch, [every, every + 1]).T.tolist()
+        for g, (i, j), (k, m) in zip(every.tolist(), edges, vertices, strict=True):
+            found, at_outline = self._on_face(wire, g, edge[i:j], vertex[k:m], size)
             meets |= at_outline
             for points, gap in found:
                 mine, theirs = -1, int(self._patches.face[g])
@@ -189,36 +187,44 @@ class _EdgeSearch:
         return touches, meets
 
     def _on_face(
-        self, wire: _Wire, patch: int, height: Floats, rests: Bools, size: float
+        self, wire: _Wire, patch: int, edge: Ints, vertex: Ints, size: float
     ) -> tuple[list[tuple[Floats, float]], bool]:
-        """Points (2, 3) or (1, 3) and gap of the contacts with one face."""
+        """Points (2, 3) or (1, 3) and gap of the contacts with one face.
+
+        ``edge`` and ``vertex`` rest on its plane.
+        """
         region = self._region(patch)
         outline = shapely.boundary(region)
         inside = _INSIDE * size
         found: list[tuple[Floats, float]] = []
         meets = False
-        covered = np.zeros(len(height), dtype=bool)
-        for i, j in wire.edge[rests[wire.edge].all(axis=1)].tolist():
+        covered: set[int] = set()
+        for i, j in wire.edge[edge].tolist():
             ends = self._flat(wire.point[[i, j]], patch)
             shared = shapely.intersection(shapely.linestrings(ends), region)
             for part in shapely.get_parts(shared):
                 if shapely.length(part) <= _SHORT * size:
                     continue
                 middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
-                covered[[i, j]] = True
+                covered |= {i, j}
                 if shapely.distance(middle, outline) <= inside:
                     meets = True
                     continue
                 flat = shapely.get_coordinates(part)[[0, -1]]
-                found.append(self._lifted(flat, patch, height[[i, j]]))
-        for i in np.flatnonzero(rests & ~covered).tolist():
+                found.append(self._lifted(flat, patch, self._heights(wire, patch, [i, j])))
+        for i in vertex.tolist():
+            if i in covered:
+                continue
             flat = self._flat(wire.point[[i]], patch)
             point = shapely.points(flat[0])
             if shapely.distance(point, outline) <= max(inside, self._gap * size):
                 meets = True
             if shapely.contains(region, point) and shapely.distance(point, outline) > inside:
-                found.append(self._lifted(flat, patch, height[[i]]))
+                found.append(self._lifted(flat, patch, self._heights(wire, patch, [i])))
         return found, meets
+
+    def _heights(self, wire: _Wire, patch: int, vertex: list[int]) -> Floats:
+        return heights(self._patches, wire.point[vertex], np.full(len(vertex), patch))
 
     def _lifted(self, flat: Floats, patch: int, height: Floats) -> tuple[Floats, float]:
         """Points of a face plane in space, halfway up the gap, and the gap."""
@@ -238,9 +244,10 @@ class _EdgeSearch:
             )
             normal = np.cross(*along)
             normal /= np.sqrt(normal @ normal)
+            mine, theirs = (wire.around(wire.edge[k])[1] for wire, k in ((one, i), (two, j)))
             for direction in (normal, -normal):
-                below = (one.point[_around(one, i)] - p) @ direction
-                above = (two.point[_around(two, j)] - q) @ direction
+                below = (one.point[mine] - p) @ direction
+                above = (two.point[theirs] - q) @ direction
                 if below.max() <= _INSIDE * size and above.min() >= -_INSIDE * size:
                     gap = float((q - p) @ direction)
                     touches.append(_Touch(0.5 * (p + q)[None], direction, -1, -1, gap))
@@ -248,10 +255,62 @@ class _EdgeSearch:
         return touches
 
 
-def _around(wire: _Wire, edge: int) -> Ints:
-    """Vertices joined to either end of an edge."""
-    ends = wire.edge[edge]
-    return np.unique(wire.edge[np.isin(wire.edge, ends).any(axis=1)])
+@dataclass(frozen=True)
+class _Resting:
+    """Edges and vertices of one block that may rest on faces of another."""
+
+    wire: _Wire
+    patches: Patches
+    frame: Floats  # (p, 3, 3) of all patches
+    slack: Floats  # (p,) [m]
+    margin: float  # [m]
+
+    def on(self, block: int) -> tuple[Ints, Ints, Ints, Ints]:
+        """Edges and their patches, vertices and their patches; by patch, then by number.
+
+        Both ends of such an edge, and such a vertex, are near the plane of the patch and have all
+        their neighbours on its outer side. The edge or the vertex is in front of the box of the
+        patch, or so near to it that it may meet its outline.
+        """
+        first, last = self.patches.first_patch[block : block + 2]
+        patch = np.arange(first, last)
+        reach = (2.0 * self.margin + self.slack[patch] + self.patches.warp[patch])[:, None]
+        low, high = self.patches.low[patch] - reach, self.patches.high[patch] + reach
+        some = _within(self.wire, low, high)
+        edges, vertices = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)]
+        count = max(self.wire.edge.shape[0], len(self.wire.point))
+        for i, j in boxes.batches(self.wire.boxes[0][some], self.wire.boxes[1][some], low, high):
+            ends, near = self.wire.edge[some[i]], patch[j]
+            rests = self._rest(ends.ravel(), np.repeat(near, 2)).reshape(-1, 2)
+            both = rests.all(axis=1)
+            edges.append(near[both] * count + some[i[both]])
+            vertices.append((near[:, None] * count + ends)[rests])
+        on_patch, edge = np.divmod(np.unique(np.concatenate(edges)), count)
+        at_patch, vertex = np.divmod(np.unique(np.concatenate(vertices)), count)
+        return edge, on_patch, vertex, at_patch
+
+    def _rest(self, vertex: Ints, patch: Ints) -> Bools:
+        """Whether each vertex (q,) is near the plane of its patch and no neighbour is behind it."""
+        tolerance = self.margin + self.slack[patch]
+        away = np.abs(heights(self.patches, self.wire.point[vertex], patch))
+        rests: Bools = away <= tolerance
+        near = np.flatnonzero(rests)
+        part, neighbour = self.wire.around(vertex[near])
+        height = heights(self.patches, self.wire.point[neighbour], part.spread(patch[near]))
+        rests[near] = part.min(height) >= -tolerance[near]
+        return rests
+
+
+def _within(wire: _Wire, low: Floats, high: Floats) -> Ints:
+    """Edges whose boxes reach into the box around some boxes (b, 3)."""
+    around = low.min(axis=0)[None], high.max(axis=0)[None]
+    return np.flatnonzero(boxes.touching(*wire.boxes, *around))
+
+
+def heights(patches: Patches, point: Floats, patch: Ints) -> Floats:
+    """Distance (q,) [m] of points (q, 3) from the planes of patches (q,), outwards."""
+    height: Floats = ((point - patches.centre[patch]) * patches.normal[patch]).sum(axis=1)
+    return height
 
 
 def _crossings(
@@ -261,20 +320,23 @@ def _crossings(
 
     Source: Ericson 2005, Real-time collision detection, section 5.1.9.
     """
-    start, along = one.point[one.edge[:, 0]], np.diff(one.point[one.edge], axis=1)[:, 0]
-    begin, run = two.point[two.edge[:, 0]], np.diff(two.point[two.edge], axis=1)[:, 0]
-    a = (along * along).sum(axis=1)[:, None]
-    c = (run * run).sum(axis=1)[None]
-    b = along @ run.T
-    between = start[:, None] - begin[None]
-    d = (along[:, None] * between).sum(axis=2)
-    e = (run[None] * between).sum(axis=2)
-    square = a * c - b * b
-    crosses = square > _PARALLEL**2 * a * c
-    safe = np.where(crosses, square, 1.0)
-    s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
-    crosses &= (s > _INSIDE) & (s < 1.0 - _INSIDE) & (t > _INSIDE) & (t < 1.0 - _INSIDE)
-    for i, j in np.argwhere(crosses).tolist():
-        p, q = start[i] + s[i, j] * along[i], begin[j] + t[i, j] * run[j]
-        if (p - q) @ (p - q) <= distance**2:
-            yield i, j, p, q
+    low, high = two.boxes[0] - distance, two.boxes[1] + distance
+    some = _within(one, low, high)
+    for i, j in boxes.batches(one.boxes[0][some], one.boxes[1][some], low, high):
+        order = np.lexsort((j, i))
+        first, second = some[i[order]], j[order]
+        start, begin = one.point[one.edge[first, 0]], two.point[two.edge[second, 0]]
+        along = one.point[one.edge[first, 1]] - start
+        run = two.point[two.edge[second, 1]] - begin
+        between = start - begin
+        a, b, c = dot(along, along), dot(along, run), dot(run, run)
+        d, e = dot(along, between), dot(run, between)
+        square = a * c - b * b
+        crosses = square > _PARALLEL**2 * a * c
+        safe = np.where(crosses, square, 1.0)
+        s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
+        crosses &= (s > _INSIDE) & (s < 1.0 - _INSIDE) & (t > _INSIDE) & (t < 1.0 - _INSIDE)
+        p, q = start + s[:, None] * along, begin + t[:, None] * run
+        crosses &= dot(p - q, p - q) <= distance**2
+        for k in np.flatnonzero(crosses).tolist():
+            yield int(first[k]), int(second[k]), p[k], q[k]

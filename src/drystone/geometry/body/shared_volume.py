@@ -14,12 +14,16 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.body.solid import squared_distance
+from drystone.geometry.body.solid import farthest, squared_distance
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
 
 _BATCH = 500_000
-"""Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB."""
+"""Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB. A pair of
+bodies with more pairs of a point and a triangle is searched through a tree."""
+_MANY_CORNERS = 100_000
+"""Pairs of a corner of each of two convex bodies above which their depth is measured as that of
+concave ones. Chosen: below, every direction in which they may part is tried within a second."""
 CROSS = 1e-6
 """Unit directions whose cross product is shorter than this are parallel."""
 _COPY = 0.5
@@ -36,9 +40,10 @@ class _SharedVolume(OneLine):
     row : (s,)
         Positions of these pairs among the given ones.
     depth : (s,) [m]
-        For two convex bodies: the shortest translation that separates them. Otherwise: the largest
-        distance from a surface point of one body, inside the other, to the surface of the other.
-        For copies: 6 V / A with the volume V and the surface A, the edge of a cube.
+        For two convex bodies: the shortest translation that separates them. Otherwise, and where
+        both have very many corners: the largest distance from a surface point of one body, inside
+        the other, to the surface of the other. For copies: 6 V / A with the volume V and the
+        surface A, the edge of a cube.
     volume : (s,) [m3]
     """
 
@@ -99,7 +104,7 @@ def shared_volumes(
     row, a, b, commons = row[some], a[some], b[some], [commons[i] for i in some]
     volume = np.array([common.volume() for common in commons])
     depth = np.zeros(len(a))
-    both = convex[a] & convex[b]
+    both = _few_convex(bodies, a, b, convex)
     for i in np.flatnonzero(both):
         depth[i] = _way_out(bodies, a[i], b[i])
     some = np.flatnonzero(~both)
@@ -232,12 +237,19 @@ def _near_along_a_line(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, _: 
 
 def _near_along_faces(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, convex: Bools) -> Ints:
     """Pairs that overlap along every face normal, if both are convex; all other pairs."""
-    both = np.flatnonzero(convex[a] & convex[b])
+    both = np.flatnonzero(_few_convex(bodies, a, b, convex))
     near = np.ones(len(a), dtype=bool)
     for one, other in ((a, b), (b, a)):
         left = both[near[both]]
         near[left] = _least_depth(bodies, one[left], other[left]) > tolerance[left]
     return np.flatnonzero(near)
+
+
+def _few_convex(bodies: _Bodies, a: Ints, b: Ints, convex: Bools) -> Bools:
+    """Pairs (p,) of convex bodies for which every direction to part them can be tried."""
+    count = bodies.corners.counts
+    few: Bools = convex[a] & convex[b] & (count[a] * count[b] <= _MANY_CORNERS)
+    return few
 
 
 def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:
@@ -263,8 +275,14 @@ def _way_out(bodies: _Bodies, a: int, b: int) -> float:
     across, length = unit(across)
     faces = [bodies.normal[bodies.faces[body]] for body in (a, b)]
     direction = np.concatenate([*faces, across[length > CROSS]])
-    x, y = (bodies.point[bodies.corners[body]] @ direction.T for body in (a, b))
-    return float(np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0)).min())
+    x, y = (bodies.point[bodies.corners[body]] for body in (a, b))
+    least = np.inf
+    for part in np.array_split(direction, len(direction) * (len(x) + len(y)) // _BATCH + 1):
+        one, other = x @ part.T, y @ part.T
+        ahead = one.max(axis=0) - other.min(axis=0)
+        behind = other.max(axis=0) - one.min(axis=0)
+        least = min(least, float(np.minimum(ahead, behind).min()))
+    return least
 
 
 def _deepest(
@@ -287,8 +305,27 @@ def _deepest(
         edges = 0.5 * (corner + np.roll(corner, -1, axis=1))
         every = np.concatenate([point, edges.reshape(-1, 3), corner.mean(axis=1)])
         tried.append(np.unique(every, axis=0))
+    depth = np.zeros(len(tried))
+    count = np.array([len(points) for points in tried], dtype=np.intp)
+    triangle, of = bodies.triangles
+    many = count * np.maximum(of.counts[a], of.counts[b]) > _BATCH
+    for i in np.flatnonzero(many).tolist():
+        for body in (a[i], b[i]):
+            surface = bodies.point[triangle[of[body]]]
+            depth[i] = max(depth[i], farthest(tried[i], surface, float(tolerance[i])))
+    few = np.flatnonzero(~many)
+    if len(few):
+        few_tried = [tried[i] for i in few]
+        depth[few] = _deepest_of_few(bodies, a[few], b[few], few_tried, tolerance[few])
+    return depth
+
+
+def _deepest_of_few(
+    bodies: _Bodies, a: Ints, b: Ints, tried: Sequence[Floats], tolerance: Floats
+) -> Floats:
+    """Depth (p,) [m] of the points tried for each pair, all pairs of a point and a triangle."""
     points = Ragged.of(tried)
-    place = np.concatenate([np.zeros((0, 3)), *tried])
+    place = np.concatenate(tried)
     depth = np.zeros(points.rows)
     for body in (points.spread(a), points.spread(b)):
         for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(_BATCH):

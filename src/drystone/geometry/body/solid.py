@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, dot
+from drystone.geometry import boxes
 
 _BATCH = 1_000_000
 """Pairs of a point and a triangle in one batch. Chosen: bounds the memory to some 200 MB."""
+_FAR = 1000
+"""Points of which the distance is found at once, those that may be farthest first. Chosen."""
+_ROUNDING = 1.0 + 1e-9
+"""By which a distance is taken to be larger, so that rounding decides nothing."""
 
 
 def solid_angles(points: Floats, triangles: Floats) -> Floats:
@@ -70,6 +75,51 @@ def distance(points: Floats, triangles: Floats) -> Floats:
         square = squared_distance(part, triangles[None])
         nearest[i : i + step] = np.sqrt(square.min(axis=1, initial=np.inf))
     return nearest
+
+
+def farthest(points: Floats, triangles: Floats, least: float) -> float:
+    """Largest distance [m] of any of some points from the nearest triangle; 0 up to ``least``.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    triangles : (t, 3, 3) [m]
+    least : [m]
+
+    Notes
+    -----
+    Boxes in a tree find the triangles near each point. The nearest corner bounds the distance of a
+    point from above; the search ends where no bound exceeds the largest distance found.
+
+    Examples
+    --------
+    >>> floor = np.array([[[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]]])
+    >>> farthest(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]), floor, 0.1)
+    2.0
+    """
+    from scipy.spatial import cKDTree  # slow to import, and few models need it
+
+    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    near = np.zeros(len(points), dtype=bool)
+    for i, j in boxes.batches(points - least, points + least, low, high):
+        near[i[squared_distance(points[i], triangles[j]) <= least**2]] = True
+    left = np.flatnonzero(~near)
+    if len(left) == 0:
+        return 0.0
+    nearest = cKDTree(triangles.reshape(-1, 3)).query(points[left])[0]
+    bound = _ROUNDING * np.asarray(nearest)
+    order = np.argsort(-bound, kind="stable")
+    deepest = 0.0
+    for begin in range(0, len(left), _FAR):
+        some = order[begin : begin + _FAR]
+        if bound[some[0]] <= deepest:
+            break
+        place, reach = points[left[some]], bound[some, None]
+        square = np.full(len(some), np.inf)
+        for i, j in boxes.batches(place - reach, place + reach, low, high):
+            np.minimum.at(square, i, squared_distance(place[i], triangles[j]))
+        deepest = max(deepest, float(np.sqrt(square.max())))
+    return deepest
 
 
 def squared_distance(points: Floats, triangles: Floats) -> Floats:

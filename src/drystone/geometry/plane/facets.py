@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from heapq import heappop, heappush
 from itertools import combinations
 from typing import Any
@@ -64,7 +65,7 @@ class Facet:
         frame: Floats = frames_from_normals(self.normal[None])[0]
         return frame
 
-    @property
+    @cached_property
     def width(self) -> float:
         """Twice the area over the perimeter [m]."""
         edge = np.diff(self.point, axis=0, append=self.point[:1])
@@ -103,6 +104,7 @@ def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -
     count = np.array([len(facet.point) for facet in facets], dtype=np.intp)
     start = np.cumsum(count) - count
     smooth = np.flatnonzero(dot(normal[one], normal[other]) >= _CREASE)
+    ends = 2.0 * _CLOSE * size  # of the neighbouring edges
     for begin in range(0, len(smooth), _BATCH):
         pair = smooth[begin : begin + _BATCH]
         i, j = one[pair], other[pair]
@@ -110,14 +112,15 @@ def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -
         frame = frames_from_normals(mean / np.sqrt(dot(mean, mean))[:, None])
         origin = corner[start[i]]
         first, second = (_seen(corner, start[each], count[each], origin, frame) for each in (i, j))
+        least = _ALONG * np.minimum(shapely.length(first), shapely.length(second))
         shared = np.full(len(pair), np.inf)
         for mine, theirs in ((first, second), (second, first)):
-            near = shapely.buffer(theirs, _CLOSE * size, join_style="mitre")
-            common = planar.overlay(shapely.intersection, shapely.boundary(mine), near)
-            shared = np.minimum(shared, shapely.length(common))
-        shortest = np.minimum(shapely.length(first), shapely.length(second))
-        shared -= 2.0 * _CLOSE * size  # the ends of the neighbouring edges
-        length[pair] = np.where(shared > _ALONG * shortest, shared, 0.0)
+            left = np.flatnonzero(shared - ends > least)
+            near = shapely.buffer(theirs[left], _CLOSE * size, join_style="mitre")
+            common = planar.overlay(shapely.intersection, shapely.boundary(mine[left]), near)
+            shared[left] = np.minimum(shared[left], shapely.length(common))
+        shared -= ends
+        length[pair] = np.where(shared > least, shared, 0.0)
     return length
 
 
