@@ -24,7 +24,7 @@ from drystone.base.arrays import (
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.base.ragged import Ragged
-from drystone.geometry.plane import polygon
+from drystone.geometry import polygon
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.geometry.plane.kern import edge_ratio, kern_ratio
-from drystone.geometry.plane.pressure import peak_pressure
+from drystone.geometry.kern import edge_ratio, kern_ratio
+from drystone.geometry.pressure import peak_pressure
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9

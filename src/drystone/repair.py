@@ -9,9 +9,9 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.base.arrays import Floats, frozen_points
 from drystone.base.errors import InputError, counted
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.mend import coincidence
-from drystone.geometry.mend.parts import separate_parts
+from drystone.geometry import coincidence
+from drystone.geometry.parts import separate_parts
+from drystone.geometry.polyhedron import Loop
 
 _MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of

@@ -19,7 +19,7 @@ from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
-from drystone.geometry.plane.kern import Sections, kern, sections
+from drystone.geometry.kern import Sections, kern, sections
 
 _Choice = Sequence[int] | Ints | Bools | None
 """Interfaces by position or mask; all when None."""

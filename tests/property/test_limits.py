@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from drystone import Model, limit_shrink, limit_tilt, solve_rbe
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.plane.kern import convex_hull, edge_ratio, kern, kern_ratio, sections
+from drystone.geometry.kern import convex_hull, edge_ratio, kern, kern_ratio, sections
 from drystone.limits import LimitOptions, thrust_bounds
 from drystone.models import arch
 from drystone.virtual import shrink, to_kern

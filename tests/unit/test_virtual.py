@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Contacts, InputError, Model, Verdict, solve_rbe
-from drystone.geometry.plane.kern import kern_ratio, sections
+from drystone.geometry.kern import kern_ratio, sections
 from drystone.models import arch, tower
 from drystone.virtual import (
     joint_sections,

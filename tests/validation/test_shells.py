@@ -5,9 +5,9 @@ import pytest
 
 from drystone import CheckOptions, LoadCase, Model, Verdict, check, find_contacts
 from drystone.detection import DetectionOptions
-from drystone.geometry.body.polyhedron import edge_defects
-from drystone.geometry.body.solid import solid_angles
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.polyhedron import edge_defects
+from drystone.geometry.solid import solid_angles
+from drystone.geometry.triangulate import triangulate
 from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (
     SAMPLES,

@@ -15,7 +15,7 @@ from drystone.base import units
 from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
 from drystone.base.display import Card, shortened
 from drystone.base.errors import InputError, counted, meant
-from drystone.geometry.body import polyhedron
+from drystone.geometry import polyhedron
 
 Blocks: TypeAlias = int | str | Iterable[int | str] | Bools
 """Some blocks: names and positions, or one of them; or a mask (n,)."""

@@ -13,8 +13,8 @@ import numpy as np
 from drystone.base.arrays import Floats, frozen, frozen_floats, frozen_points, number, of_type
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import body_mass_properties
-from drystone.geometry.body.surface import closed_surface
+from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.surface import closed_surface
 
 DEFAULT_DENSITY = 2400.0
 """[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend

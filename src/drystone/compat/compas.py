@@ -20,7 +20,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import DefectKind, InputError, MissingDependency
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
 from drystone.io.compas_contacts import frame_of, joined
 from drystone.io.compas_json_write import assembly_content, block_model_content
 from drystone.io.draft import Contents

@@ -10,7 +10,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices, owners_of
 from drystone.design.vertex_places import Places, axis_of
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 
 SIDES = {"intrados": 1.0, "extrados": -1.0}

@@ -16,9 +16,9 @@ from drystone.design.joint_plane import (
     joint_plane,
     snapped,
 )
-from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import unit
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.glue import cut_cell, glue
+from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 
 

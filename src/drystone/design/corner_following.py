@@ -14,7 +14,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices
-from drystone.geometry.body.polyhedron import edges_of
+from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
 _NEAR = 6e-3

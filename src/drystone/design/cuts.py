@@ -24,8 +24,8 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
+from drystone.geometry.split import Piece, split
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan, PlanOptions, Status, check_both, plan

@@ -23,9 +23,9 @@ from drystone.design.joint_plane import (
     faces_at,
     snapped,
 )
-from drystone.geometry.body.glue import cut_cell, glue
-from drystone.geometry.body.split import Piece
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.glue import cut_cell, glue
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.split import Piece
 from drystone.model import Model
 
 KEPT = 1e-9

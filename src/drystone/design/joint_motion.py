@@ -11,7 +11,7 @@ from drystone.base.arrays import Bools, Floats, frozen
 from drystone.base.display import OneLine
 from drystone.checks import block_speed, corner_motion
 from drystone.contacts import Contacts
-from drystone.geometry.plane.kern import edge_ratio
+from drystone.geometry.kern import edge_ratio
 from drystone.joints import LOADED, Resultants, resultants_of, utilisation_of
 from drystone.model import Model
 from drystone.virtual import joint_sections

@@ -11,9 +11,9 @@ from drystone.assembly import Block, replace_block
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.body.split import Piece
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.split import Piece
 from drystone.model import Model
 
 _WHOLE = 0.999

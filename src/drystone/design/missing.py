@@ -13,8 +13,8 @@ from drystone.base.errors import InputError
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_changes import change_of
 from drystone.design.props import LARGE_REGION, PropSearch, quickly_stands
-from drystone.geometry.body.solid import crossings
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.solid import crossings
+from drystone.geometry.triangulate import triangulate
 from drystone.model import Model
 from drystone.results import Result
 

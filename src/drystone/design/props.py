@@ -17,7 +17,7 @@ from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
 from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check, check_near

@@ -15,7 +15,7 @@ from drystone.design.help_needed import GROUND, Form
 from drystone.design.shape_options import HelpMeasure, ShapeAim, ShapeOptions
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import BlockVertices
-from drystone.geometry.body.polyhedron import edges_of
+from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
 _ROUNDING = 1e-6

@@ -25,7 +25,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices
 from drystone.design.vertex_places import TOGETHER, places_of
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 
 TURNED = 1e-6

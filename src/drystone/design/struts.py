@@ -13,11 +13,11 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import fresh_name, usual_friction
 from drystone.design.props import HEAD, seats
-from drystone.geometry.body.convex_pieces import solid_of
-from drystone.geometry.body.glue import cut_cell
-from drystone.geometry.body.solid import crossings
+from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.glue import cut_cell
+from drystone.geometry.solid import crossings
+from drystone.geometry.triangulate import triangulate
 from drystone.model import Model
 
 _LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)

@@ -11,7 +11,7 @@ from drystone.assembly import Assembly, replace_block
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.selfcontact import self_contacts
+from drystone.geometry.selfcontact import self_contacts
 
 
 def vertices_of(assembly: Assembly) -> Floats:

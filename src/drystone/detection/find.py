@@ -27,8 +27,8 @@ from drystone.detection.search.candidates import (
 from drystone.detection.search.edgecontacts import edge_contacts
 from drystone.detection.search.interfaces import Interfaces, joined
 from drystone.detection.search.patches import Patches, patches_of
-from drystone.geometry.mend.coincidence import duplicates
-from drystone.geometry.mend.parts import separate_parts
+from drystone.geometry.coincidence import duplicates
+from drystone.geometry.parts import separate_parts
 
 _SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are duplicates."""

@@ -20,7 +20,7 @@ from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, planes_between, tidy
-from drystone.geometry.plane import planar
+from drystone.geometry import planar
 
 THICKEST = 0.2
 """The thickest mortar, by the size of a block. Chosen: 15 mm between bricks of 65 mm is 0.14."""

@@ -15,9 +15,8 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
-from drystone.geometry.body import polyhedron, selfcontact
-from drystone.geometry.mend import coincidence
-from drystone.geometry.mend.parts import separate_parts
+from drystone.geometry import coincidence, polyhedron, selfcontact
+from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Contents, Draft, DraftBlock
 
 _LARGEST_COORDINATE = 1e9

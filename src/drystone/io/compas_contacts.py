@@ -10,8 +10,8 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import FARTHEST, Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.geometry import polygon
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import polygon
 from drystone.io.draft import Extras
 from drystone.io.jsontext import Field
 

@@ -13,7 +13,7 @@ from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import write_through
 from drystone.base.ragged import Ragged
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Contents
 from drystone.io.rhino import TEXT, require
 

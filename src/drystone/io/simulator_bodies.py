@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
-from drystone.geometry.body.convex_pieces import convex_pieces
+from drystone.geometry.convex_pieces import convex_pieces
 from drystone.io.draft import Contents
 from drystone.model import Model
 

@@ -10,10 +10,10 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, Ints, frozen_floats, number, of_type, whole
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import Faces, fan_triangles, stack_faces
-from drystone.geometry.body.solid import outside_distance
 from drystone.geometry.frames import unit
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
+from drystone.geometry.solid import outside_distance
+from drystone.geometry.triangulate import triangulate
 
 _OFF_BLOCK = 1e-6
 """A point farther from a block than this share of the block's size lies outside it. Chosen: above

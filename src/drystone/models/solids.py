@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import body_mass_properties
-from drystone.geometry.body.surface import closed_surface
-from drystone.geometry.mend.coincidence import distinct
+from drystone.geometry.coincidence import distinct
+from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.surface import closed_surface
 
 WELD = 1e-9
 """Corners closer than this share of the block's extent are joined. It is far above the rounding of

@@ -17,7 +17,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.geometry.body.convex_pieces import convex_pieces, solid_of
+from drystone.geometry.convex_pieces import convex_pieces, solid_of
 
 PLAY = 1e-3
 """Default play: how much a moving block is reduced on all sides, relative to its size. It allows

@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross
-from drystone.geometry.body.polyhedron import fan_triangles
+from drystone.geometry.polyhedron import fan_triangles
 from drystone.model import Model
 from drystone.settlement.faces.corners import Carrier, Ends, joint_ends
 from drystone.settlement.faces.roles import as_turned, turned_joints

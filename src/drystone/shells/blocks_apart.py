@@ -8,8 +8,8 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError, counted
 from drystone.geometry import boxes
-from drystone.geometry.body.convexity import convex_bodies
-from drystone.geometry.body.shared_volume import shared_volumes
+from drystone.geometry.convexity import convex_bodies
+from drystone.geometry.shared_volume import shared_volumes
 from drystone.shells.tessellation import Tessellation
 
 _TOLERANCE = 1e-6

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.geometry.plane import polygon
+from drystone.geometry import polygon
 from drystone.shells.lengths import numbers
 from drystone.shells.materialise import flat_loops, vertex_means
 from drystone.shells.patch import curvatures

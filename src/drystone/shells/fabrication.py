@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes
-from drystone.geometry.plane import polygon
+from drystone.geometry import polygon
 from drystone.io import write
 from drystone.shells.materialise import cell_faces
 from drystone.shells.schedule import block_frame

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.mend.coincidence import distinct
+from drystone.geometry.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Side

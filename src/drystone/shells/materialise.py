@@ -14,11 +14,11 @@ from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.fans import warp_and_view
-from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry import polygon
+from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import polygon
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.polyhedron import loop_edges
+from drystone.geometry.triangulate import triangulate
 from drystone.shells.tessellation import Tessellation
 
 _LEAST_COSINE = 0.5

@@ -13,8 +13,8 @@ from scipy.sparse.linalg import spsolve
 from drystone.base.arrays import Floats, dot, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import edges_of, loop_edges
-from drystone.geometry.mend.coincidence import first_coincident
+from drystone.geometry.coincidence import first_coincident
+from drystone.geometry.polyhedron import edges_of, loop_edges
 from drystone.shells.patch import Patch, check_patch
 
 _DEGREE = 3

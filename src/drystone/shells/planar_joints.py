@@ -9,7 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
-from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import (
     Pins,
     add_joggle,

@@ -13,8 +13,8 @@ from drystone.base.arrays import Floats, cross, dot
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike, write_bytes
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import loop_edges
-from drystone.geometry.plane import polygon
+from drystone.geometry import polygon
+from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import cell_faces
 from drystone.shells.shell_of_blocks import Shell
 

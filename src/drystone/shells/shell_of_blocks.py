@@ -16,9 +16,9 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import loop_edges
 from drystone.model import Model
 from drystone.shells.blocks_apart import refuse_overlaps
 from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import Pins
 from drystone.shells.tessellation import Tessellation
 

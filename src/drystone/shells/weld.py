@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.patch import Side
 from drystone.shells.pattern import Pattern
 from drystone.shells.shape import Edge, Seam, Shape

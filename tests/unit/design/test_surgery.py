@@ -25,8 +25,8 @@ from drystone.design import (
     wedge_joint,
 )
 from drystone.design.added_mends import tied
-from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.glue import cut_cell, glue
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.models import arch, box, prism, shelf, snake, tower
 

@@ -10,7 +10,7 @@ from shapely.geometry import Polygon
 from drystone import Assembly, Block, Contacts, InputError, find_contacts
 from drystone.detection import DetectionOptions, Reason
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 from drystone.models import (
     box,
     concave,

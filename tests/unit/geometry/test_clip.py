@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drystone.geometry.plane import clip, planar
+from drystone.geometry import clip, planar
 
 
 def convex(random: np.random.Generator, corners: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.geometry.mend.coincidence import duplicates, first_coincident, weld
+from drystone.geometry.coincidence import duplicates, first_coincident, weld
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.3, 0.999999, 1e4])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.geometry.body.cut_face import clip_loop, cut_faces
-from drystone.geometry.body.polyhedron import stack_faces
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.cut_face import clip_loop, cut_faces
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import stack_faces
 from drystone.models import arch, box, shelf
 
 AXES = np.eye(3)

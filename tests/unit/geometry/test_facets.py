@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from drystone.geometry.plane import facets, planar
-from drystone.geometry.plane.facets import Facet
+from drystone.geometry import facets, planar
+from drystone.geometry.facets import Facet
 
 
 def level(*corners: tuple[float, float], z: float = 0.0, member: int = 0) -> Facet:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from drystone.base.arrays import Floats
-from drystone.geometry.plane.kern import (
+from drystone.geometry.kern import (
     convex_hull,
     edge_ratio,
     kern,

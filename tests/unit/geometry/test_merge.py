@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.mend.merge import merge_coplanar
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.merge import merge_coplanar
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.triangulate import triangulate
 from drystone.models import arch, box, dome, tower, vault, wall
 
 

@@ -3,8 +3,8 @@ import pytest
 
 from drystone import Block
 from drystone.base.arrays import Floats
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.mend.parts import separate_parts
+from drystone.geometry.parts import separate_parts
+from drystone.geometry.polyhedron import Loop
 from drystone.models import box
 
 

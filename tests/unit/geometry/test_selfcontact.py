@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from drystone.base.arrays import Floats
-from drystone.geometry.body.convexity import convex_bodies
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.body.selfcontact import self_contacts
+from drystone.geometry.convexity import convex_bodies
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.selfcontact import self_contacts
 from drystone.models import arch, box, concave, cube_curve, dome, vault
 
 Body = tuple[Floats, list[Loop]]

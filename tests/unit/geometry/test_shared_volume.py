@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block
-from drystone.geometry.body.convexity import convex_bodies
-from drystone.geometry.body.shared_volume import shared_volumes
+from drystone.geometry.convexity import convex_bodies
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.shared_volume import shared_volumes
 from drystone.models import box, prism
 
 ELL = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]

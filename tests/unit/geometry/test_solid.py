@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drystone import Block
-from drystone.geometry.body import solid
-from drystone.geometry.body.polyhedron import stack_faces
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry import solid
+from drystone.geometry.polyhedron import stack_faces
+from drystone.geometry.triangulate import triangulate
 from drystone.models import box, prism, stool
 
 

@@ -3,11 +3,11 @@ import pytest
 
 from drystone import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.mend import soup
-from drystone.geometry.mend.coincidence import weld
-from drystone.geometry.mend.soup import split_solids, without_slivers
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry import soup
+from drystone.geometry.coincidence import weld
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.soup import split_solids, without_slivers
+from drystone.geometry.triangulate import triangulate
 from drystone.models import arch, barrel_vault, box, concave, dome, tower, wall
 
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from drystone import Block, InputError
-from drystone.geometry.body.polyhedron import (
+from drystone.geometry.polyhedron import (
     Fan,
     body_mass_properties,
     mass_properties,
     stack_faces,
 )
-from drystone.geometry.body.surface import SHARED_FACES, closed_surface
+from drystone.geometry.surface import SHARED_FACES, closed_surface
 from drystone.models import box, concave, cube_curve, prism
 from drystone.models.simple import BOX_FACES
 

@@ -3,7 +3,7 @@ import pytest
 import shapely
 
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 
 SHAPES = {
     "triangle": [(0, 0), (1, 0), (0, 1)],

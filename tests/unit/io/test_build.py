@@ -10,7 +10,7 @@ import pytest
 import drystone
 from drystone import FormatError, io
 from drystone.base.arrays import Floats
-from drystone.geometry.mend import coincidence
+from drystone.geometry import coincidence
 from drystone.models import box, vault
 
 CUBE = box((1.0, 1.0, 1.0))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, FormatError, io
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 from drystone.models import arch, box, concave, dome, tower, wall
 
 FAMILIES = [tower(4), arch(), dome(), concave("short"), wall()]

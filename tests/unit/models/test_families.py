@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, InputError, find_contacts, models
-from drystone.geometry.body import polyhedron
+from drystone.geometry import polyhedron
 from drystone.models.curved import LOWER, RIM, UPPER, resampled
 from tests.oracle import touching_faces
 

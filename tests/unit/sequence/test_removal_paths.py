@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, Model, plan
-from drystone.geometry.body.convex_pieces import convex_pieces, solid_of
+from drystone.geometry.convex_pieces import convex_pieces, solid_of
 from drystone.models import bayonet, box, burr, dovetail, hooked_bar, stool, tower
 from drystone.sequence import NoPath, PathOptions, RemovalPath, find_path
 from drystone.sequence.sweeps import moved_along

@@ -6,8 +6,8 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import sum_by_owner
-from drystone.geometry.body.halfedge import HalfEdges
-from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.halfedge import HalfEdges
+from drystone.geometry.polyhedron import Faces
 
 SMOOTH = np.deg2rad(35.0)
 """[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of

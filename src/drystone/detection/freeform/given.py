@@ -12,9 +12,9 @@ from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import contacts_of
-from drystone.geometry.body.solid import distance
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vector, area_vectors
+from drystone.geometry.polygon import area_vector, area_vectors
+from drystone.geometry.solid import distance
 
 _FARTHEST = 0.1
 """Largest warp of a face of a given joint, and its largest distance from its blocks, as a share of

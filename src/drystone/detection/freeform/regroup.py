@@ -12,10 +12,10 @@ from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.detection.search.interfaces import Interfaces, joined
+from drystone.geometry import facets as geometry
+from drystone.geometry.facets import Facet
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import facets as geometry
-from drystone.geometry.plane.facets import Facet
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 
 _UNEVEN = 0.5
 """The pieces of a pair are examined when one is narrower than this share of another. Chosen above

@@ -14,7 +14,7 @@ from drystone.base.errors import InputError, counted
 from drystone.detection.report.reasons import SHOWN, millimetres
 from drystone.detection.search.candidates import Pairs
 from drystone.detection.search.patches import Patches
-from drystone.geometry.body.shared_volume import shared_volumes
+from drystone.geometry.shared_volume import shared_volumes
 
 _REFUSED = 0.1
 """Models with blocks that share more than this part of the smaller one are refused. Chosen: far

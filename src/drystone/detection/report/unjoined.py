@@ -14,7 +14,7 @@ from drystone.contacts import Contacts
 from drystone.detection.report.advice import rounded_up
 from drystone.detection.report.reasons import Missed, Reason, millimetres
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 
 
 def among(unjoined: Iterable[Missed], blocks: Ints) -> tuple[Missed, ...]:

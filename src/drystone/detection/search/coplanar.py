@@ -6,9 +6,9 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.ragged import Ragged, sum_by_owner
-from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
-from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.halfedge import HalfEdges, joined_faces, outlines
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import Faces
 
 _FLAT = np.deg2rad(0.1)
 """[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the

@@ -17,10 +17,9 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.candidates import Pairs, warp_slack
 from drystone.detection.search.interfaces import Interfaces
 from drystone.detection.search.patches import Patches
-from drystone.geometry import boxes
-from drystone.geometry.body.polyhedron import edges_of
+from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import planar
+from drystone.geometry.polyhedron import edges_of
 
 _INSIDE = 1e-6
 """A contact lies inside a face when it is farther than this share of the block size from the

@@ -11,7 +11,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy
-from drystone.geometry.plane import clip, planar
+from drystone.geometry import clip, planar
 
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise. Chosen:

@@ -9,7 +9,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy
-from drystone.geometry.plane import planar
+from drystone.geometry import planar
 
 _EXACT = 1e-4
 """Gaps below this share of the block size have no block between them. Chosen: thinner than any

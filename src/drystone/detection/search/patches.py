@@ -19,9 +19,9 @@ from drystone.detection.search.coplanar import (
     unit_rows,
     without_straight,
 )
-from drystone.geometry.body.halfedge import HalfEdges, half_edges, turn_angles
-from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.halfedge import HalfEdges, half_edges, turn_angles
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import Faces
 
 _REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more. Chosen: above the noise of warped

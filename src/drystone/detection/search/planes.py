@@ -10,8 +10,8 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
+from drystone.geometry import clip
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import clip
 
 _CLEAN = 1e-6
 """Corners of an overlap this near to each other, or to the line between their neighbours, are

@@ -26,7 +26,7 @@ from drystone.design import (
     recut_joints,
 )
 from drystone.design.changed_model import acceleration_of
-from drystone.geometry.body.polyhedron import edges_of
+from drystone.geometry.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
 from drystone.live.computing.moved_mends import FOLLOWED_KINDS, AfterMoving

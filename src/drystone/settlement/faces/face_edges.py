@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, cross
-from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.polyhedron import Faces
 
 FLUSH = 1e-6
 """Distance below which an edge of an interface lies on an edge of a block, by the block's size."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
-from drystone.geometry.body.fans import fan_warped
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.fans import fan_warped
+from drystone.geometry.triangulate import triangulate
 from drystone.io.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
 from drystone.io.glb_write import container
 from drystone.view.cad.drawn_parts import (

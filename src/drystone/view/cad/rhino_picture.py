@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 from drystone.io.rhino_extract import PICTURE
 from drystone.io.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
 from drystone.view.cad.drawn_parts import arrow_ends, block_groups, marks, matrix_of, stage_of_scene

@@ -21,7 +21,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 from drystone.view.paper.separation import (
     SeparationData,
     separated_by_boxes,

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.geometry.body.cut_face import clip_loop, cut_faces
+from drystone.geometry.cut_face import clip_loop, cut_faces
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate
 from drystone.view.paper.depth import SortedPolygons, ordered_patches
 from drystone.view.scenes.scene import UP, Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges

@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.base.table import Table
-from drystone.geometry.plane.kern import kern
+from drystone.geometry.kern import kern
 from drystone.joints import worst_joints
 from drystone.results import Result
 from drystone.view.style.palette import ROLE_COLOUR

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.design.changed_model import ties_of
 from drystone.design.diagnosed import Diagnosis
-from drystone.geometry.body.polyhedron import edges_of
+from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 from drystone.results import Result

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, unit
-from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.polyhedron import Faces
 
 SMOOTH = 1e-6
 """Faces of one block whose unit normals differ by less are drawn as one plane, without the edge

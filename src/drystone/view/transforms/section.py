@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
-from drystone.geometry.body.cut_face import clip_loop
+from drystone.geometry.cut_face import clip_loop
 from drystone.view.scenes.scene import Layer, LayerKind, Scene
 
 AXES = "xyz"

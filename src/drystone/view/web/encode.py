@@ -48,9 +48,9 @@ from numpy.typing import NDArray
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.kern import kern
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.kern import kern
+from drystone.geometry.polyhedron import Faces
+from drystone.geometry.triangulate import triangulate
 from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges

@@ -10,15 +10,15 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import (
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polyhedron import (
     Faces,
     Loop,
     fan_triangles,
     loop_edges,
     mass_properties,
 )
-from drystone.geometry.body.solid import winding_number
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.solid import winding_number
 
 _SAME_ANGLE = 1e-6
 """[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
@@ -33,7 +33,7 @@ def split_solids(
     Parameters
     ----------
     vertices : (v, 3) [m]
-        Coincident ones merged, see :func:`drystone.geometry.mend.coincidence.weld`.
+        Coincident ones merged, see :func:`drystone.geometry.coincidence.weld`.
     faces
         Loops, consistently oriented in each soup.
     soup : (f,), optional

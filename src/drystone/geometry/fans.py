@@ -6,15 +6,15 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, cross, unit
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import Faces
 
 
 def fan_warped(faces: Faces, tolerance: float) -> Faces:
     """The same bodies, every warped face replaced by its fan about the mean of its corners.
 
     The volume and the centroid of a body are those of this fan
-    (:func:`drystone.geometry.body.polyhedron.mass_properties`), so the triangles in a file enclose
+    (:func:`drystone.geometry.polyhedron.mass_properties`), so the triangles in a file enclose
     the solid of the calculation. Two bodies that share a warped face get the same triangles there.
 
     Parameters

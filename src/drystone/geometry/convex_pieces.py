@@ -11,8 +11,8 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from drystone.base.arrays import Floats, Ints, unit
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import Loop
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.triangulate import triangulate
 
 _CONVEX = 1e-6
 """A piece is convex when its hull is larger by less than this share of the hull's volume."""

@@ -9,9 +9,9 @@ import shapely
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Loop
 
 
 def faces_with_holes(vertices: Floats, faces: Sequence[Sequence[Loop]]) -> list[Loop]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot
-from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.polyhedron import Faces
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.polyhedron import Loop
 
 _PAIRED = 48
 """Up to so many points all pairs are compared first: faster than the grids, measured."""

@@ -14,10 +14,9 @@ import shapely
 
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.ragged import expand
-from drystone.geometry import boxes
+from drystone.geometry import boxes, clip, planar
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane import clip, planar
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of their areas by less

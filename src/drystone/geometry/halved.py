@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.geometry.body.polyhedron import Loop, loop_edges
-from drystone.geometry.body.split import Piece
+from drystone.geometry.polyhedron import Loop, loop_edges
+from drystone.geometry.split import Piece
 
 
 def halved(

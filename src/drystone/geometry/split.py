@@ -10,12 +10,12 @@ import shapely
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.mend.coincidence import distinct
-from drystone.geometry.mend.holes import faces_with_holes
-from drystone.geometry.mend.soup import split_solids
-from drystone.geometry.plane.polygon import area_vector
+from drystone.geometry.holes import faces_with_holes
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.soup import split_solids
 
 _SAME = 1e-9
 """Points closer than this share of the body's extent are one point. The value is above the rounding

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.convexity import convex_bodies, planes
-from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
+from drystone.geometry.convexity import convex_bodies, planes
+from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
 _TOUCH = 1e-9
 """Distance, relative to the size of a body, at which parts of its surface touch."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, unit
 from drystone.base.ragged import expand
-from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
+from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
 _CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""

@@ -9,20 +9,20 @@ import shapely
 
 from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
-from drystone.geometry.body.halved import halved
-from drystone.geometry.body.polyhedron import Loop, edge_defects, loop_edges
-from drystone.geometry.body.split import (
+from drystone.geometry.coincidence import distinct
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.halved import halved
+from drystone.geometry.merge import merge_coplanar
+from drystone.geometry.planar import overlay, valid
+from drystone.geometry.polygon import area_vector, area_vectors
+from drystone.geometry.polyhedron import Loop, edge_defects, loop_edges
+from drystone.geometry.soup import split_solids
+from drystone.geometry.split import (
     Piece,
     half_plane,
     parts_of,
     rings_of,
 )
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.mend.coincidence import distinct
-from drystone.geometry.mend.merge import merge_coplanar
-from drystone.geometry.mend.soup import split_solids
-from drystone.geometry.plane.planar import overlay, valid
-from drystone.geometry.plane.polygon import area_vector, area_vectors
 
 _TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times

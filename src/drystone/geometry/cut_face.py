@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.polyhedron import Faces
 
 
 def clip_loop(corner: Floats, height: Floats, marked: Bools) -> tuple[Floats, Bools]:
@@ -70,7 +70,7 @@ def cut_faces(faces: Faces, normal: Floats, offset: float) -> list[tuple[int, Fl
 
     Examples
     --------
-    >>> from drystone.geometry.body.polyhedron import stack_faces
+    >>> from drystone.geometry.polyhedron import stack_faces
     >>> from drystone.models import box
     >>> cube = box((1.0, 1.0, 1.0))
     >>> faces = stack_faces([cube.vertices], [cube.faces])

@@ -9,8 +9,8 @@ from functools import lru_cache
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
-from drystone.geometry.body import polyhedron
-from drystone.geometry.body.polyhedron import Edge, Fan, Loop
+from drystone.geometry import polyhedron
+from drystone.geometry.polyhedron import Edge, Fan, Loop
 
 SHARED_FACES = 64
 """Longest face list in the cache, and number of lists in it. Chosen: some MB at most. Copies of one

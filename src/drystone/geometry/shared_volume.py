@@ -13,10 +13,10 @@ from drystone.base.arrays import Bools, Floats, Ints, cross, dot, unit
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.body.solid import farthest, squared_distance
-from drystone.geometry.plane.polygon import area_vectors
-from drystone.geometry.plane.triangulate import triangulate
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polyhedron import Faces
+from drystone.geometry.solid import farthest, squared_distance
+from drystone.geometry.triangulate import triangulate
 
 _BATCH = 500_000
 """Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB. A pair of

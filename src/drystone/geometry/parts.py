@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.geometry.body.polyhedron import (
+from drystone.geometry.polyhedron import (
     Loop,
     face_components,
     fan_triangles,
     mass_properties,
     stack_faces,
 )
-from drystone.geometry.body.solid import winding_number
+from drystone.geometry.solid import winding_number
 
 
 def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[Loop]], int]:

@@ -8,7 +8,7 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 
 _FLAT_TURN = 1e-9
 """A corner that turns inwards by less than this share of the area of the face counts as straight.

@@ -9,8 +9,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, unit
 from drystone.base.ragged import sum_by_owner
-from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
-from drystone.geometry.body.polyhedron import Loop, stack_faces
+from drystone.geometry.halfedge import half_edges, joined_faces, outlines, turn_angles
+from drystone.geometry.polyhedron import Loop, stack_faces
 
 _TURN = 1e-3
 """[rad] Neighbours with a smaller angle between them are candidates for merging. Chosen. They are

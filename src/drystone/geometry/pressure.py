@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.ragged import Ragged
-from drystone.geometry.plane.kern import Sections, edge_ratio, sections
+from drystone.geometry.kern import Sections, edge_ratio, sections
 
 EDGE = 1e-7
 """A force closer to the rim than this share of the distance from the centroid acts on the rim."""
@@ -36,7 +36,7 @@ def peak_pressure(
     Parameters
     ----------
     made, corners, start
-        As for :func:`drystone.geometry.plane.kern.sections`.
+        As for :func:`drystone.geometry.kern.sections`.
     normal : (m,) [N]
         Normal force, positive in compression. The pressure is zero where it is not positive.
     position : (m, 2) [m]

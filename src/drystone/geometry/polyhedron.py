@@ -18,7 +18,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.ragged import Ragged
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.polygon import area_vectors
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]

@@ -1,1 +1,0 @@
-"""Closed polyhedra: topology, mass properties, cuts, shared volume, self-contact."""

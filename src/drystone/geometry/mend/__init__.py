@@ -1,1 +1,0 @@
-"""Repair of faces from files: merged points, joined triangles, separated solids."""

@@ -1,1 +1,0 @@
-"""Plane polygons: areas, overlaps, triangles, sections."""
