@@ -60,7 +60,7 @@ class DetectionOptions(Options):
         When to search for contacts along edges and at corners.
     inexact
         Whether to join what small errors of the drawing keep apart: overlaps up to 8 % of the
-        thinnest dimension of the smaller block, gaps up to twice the deepest overlap.
+        thinnest dimension of the smaller block, gaps up to three times the deepest overlap.
 
     Raises
     ------

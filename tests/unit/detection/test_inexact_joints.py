@@ -119,3 +119,30 @@ def test_an_edge_that_is_a_little_in_the_floor_touches_along_it() -> None:
     found = find_contacts(Assembly((FLOOR, sunk)))
     assert found.report.kind.tolist() == [2]
     assert found.report.inexact[0].off == pytest.approx(0.004)
+
+
+def test_gaps_are_closed_where_hardly_any_joint_is_exact() -> None:
+    leans = (0.1, -0.15, 0.12, -0.08)
+    lifts = (0.2e-3, 0.5e-3, 0.8e-3, 0.4e-3)  # 0.8 mm is beyond the tolerance of 0.5 mm
+    blocks = [box((0.1, 0.1, 0.1), name="block-0")]
+    for i, (lean, lift) in enumerate(zip(leans, lifts, strict=True), start=1):
+        turn = rotation_about(np.array([1.0, 0.0, 0.0]), lean)
+        one = box((0.1, 0.1, 0.1), name=f"block-{i}").transformed(turn)
+        low = float(one.vertices[:, 2].min())
+        top = float(blocks[-1].vertices[:, 2].max())
+        blocks.append(one.transformed(translation=(0.0, 0.0, top - low + lift)))
+    found = find_contacts(Assembly(tuple(blocks)))
+    assert found.report.pair_count == 4
+    assert {pair.error for pair in found.report.inexact} == {Error.GAP}
+
+
+def test_an_opened_joint_of_an_exact_drawing_stays_open() -> None:
+    blocks = list(tower(4).blocks)
+    turn = rotation_about(np.array([0.0, 1.0, 0.0]), 1.5)
+    top = blocks[-1].transformed(turn)
+    low = float(top.vertices[:, 2].min())
+    blocks[-1] = top.transformed(translation=(0.0, 0.0, 3.0 - low))
+    found = find_contacts(Assembly(tuple(blocks)))
+    assert not found.report.inexact
+    assert found.report.clipped.tolist() == [False, False, True]
+    assert check(Assembly(tuple(blocks)).with_fixed([0])).verdict is not Verdict.UNSTABLE
