@@ -257,7 +257,8 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
         for cover in covers:
             shape = overlay(shapely.difference, shape, cover)
         # narrower than the tolerance: rounding
-        core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
+        with np.errstate(invalid="ignore"):  # the tip of a spike has no mitre
+            core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
         if core.is_empty:
             continue
         kept = [p for p in parts_of(shape, "Polygon") if p.intersects(core)]
