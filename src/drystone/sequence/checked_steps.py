@@ -11,8 +11,8 @@ from drystone.sequence.stages import Stage, StageAnswer, mask_of
 from drystone.stability.verdict.following import SETTLES_ALIKE
 
 CHECKED = 1000
-"""Most corners of a connected part with which screened stages of a plan are also checked, and with
-which the complete structure may stand after settling."""
+"""Most corners of a connected part with which every stage of a plan is checked, also where a quick
+look shows that it stands, and with which the complete structure may stand after settling."""
 LISTED = 6
 """Number of falling blocks named in a message."""
 
@@ -49,14 +49,14 @@ def checked_step(
         found = evaluator.answer(stage, forces=True, checked=checked)
         return evaluator.followed(stage) if SETTLES_ALIKE in found.settled else found
 
-    after = Stage(before | mask_of(blocks), mask_of(props), None, near)
+    after = Stage(before | mask_of(blocks), mask_of(props), False, near)
     answer = sure(after)
     during = []
     placed, propped = before, standing | mask_of(props)
     for number, block in enumerate(blocks[:-1]):
         placed |= 1 << block
         held = mask_of(blocks[: number + 1]) | propped & placed
-        stage = Stage(placed, held, None, (after.placed, after.held))
+        stage = Stage(placed, held, False, (after.placed, after.held))
         during.append(sure(stage))
     return Step(blocks, motion, props, after.placed, answer, tuple(during))
 
@@ -75,9 +75,9 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
     alone, near = [], (step.placed, props)
     if len(step.blocks) > 1:
         first = step.placed & ~mask_of(step.blocks[1:])
-        alone.append(Stage(first, (props | standing) & first, None, near))
+        alone.append(Stage(first, (props | standing) & first, False, near))
     if props & ~standing:
-        alone.append(Stage(step.placed, props & standing, None, near))
+        alone.append(Stage(step.placed, props & standing, False, near))
     found = (evaluator.answer(stage) for stage in alone)
     names = evaluator.model.assembly.names
     return "; ".join(

@@ -15,9 +15,8 @@ from drystone.base.files import read_bytes, write_bytes
 from drystone.results import Verdict
 from drystone.sequence.stages import Stage, StageAnswer
 from drystone.sequence.structure import Structure
-from drystone.stability import Screening
 
-FORMAT, VERSION = "drystone-stages", 4
+FORMAT, VERSION = "drystone-stages", 5
 
 
 def _fingerprint(model: Structure) -> str:
@@ -50,7 +49,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, StageAnswe
             {
                 "placed": f"{part.placed:x}",
                 "held": f"{part.held:x}",
-                "screening": part.screening and part.screening.name,
+                "quick": part.quick,
                 "verdict": found.verdict.name,
                 "message": found.message,
                 "falling": list(found.falling),
@@ -82,12 +81,7 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, StageAnswer]:
                 where=str(path),
                 remedy="name another file, or remove this one",
             )
-        levels = {None: None} | {one.name: one for one in model.screening}
-        return {
-            _stage(one, levels[one["screening"]]): _answer(one)
-            for one in data["parts"]
-            if one["screening"] in levels
-        }
+        return {_stage(one): _answer(one) for one in data["parts"]}
     except FormatError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -96,8 +90,8 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, StageAnswer]:
         ) from error
 
 
-def _stage(record: Any, screening: Screening | None) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16), screening)
+def _stage(record: Any) -> Stage:
+    return Stage(int(record["placed"], 16), int(record["held"], 16), bool(record["quick"]))
 
 
 def _answer(record: Any) -> StageAnswer:

@@ -22,7 +22,6 @@ from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage_checks import Check
 from drystone.sequence.stages import Stage, StageAnswer, members
 from drystone.sequence.structure import Structure
-from drystone.stability import PATIENT
 from drystone.stability.attempts import Candidate
 from drystone.stability.stiffness_samples import NONE_FOUND
 from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE
@@ -136,7 +135,7 @@ class Evaluator(OneLine):
         forces
             Whether to check again if the forces were not kept.
         checked
-            Whether to check stages that were only screened.
+            Whether to check stages that were only looked at.
 
         Raises
         ------
@@ -213,13 +212,11 @@ class Evaluator(OneLine):
             write_checkpoint(self._file, self.model, self._kept | self._known)
 
     def _find(self, part: Stage) -> StageAnswer | None:
-        """The known answer of a part: the full check, or a screening that shows that it stands."""
+        """The known answer of a part: the check, or a quick look that shows that it stands."""
         part = part._replace(near=None)
-        checked = self._known.get(part._replace(screening=None))
-        if checked is not None:
-            return checked
-        seen = (self._known.get(part._replace(screening=one)) for one in self.model.screening)
-        return next((one for one in seen if one is not None and one.stands), self._known.get(part))
+        checked = self._known.get(part._replace(quick=False))
+        seen = self._known.get(part._replace(quick=True)) if checked is None else None
+        return seen if seen is not None and (seen.stands or part.quick) else checked
 
     def _rests_near(self, part: Stage) -> dict[int, Floats]:
         """Known rest states of a part and of its similar stage.
@@ -234,7 +231,7 @@ class Evaluator(OneLine):
                 if found is None or not found.stands:
                     continue
                 if not found.rests:  # from a checkpoint
-                    rests = self.model.solve(other._replace(screening=PATIENT)).rests
+                    rests = self.model.solve(other._replace(quick=True)).rests
                     found = self._known[other] = replace(found, rests=rests)
                 for number, motion in found.rests.items():
                     whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
@@ -245,8 +242,8 @@ class Evaluator(OneLine):
         return out
 
     def _screened(self, part: Stage) -> Candidate | None:
-        """The rest state of a part with uniform stiffness that its screening found."""
-        if part.screening is not None:
+        """The rest state of a part with uniform stiffness that a quick look found."""
+        if part.quick:
             return None
         found = self._find(part)
         return None if found is None else found.uniform

@@ -1,6 +1,6 @@
 """Removal of unnecessary help from an order.
 
-The search relies on its screening and never removes a prop. So a block may be propped or held
+The search relies on quick looks and never removes a prop. So a block may be propped or held
 without need at the end. Here the full check is asked without each help.
 """
 
@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from drystone.sequence.best_first import OrderSearch
-from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
-from drystone.sequence.states import Cost, FoundOrder, Node
+from drystone.sequence.search import Cost, FoundOrder, Node, OrderSearch
+from drystone.sequence.stages import StageAnswer, mask_of, members
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
@@ -53,7 +52,7 @@ def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
     """The order of a search without its unnecessary help."""
     path = found.path[::-1]
     before = _cost(path, [node.props for node in path])
-    if len(search.levels) > 1:
+    if search.quick:
         path = apart(path, search)
     props = _props_in_time(path, search)
     cost = _cost(path, props)
@@ -88,7 +87,7 @@ def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
             placed = node.placed | mask_of(node.group[start:])
             props = (node.props | (node.parent.props if node.parent else 0)) & placed
             early = replace(node, placed=placed, props=props, group=node.group[:start])
-            if search.answer(early, sure=True).stands and search.can_hold(early):
+            if search.answer(early).stands and search.can_hold(early):
                 out.append(replace(late, group=node.group[start:end], parent=early))
                 late, end = early, start
         out.append(late)
@@ -106,15 +105,9 @@ def _props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
         when = [i for i, mask in enumerate(needed) if mask >> block & 1]
         for i in range(when[0], when[-1] + 1):
             active[i] |= 1 << block
-    level = search.levels[0]
-    stages = [
-        Stage(node.placed, mask, level, (node.placed, node.props) if level else None)
-        for node, mask in zip(path, active, strict=True)
-    ]
-    answers = search.evaluator.answers(stages)
     active = [
-        mask if answer.stands and search.failure(node.placed, mask) is None else least
-        for node, mask, answer, least in zip(path, active, answers, needed, strict=True)
+        mask if _stands(replace(node, props=mask), search, full=False) else least
+        for node, mask, least in zip(path, active, needed, strict=True)
     ]
     if search.model.largest[0] <= SPARED:
         _spare(path, active, search)
@@ -127,12 +120,12 @@ def _needed(node: Node, search: OrderSearch) -> int:
     certain = mask_of(search.local.unbalanced(mask, node.placed))
     if mask == certain or search.failure(node.placed, mask) is not None:
         return mask
-    if not certain and _stands(replace(node, props=0), search, well=False):
+    if not certain and _stands(replace(node, props=0), search, full=False):
         return 0
     doubtful = mask & ~certain
     if doubtful.bit_count() <= POLISHED:
         for block in members(doubtful):
-            if _stands(replace(node, props=mask & ~(1 << block)), search, well=False):
+            if _stands(replace(node, props=mask & ~(1 << block)), search, full=False):
                 mask &= ~(1 << block)
     return mask
 
@@ -153,13 +146,12 @@ def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None
                     break  # what does not carry with a prop does not carry without it
                 fewer = replace(path[i], props=active[i] & ~bit)
                 if not (
-                    search.local.holds(block, fewer.placed) and _stands(fewer, search, well=True)
+                    search.local.holds(block, fewer.placed) and _stands(fewer, search, full=True)
                 ):
                     break
                 active[i] &= ~bit
 
 
-def _stands(node: Node, search: OrderSearch, *, well: bool) -> bool:
+def _stands(node: Node, search: OrderSearch, *, full: bool) -> bool:
     """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
-    answer = search.answer(node, sure=True) if well else search.look(node)
-    return answer.stands and search.can_hold(node)
+    return search.answer(node, full=full).stands and search.can_hold(node)

@@ -15,23 +15,19 @@ from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
-from drystone.sequence.best_first import OrderSearch
 from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
-from drystone.sequence.deepening import search_below
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.exact import search_exactly
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
-from drystone.sequence.imposed_order import departure
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.search import NO_HELP, Node, OrderSearch
 from drystone.sequence.stage_checks import Check, check_both, check_thoroughly
 from drystone.sequence.stages import Stage, StageAnswer, members
-from drystone.sequence.states import NO_HELP, Node, SearchOptions
 from drystone.sequence.structure import Structure
-from drystone.stability.screening import Screening, stage_screening
+from drystone.stability.screening import stage_screening
 
 EFFORT, LARGE = 1600.0, 50.0
 """The planner holds or props blocks after EFFORT / n stages without progress, with n free blocks
@@ -47,8 +43,6 @@ class PlanOptions(Options):
     Attributes
     ----------
     rules
-    exact
-        Search all orders, for models with at most 14 free blocks.
     patience
         Stages without progress before blocks are held or propped. When left out: 1600 divided by
         the number of free blocks in the largest connected part, fewer above 50 blocks. Infinite:
@@ -66,7 +60,6 @@ class PlanOptions(Options):
     """
 
     rules: Rules = field(default_factory=Rules)
-    exact: bool = False
     patience: float | None = None
     width: int = 16
     anyway: bool = False
@@ -87,7 +80,6 @@ def plan(
     *,
     options: PlanOptions | None = None,
     check: Check | None = None,
-    screening: Sequence[Screening] | None = None,
     checkpoint: PathLike | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -106,11 +98,8 @@ def plan(
         A model of the complete structure; or an assembly or a file that ``how`` turns into one.
     options
     check
-        Function that gives the verdict on a stage; :func:`check_both` when left out. The complete
-        structure may also stand after settling.
-    screening
-        Screening levels of a stage before its check, in order. When left out: those of
-        ``drystone.stability.screening.stage_screening`` without ``check``, none with it.
+        Function that gives the verdict on a stage. When left out: :func:`check_both`, after a quick
+        look for a rest state; the complete structure may also stand after settling.
     checkpoint
         File from which the search continues after an interruption.
 
@@ -137,11 +126,9 @@ def plan(
     """
     chosen = PlanOptions.of(options)
     model = Structure(as_model(given, **how), check or check_both)
-    if screening is None and check is None:
-        screening = stage_screening(model.largest[0])
-    model = replace(model, screening=tuple(screening or ()))
-    removal = RemovalTest(model)
-    bound = bind(chosen.rules, model, removal)
+    if check is None:
+        model = replace(model, quick=stage_screening(model.largest[0])[0])
+    bound = bind(chosen.rules, model, RemovalTest(model))
     clock = Clock(time_limit_s, stop)
     with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
@@ -156,7 +143,7 @@ def plan(
                 solved=evaluator.solved,
                 solve_s=evaluator.solve_s,
             )
-        planner = _Planner(evaluator, bound, removal, chosen, progress)
+        planner = _Planner(evaluator, bound, chosen, progress)
         try:
             return planner.run(complete)
         except Stopped:
@@ -177,38 +164,27 @@ class _Planner:
         self,
         evaluator: Evaluator,
         bound: BoundRules,
-        removal: RemovalTest,
         options: PlanOptions,
         progress: Progress | None,
     ) -> None:
         self.evaluator = evaluator
         self.model = evaluator.model
         self.bound = bound
-        self.removal = removal
         self.options = options
         self.progress = progress
         self.scaffold: ScaffoldedStages | None = None
+        if options.scaffold is not None:
+            kind, bearing = options.scaffold, options.scaffold_options
+            self.scaffold = ScaffoldedStages(self.model.model, kind, bearing)
+        free, _ = self.model.largest
+        effort = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
+        self.patience = effort if options.patience is None else options.patience
 
     def run(self, complete: StageAnswer) -> Plan:
-        free, _ = self.model.largest
-        patience = self.options.patience
-        if patience is None:
-            patience = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
-        whole = self.options.exact or math.isinf(patience)
-        options = SearchOptions(
-            math.inf if whole else patience,
-            2**30 if whole else self.options.width,
-            int(min(4.0, max(1.0, patience // 4))),
-        )
-        if self.options.scaffold is not None:
-            kind, bearing = self.options.scaffold, self.options.scaffold_options
-            self.scaffold = ScaffoldedStages(self.model.model, kind, bearing)
-        order = self.search(complete, options, self.bound, whole=whole)
-        return self.describe(complete, order, self.imposed_order(complete, options, order))
+        order = self.search(complete, self.bound)
+        return self.describe(complete, order, self.imposed_order(complete, order))
 
-    def search(
-        self, complete: StageAnswer, options: SearchOptions, bound: BoundRules, *, whole: bool
-    ) -> Trimmed:
+    def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
         """The order with the least help that is found; searched again while help is spared.
 
         In models of few blocks less help is searched below it, except where the order is given.
@@ -218,51 +194,52 @@ class _Planner:
             search = OrderSearch(
                 self.evaluator,
                 bound,
-                self.removal,
-                options,
-                bounded=whole and not self.options.exact,
+                self.patience,
+                self.options.width,
                 progress=self.progress,
                 scaffold=self.scaffold,
             )
             root = Node(self.model.everything, 0)
             if not complete.stands:
                 root = replace(search.prop(root, complete), cost=NO_HELP)
-            found = search_exactly(search, root) if self.options.exact else search.run(root)
-            order = trimmed(found, search)
+            order = trimmed(search.run(root), search)
             if best is not None and order.cost >= best.cost:
                 break
             best = order
             if not order.spared:
                 break
-        known = best.cost == NO_HELP or best.proved or not search.few
-        if known or whole or not isinstance(self.bound.rules.order, Order):
+        known = best.cost == NO_HELP or best.proved or math.isinf(self.patience)
+        if known or not search.few or not isinstance(self.bound.rules.order, Order):
             return best
-        less = search_below(search, root, best.cost)
+        less = search.below(root, best.cost)
         if less is None:
             return best
         if not less.path:
             return replace(best, proved=True)
         return min(best, trimmed(less, search), key=lambda one: one.cost)
 
-    def imposed_order(
-        self, complete: StageAnswer, options: SearchOptions, order: Trimmed
-    ) -> tuple[str, ...]:
+    def imposed_order(self, complete: StageAnswer, order: Trimmed) -> list[str]:
         """Where an order given by names is not kept, and whether another one needs no help."""
         given = self.bound.rules.order
         if isinstance(given, Order):
-            return ()
+            return []
         names = self.model.assembly.names
         found = [names[b] for node in order.path for b in node.group[::-1]]
-        words = [departure(list(given), found)]
+        wanted = [name for name in given if name in set(found)]
+        words = [
+            f"the given order is not kept: '{name}' is placed before '{want}'"
+            for want, name in zip(wanted, found, strict=False)
+            if want != name
+        ][:1]
         small = self.model.largest[0] <= SPARED
         if order.cost != NO_HELP and not order.proved and complete.stands and small:
             other = replace(self.bound, rank=removal_rank(Order.TOP, self.model))
-            if self.search(complete, options, other, whole=False).cost == NO_HELP:
+            if self.search(complete, other).cost == NO_HELP:
                 words.append(
                     "a plan without help exists in another order, which is found without a given "
                     "order (without --order)"
                 )
-        return tuple(one for one in words if one)
+        return words
 
     def describe(self, complete: StageAnswer, order: Trimmed, own: Sequence[str]) -> Plan:
         path, active = order.path, order.props
@@ -289,13 +266,13 @@ class _Planner:
                 self.progress("verifying stages", len(steps), len(path) - 1)
         steps.reverse()
         impossible = dict(self.bound.reasons)
-        screened = self.model.screening and self.model.largest[1] > CHECKED
+        screened = self.model.quick is not None and self.model.largest[1] > CHECKED
         return Plan(
             self.model,
             complete,
             tuple(steps),
             impossible,
-            "; ".join([self.message(complete, steps, impossible, screened=bool(screened)), *own]),
+            "; ".join([self.message(complete, steps, impossible, screened=screened), *own]),
             self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
@@ -356,7 +333,7 @@ class _Planner:
         blocks = before.group[::-1]
         placed, motion = before.placed, []
         for block in blocks:
-            out = self.removal.direction(block, placed)
+            out = self.bound.removal.direction(block, placed)
             motion.append(-self.model.up if out is None else -out)
             placed |= 1 << block
         directions = np.array(motion).reshape(-1, 3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
@@ -102,6 +102,8 @@ class BoundRules:
         Mass whose weight these hands can hold.
     core
         Free blocks that can never be removed, and so never inserted, with reasons.
+    removal
+        Which blocks the others in place let out.
     """
 
     rules: Rules
@@ -112,11 +114,12 @@ class BoundRules:
     lifters: Ints
     limit: Floats
     core: int
-    reasons: Mapping[int, str] = field(default_factory=dict)
+    reasons: Mapping[int, str]
+    removal: RemovalTest
 
-    def allows(self, block: int, placed: int) -> bool:
-        """Whether a block may be removed before the others in place."""
-        return not self.after[block] & placed
+    def can_leave(self, block: int, placed: int) -> bool:
+        """Whether a block may, and can, be removed before the others in place."""
+        return not self.after[block] & placed and self.removal.free(block, placed)
 
 
 def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
@@ -134,7 +137,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
     core, reasons = _locked(rules, model, removal, after, lifters, hands)
     course = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
     rank = removal_rank(rules.order, model)
-    return BoundRules(rules, after, rank, course, hands, lifters, limit, core, reasons)
+    return BoundRules(rules, after, rank, course, hands, lifters, limit, core, reasons, removal)
 
 
 def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:

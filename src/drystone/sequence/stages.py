@@ -15,21 +15,20 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.results import Verdict
-from drystone.stability import Screening
 from drystone.stability.attempts import Candidate
 
 
 class Stage(NamedTuple):
     """Blocks in place and, among them, those that are held; one bit per block.
 
-    With a ``screening`` level the stage is screened instead of checked. Screening can prove that it
-    stands, not that it falls. It may start from the rest state of a similar stage ``near``, given
-    by its blocks in place and held blocks.
+    A ``quick`` look replaces the check: it can prove that the stage stands, not that it falls. Both
+    may start from the rest state of a similar stage ``near``, given by its blocks in place and held
+    blocks.
     """
 
     placed: int
     held: int = 0
-    screening: Screening | None = None
+    quick: bool = False
     near: tuple[int, int] | None = None
 
     def __repr__(self) -> str:
@@ -90,7 +89,7 @@ class StageAnswer(OneLine):
         ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty. An
         empty one: none was found.
     uniform
-        The rest state of a part with uniform stiffness, where a screening found it.
+        The rest state of a part with uniform stiffness, where a quick look found it.
     """
 
     verdict: Verdict

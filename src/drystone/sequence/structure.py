@@ -25,7 +25,7 @@ from drystone.model import Model, OfModel
 from drystone.results import Result, Verdict
 from drystone.sequence.stage_checks import Check, check_both, check_both_near
 from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
-from drystone.stability import Screening, try_rest
+from drystone.stability import PATIENT, Screening, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
 from drystone.stability.verdict.following import SETTLES_ALIKE
@@ -60,13 +60,13 @@ class Structure(OfModel, OneLine):
     model
     check
         Function that gives the verdict on a stage.
-    screening
-        Screening levels of a stage before its check, in order.
+    quick
+        How a stage is looked at before its check; None: it is checked at once.
     """
 
     model: Model
     check: Check = check_both
-    screening: tuple[Screening, ...] = ()
+    quick: Screening | None = None
 
     def __post_init__(self) -> None:
         self.model.require_still()
@@ -137,7 +137,7 @@ class Structure(OfModel, OneLine):
                 frontier = near & moving & ~reached
                 reached |= frontier
             held = touched & stage.held
-            out.append(Stage(reached | held, held, stage.screening, stage.near))
+            out.append(Stage(reached | held, held, stage.quick, stage.near))
             moving &= ~reached
         return out
 
@@ -183,7 +183,7 @@ class Structure(OfModel, OneLine):
             Displacements of all blocks in rest states to start from, by the number of the contact
             stiffness; empty where none was found.
         rest
-            The rest state with uniform stiffness that a screening of this part found.
+            The rest state with uniform stiffness that a quick look at this part found.
         """
         found = self._part(part.placed, part.held)
         if found is None:
@@ -194,10 +194,10 @@ class Structure(OfModel, OneLine):
         near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
         rests: Mapping[int, Floats] = {}
         uniform = None
-        if part.screening is not None:
-            result = try_rest(found.problem, screening=part.screening, start=near.get(0))
-            if part.screening.slip_lengths == (None,):
-                uniform = _rest_of(result)
+        if part.quick:
+            level = PATIENT if self.quick is None else self.quick
+            result = try_rest(found.problem, screening=level, start=near.get(0))
+            uniform = _rest_of(result)
         elif self.check is check_both:
             within = self.joints[chosen], int(self.joints[-1]) + 1
             result, rests = check_both_near(found.problem, near, within, rest)

@@ -7,7 +7,7 @@ from drystone.assembly import Assembly
 from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.sequence import Structure
-from drystone.sequence.needs import LocalBalance
+from drystone.sequence.local_balance import LocalBalance
 from drystone.sequence.stages import members
 
 

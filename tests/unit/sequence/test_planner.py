@@ -29,13 +29,6 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.best_first import OrderSearch
-from drystone.sequence.deepening import search_below
-from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.rules import bind
-from drystone.sequence.states import Node, SearchOptions
-from drystone.sequence.structure import Structure
 
 
 def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:
@@ -168,9 +161,10 @@ def test_hands_that_can_lift_next_to_nothing_place_nothing():
     assert "too heavy" in found.impossible[1]
 
 
-def test_a_small_plan_that_needs_help_is_proved_without_an_exact_search():
+def test_a_small_plan_that_needs_help_is_proved_with_the_usual_patience():
     quick, best = (
-        planned(arch(0.3, 7), 0.4, rules=Rules(hands=1), exact=exact) for exact in (False, True)
+        planned(arch(0.3, 7), 0.4, rules=Rules(hands=1), patience=patience)
+        for patience in (None, float("inf"))
     )
     assert len(quick.props) == len(best.props) == 4
     assert quick.proved
@@ -183,7 +177,7 @@ def test_props_that_stay_for_good_are_not_proved_to_be_the_fewest():
     blocks = [box((1.0, 1.0, 1.0), (0.0, y, 0.0), f"base-{y}") for y in (0, 2)]
     blocks += [box((1.0, 1.0, 0.2), (0.6, y, 1.0), f"plank-{y}") for y in (0, 2)]
     two = Assembly(tuple(blocks), np.array([True, True, False, False]))
-    found = planned(two, anyway=True, exact=True)
+    found = planned(two, anyway=True, patience=float("inf"))
     assert found.counts["propped"] == 2
     assert not found.proved
     assert planned(two.without(["plank-2"]), anyway=True).proved
@@ -197,8 +191,8 @@ def test_what_stands_alone_is_not_placed_together():
     assert [found.model.assembly.names[prop.block] for prop in found.props] == ["key"]
 
 
-def test_a_stage_of_a_small_pile_is_screened_at_every_level():
-    # the first level lets half of these stages fall, and does not tell which blocks do
+def test_a_stage_of_a_small_pile_is_checked_and_not_only_looked_at():
+    # a quick look finds no rest state of half of these stages, and does not tell which blocks fall
     corners = [
         ((-4.0, -1.0, -0.5), (4.0, 3.0, 0.0)),
         ((-0.88, 0.72, 0.0), (-0.08, 1.51, 0.32)),
@@ -211,7 +205,10 @@ def test_a_stage_of_a_small_pile_is_screened_at_every_level():
         box(tuple(np.subtract(high, low)), low, f"b{i}") for i, (low, high) in enumerate(corners)
     ]
     pile = Assembly(tuple(blocks), np.arange(6) == 0)
-    quick, best = (planned(pile, 0.2, rules=Rules(hands=1), exact=exact) for exact in (False, True))
+    quick, best = (
+        planned(pile, 0.2, rules=Rules(hands=1), patience=patience)
+        for patience in (None, float("inf"))
+    )
     assert len(quick.props) == len(best.props) == 2
 
 
@@ -222,14 +219,14 @@ def needs(found: Plan) -> tuple[int, int]:
 
 @pytest.mark.parametrize("friction", [0.66, 0.7, 0.84, 0.9, 1.0])
 def test_the_bridge_is_checked_in_full_before_help_is_given(friction):
-    # screening finds no rest state of some of its stages, and the check does
+    # a quick look finds no rest state of some of its stages, and the check does
     found = planned(bridge(), friction)
     assert found.counts["free"] == 9
     assert found.proved
 
 
 def test_states_without_help_are_tried_for_longer():
-    # each counts once, not once per screening level, and a third of a state with help
+    # each counts a third of a state with help
     model = Model.of(bridge(load=True), friction=0.34)
     some = [name for name in model.assembly.names if name not in LATER]
     found = plan(model.subset(some), options=PlanOptions(patience=12.0))
@@ -304,23 +301,6 @@ def test_less_help_is_searched_below_a_first_order(blocks, patience):
     assert found.verdict is Verdict.STABLE
 
 
-def test_a_search_below_a_limit_that_leaves_no_state_proves_it():
-    model = Structure(Model.of(arch(0.3, 7), friction=0.4), check_both)
-    with Evaluator(model) as evaluator:
-        removal = RemovalTest(model)
-        bound = bind(Rules(hands=1), model, removal)
-        search = OrderSearch(evaluator, bound, removal, SearchOptions(patience=500.0))
-        root = Node(model.everything, 0)
-        below = search_below(search, root, (4, 0, 0))
-        assert below is not None
-        assert (below.proved, below.path) == (True, [])
-        found = search_below(search, root, (5, 0, 0))
-        assert found is not None
-        assert (found.proved, found.path[-1].cost) == (True, (4, 0, 0))
-        short = OrderSearch(evaluator, bound, removal, SearchOptions(patience=1.0))
-        assert search_below(short, root, (4, 0, 0)) is None
-
-
 def test_no_hands_are_refused_at_once():
     with pytest.raises(InputError, match="give 1 or more"):
         Rules(hands=0)
@@ -390,7 +370,7 @@ def test_margins_that_are_stopped_keep_the_stages_that_are_known():
     assert (sweep.friction, sweep.plans) == ((), ())
 
 
-def test_a_plan_whose_stages_were_only_screened_says_so(monkeypatch):
+def test_a_plan_whose_stages_were_only_looked_at_says_so(monkeypatch):
     for module in ("planner", "checked_steps"):
         monkeypatch.setattr(f"drystone.sequence.{module}.CHECKED", 7)
     assert planned(tower(2)).message == "every stage stands"  # 4 corners

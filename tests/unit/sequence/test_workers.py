@@ -30,7 +30,6 @@ from drystone.sequence import (
 from drystone.sequence.stages import Stage
 from drystone.sequence.structure import Structure
 from drystone.stability.problem import Problem
-from drystone.stability.screening import QUICK
 
 
 def arch_plan(**arguments: object) -> Plan:
@@ -54,7 +53,7 @@ def alone() -> object:
 
 
 def slowly(model: Model) -> Result:
-    """A check of the caller's own: no screening comes before it."""
+    """A check of the caller's own: no quick look comes before it."""
     return check_once(model)
 
 
@@ -63,7 +62,7 @@ def checked() -> object:
     return essence(arch_plan(check=slowly))
 
 
-def test_screening_leads_to_the_plan_of_the_check_itself(alone, checked):
+def test_a_quick_look_leads_to_the_plan_of_the_check_itself(alone, checked):
     assert [step[:3] for step in alone] == [step[:3] for step in checked]
     for ours, his in zip(alone, checked, strict=True):
         force, theirs = np.frombuffer(ours[3]), np.frombuffer(his[3])
@@ -87,7 +86,7 @@ def test_a_part_is_built_once_and_does_not_travel(monkeypatch):
     build = Problem.build
     monkeypatch.setattr(Problem, "build", lambda model: built.append(model) or build(model))
     whole = Stage(structure.everything)
-    assert structure.solve(whole._replace(screening=QUICK)).stands
+    assert structure.solve(whole._replace(quick=True)).stands
     assert structure.solve(whole).stands
     assert len(built) == 1
     assert pickle.loads(pickle.dumps(structure)).solve(whole).stands
@@ -226,7 +225,7 @@ def test_an_interrupted_plan_goes_on_from_its_checkpoint(checked, tmp_path):
     assert 1000 - CALLS["left"] < whole
 
 
-def test_an_interrupted_plan_with_screening_ends_with_the_same_order_and_help(alone, tmp_path):
+def test_an_interrupted_plan_with_quick_looks_ends_with_the_same_order_and_help(alone, tmp_path):
     file = tmp_path / "stages.json"
 
     def stop(stage: str, done: int, total: int) -> None:

@@ -101,9 +101,6 @@ def plan(
         Option("Blocks placed before any of the next --reach; separated by commas.",
                kind=kinds.OptionKind("NAMES", _names), expert=True),
     ] = (),
-    exact: Annotated[
-        bool, Option("Search all orders (up to 14 free blocks).", expert=True)
-    ] = False,
     best: Annotated[
         bool, Option("Search until no order with less help is left.", expert=True)
     ] = False,
@@ -155,7 +152,7 @@ def plan(
 
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
-        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway,
+        rules=rules, patience=float("inf") if best else None, anyway=finding.anyway,
         scaffold=scaffold,
         scaffold_options=scaffold_options(scaffold_limit, scaffold_foot, scaffold_length),
     )  # fmt: skip
