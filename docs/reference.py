@@ -18,6 +18,7 @@ ROOMS = {
     "Shells": ("drystone.shells",),
     "Model families": ("drystone.models",),
     "Contacts": ("drystone.detection",),
+    "Answers": ("drystone.answer",),
     "Analyses": ("drystone.stability", "drystone.results"),
     "Settlement and large displacement": ("drystone.settlement",),
     "Films of a fall": ("drystone.fall",),

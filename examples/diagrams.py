@@ -22,6 +22,7 @@ FLOORS = {
     "Describe": (
         "io",
         "results",
+        "answer",
         "joints",
         "virtual",
         "model",

@@ -8,15 +8,16 @@ corner of the block. A small block on a large one is therefore checked at its ow
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
+from drystone.base.display import OneLine
 from drystone.contacts import Contacts
 from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
-from drystone.results import Residuals
 
 _PRESSED = 1e-7
 """A corner that carries force overlaps by at least this share of the largest displacement at the
@@ -33,6 +34,41 @@ are 1e100 at most."""
 MOVING = 0.05
 """Motions of a corner below this share of the largest of its joint count as zero, to distinguish
 hinges from sliding joints in pictures. Chosen."""
+
+
+@dataclass(frozen=True)
+class Residuals(OneLine):
+    """How well each condition is met, recomputed from points and cross products.
+
+    All dimensionless: forces by mean block weight, lengths by block size.
+
+    Attributes
+    ----------
+    equilibrium
+        Largest unbalanced component on any block.
+    tension
+        Largest pull.
+    cone
+        Largest excess of friction over the coefficient times the normal force.
+    complementarity
+        Largest product of normal force and opening.
+    alignment
+        Largest component of friction that does not act against the displacement.
+    overlap
+        Largest difference of the overlaps of pressed corners, by their mean (eq. 5.6 only).
+    """
+
+    equilibrium: float = 0.0
+    tension: float = 0.0
+    cone: float = 0.0
+    complementarity: float = 0.0
+    alignment: float = 0.0
+    overlap: float = 0.0
+
+    @property
+    def largest(self) -> float:
+        """The worst of them."""
+        return max(vars(self).values())
 
 
 def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:

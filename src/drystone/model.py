@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, of_type
-from drystone.base.display import Card, shortened
+from drystone.base.display import Card, OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
@@ -46,6 +46,25 @@ class OfModel:
         return self.model.contacts
 
 
+@dataclass(frozen=True)
+class Origin(OneLine):
+    """Where a model came from.
+
+    Attributes
+    ----------
+    file
+        Empty where there was none.
+    sha256
+        Hash of its content.
+    reading
+        How it was read, as text by name: what differs from the defaults.
+    """
+
+    file: str = ""
+    sha256: str = ""
+    reading: Mapping[str, str] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, eq=False)
 class Model(Card):
     """Blocks, the interfaces at which they touch, and the load on them.
@@ -67,6 +86,8 @@ class Model(Card):
     unjoined
         Pairs that are near each other and that the contact search did not join. No proof that
         blocks fall rests on them.
+    origin
+        The file that it was read from.
 
     Raises
     ------
@@ -91,6 +112,7 @@ class Model(Card):
     notes: tuple[str, ...] = ()
     cases: tuple[LoadCase, ...] = ()
     unjoined: tuple[Missed, ...] = ()
+    origin: Origin = field(default_factory=Origin)
 
     def __post_init__(self) -> None:
         count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
@@ -275,6 +297,7 @@ class Model(Card):
             replace(self.load, wrench=self.load.wrench[chosen], motion=motion),
             notes=self.notes,
             unjoined=among(self.unjoined, chosen),
+            origin=self.origin,
         )
 
     def without(self, blocks: Blocks) -> Model:
@@ -321,4 +344,4 @@ def _own_friction(block: Block) -> float:
     return float(given)
 
 
-__all__ = ["Model", "up_of_load"]
+__all__ = ["Model", "Origin", "up_of_load"]

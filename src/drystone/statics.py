@@ -354,3 +354,26 @@ def build_statics(model: Model) -> Statics:
         force_unit=force_unit,
         mean_length=float(size.sum()) / len(free) if len(free) else 1.0,
     )
+
+
+def first_motion_of(model: Model, prop: Floats) -> Floats:
+    """The first motion (n, 6) of blocks when props are removed.
+
+    The wrench of a prop is the mass of the block times its acceleration without the prop. The
+    fastest corner moves by the mean size of a block.
+
+    Parameters
+    ----------
+    model
+    prop : (n, 6) [N, N m]
+    """
+    statics = build_statics(model)
+    assembly, free = model.assembly, statics.free
+    motion = np.zeros((len(model), 6))
+    motion[free, :3] = -prop[free, :3] / assembly.mass[free, None]
+    turning = assembly.mass[free] * statics.inertia * assembly.size[free] ** 2
+    motion[free, 3:] = -prop[free, 3:] / turning[:, None]
+    speed = np.linalg.norm(motion[:, :3], axis=1)
+    speed += assembly.size * np.linalg.norm(motion[:, 3:], axis=1)
+    fastest = float(speed.max(initial=0.0))
+    return motion * (statics.mean_length / fastest) if fastest > 0.0 else motion

@@ -10,7 +10,7 @@ from drystone.models import shelf
 from drystone.view import Frame
 
 why = drystone.diagnose(shelf(), friction=0.9)
-for sentence in why.sentences:
+for sentence in why.reasons:
     print(sentence)
 
 # %%

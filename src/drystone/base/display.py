@@ -32,17 +32,7 @@ class OneLine:
 
     def _summary(self) -> str:
         """The text between the brackets: the fields that differ from their defaults."""
-        told = []
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            default = (
-                field.default
-                if field.default_factory is dataclasses.MISSING
-                else field.default_factory()
-            )
-            if field.repr and not (value is default or _plainly_equal(value, default)):
-                told.append(f"{field.name}={_SHORT.repr(value)}")
-        return ", ".join(told)
+        return ", ".join(f"{name}={text}" for name, text in differing(self).items())
 
 
 class Card(OneLine):
@@ -64,13 +54,28 @@ class Card(OneLine):
             '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
             f'<div style="max-width:28em"><b>{type(self).__name__}</b>'
             f"<div>{html.escape(sentence)}</div><table>{rows}</table></div>"
-            f"{_picture_of(self)}</div>"
+            f"{picture_of(self)}</div>"
         )
 
 
-def _picture_of(value: object) -> str:
+def picture_of(value: object) -> str:
     """A small picture of a value as HTML; empty if no function was set."""
     return "".join(draw(value) for draw in _DRAWN_BY)
+
+
+def differing(value: Any) -> dict[str, str]:
+    """The fields of a dataclass that differ from their defaults, as short text."""
+    told = {}
+    for field in dataclasses.fields(value):
+        one = getattr(value, field.name)
+        default = (
+            field.default
+            if field.default_factory is dataclasses.MISSING
+            else field.default_factory()
+        )
+        if field.repr and not (one is default or _plainly_equal(one, default)):
+            told[field.name] = _SHORT.repr(one)
+    return told
 
 
 def draw_with(draw: Callable[[object], str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import io
 import os
 import tempfile
@@ -67,6 +68,12 @@ def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
     if not data.strip(b" \t\r\n\x00"):
         raise FormatError("the file is empty", where=str(file), remedy="export the model again")
     return data
+
+
+def digest(path: PathLike) -> str:
+    """The SHA-256 of a file, in hexadecimal digits."""
+    with as_path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def decode(data: bytes, path: PathLike) -> str:

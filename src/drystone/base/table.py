@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, MissingDependency, counted
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 
 SHOWN = 30
 """Largest number of rows in a notebook. Chosen: one screen."""
+NEGLIGIBLE = 1e-6
+"""Share of the largest value of a column below which a value is rounding and is shown as 0."""
+_PREFIXED = ("N", "N m", "Pa", "m")
+"""Units that are shown with a prefix in each cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +38,9 @@ class Table(OneLine):
     ----------
     title
     columns
-        Per name one value for each row; kept as read-only arrays.
+        Per name one value for each row, or a vector (3,); kept as read-only arrays.
     units
-        Of the columns that have one.
+        Of the columns that have one; ``1`` of shares, which are shown in percent.
 
     Raises
     ------
@@ -64,6 +69,9 @@ class Table(OneLine):
         object.__setattr__(self, "columns", MappingProxyType(columns))
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Table, (self.title, dict(self.columns), dict(self.units))
+
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self), 'row')}: {', '.join(self.headings())}"
 
@@ -80,9 +88,43 @@ class Table(OneLine):
         plain = [values.tolist() for values in self.columns.values()]
         return (dict(zip(self.columns, row, strict=True)) for row in zip(*plain, strict=True))
 
+    @property
+    def key(self) -> str:
+        """The title as a name for programs."""
+        return self.title.replace(" ", "_")
+
     def headings(self) -> list[str]:
         """Names of the columns with their units, such as ``normal [N]``."""
         return [f"{n} [{self.units[n]}]" if n in self.units else n for n in self.columns]
+
+    def cells(self) -> tuple[list[str], list[list[str]]]:
+        """Headings and rows for people: three digits, units with prefixes, shares in percent.
+
+        Examples
+        --------
+        >>> table = Table("boxes", {"push": [1500.0], "at": [(0.0, 0.0, 2.0)]}, {"push": "N"})
+        >>> table.cells()
+        (['push', 'at'], [['1.5 kN', '0, 0, 2']])
+        """
+        heads, columns = [], []
+        for name, values in self.columns.items():
+            unit = self.units.get(name, "")
+            alone = unit in ("", "1") or (unit in _PREFIXED and values.dtype.kind == "f")
+            heads.append(name.replace("_", " ") + ("" if alone else f" [{unit}]"))
+            columns.append(_shown(values, unit))
+        return heads, [list(row) for row in zip(*columns, strict=True)]
+
+    def _flat(self) -> dict[str, np.ndarray]:
+        """The columns; of vectors one for each axis, its unit with it."""
+        flat = {}
+        for name, heading in zip(self.columns, self.headings(), strict=True):
+            values = self[name]
+            if values.ndim == 1:
+                flat[heading] = values
+            else:
+                flat |= {heading.replace(name, f"{name}_{x}", 1): values[:, i]
+                         for i, x in enumerate("xyz")}  # fmt: skip
+        return flat
 
     def take(self, rows: Sequence[int] | Ints) -> Table:
         """Some of the rows, in the given order."""
@@ -111,8 +153,9 @@ class Table(OneLine):
         """
         text = io.StringIO(newline="")
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.headings())
-        writer.writerows(row.values() for row in self)
+        flat = self._flat()
+        writer.writerow(flat)
+        writer.writerows(zip(*(values.tolist() for values in flat.values()), strict=True))
         write_bytes(path, text.getvalue().encode("utf-8"))
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -127,16 +170,32 @@ class Table(OneLine):
             import pandas  # optional: only for those who work with data frames
         except ImportError as error:
             raise MissingDependency("pandas", extra="pandas", purpose="a data frame") from error
-        frame = pandas.DataFrame({name: values.copy() for name, values in self.columns.items()})
+        named = {name.partition(" [")[0]: values for name, values in self._flat().items()}
+        frame = pandas.DataFrame({name: values.copy() for name, values in named.items()})
         frame.attrs.update(title=self.title, units=dict(self.units))
         return frame
 
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The rows for polars, pandas, DuckDB and others that read Arrow.
+
+        Raises
+        ------
+        MissingDependency
+            pyarrow is not installed.
+        """
+        try:
+            import pyarrow  # optional, as above
+        except ImportError as error:
+            raise MissingDependency("pyarrow", extra="arrow", purpose="Arrow tables") from error
+        flat = {name: values.tolist() for name, values in self._flat().items()}
+        return pyarrow.table(flat).__arrow_c_stream__(requested_schema)
+
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in self.headings())
-        rows = self.take(range(min(SHOWN, len(self))))
+        heads, rows = self.cells()
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
         body = "".join(
-            f"<tr>{''.join(f'<td>{html.escape(_told(x))}</td>' for x in row.values())}</tr>"
-            for row in rows
+            f"<tr>{''.join(f'<td>{html.escape(shortened(x, 60))}</td>' for x in row)}</tr>"
+            for row in rows[:SHOWN]
         )
         more = f"<div>and {len(self) - SHOWN} more</div>" if len(self) > SHOWN else ""
         return (
@@ -159,7 +218,37 @@ def _known(name: str, columns: Mapping[str, Any]) -> str:
     return name
 
 
-def _told(value: Any) -> str:
+def _shown(values: np.ndarray, unit: str) -> list[str]:
+    """The values of a column for people."""
+    if values.dtype.kind == "f":
+        finite = values[np.isfinite(values)]
+        largest = float(np.abs(finite).max(initial=0.0))
+        least = NEGLIGIBLE * largest
+        if values.ndim == 2 and unit in _PREFIXED:
+            return [quantities.components(row, unit, least, largest) for row in values.tolist()]
+        if values.ndim == 2:
+            return [", ".join(f"{one + 0.0:.4g}" for one in row) for row in values.tolist()]
+        return [_one(value, unit, least) for value in values.tolist()]
+    return [_text(value) for value in values.tolist()]
+
+
+def _one(value: float, unit: str, least: float) -> str:
+    if not math.isfinite(value):
+        return "-" if math.isnan(value) else "unlimited"
+    if unit == "1":
+        return f"{value + 0.0:.1%}"
+    if unit in _PREFIXED:
+        return quantities.quantity(value, unit, least)
+    return f"{value + 0.0:.4g}"
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.4g}"
-    return "" if value is None else shortened(str(value), 60)
+    if isinstance(value, list | tuple):
+        return ", ".join(map(str, value))
+    return str(value)

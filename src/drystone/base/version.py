@@ -1,14 +1,20 @@
-"""The commit that an installed or checked-out package was made from."""
+"""The version of the package, and the commit that it was made from."""
 
 from __future__ import annotations
 
 import subprocess
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 _PACKAGE = Path(__file__).parents[1]
 RECORD = _PACKAGE / "_commit.txt"
 """Written into the package when it is built from a git checkout; see ``hatch_build.py``."""
+
+
+def version() -> str:
+    """The version of drystone."""
+    return str(import_module("drystone").__version__)
 
 
 @cache

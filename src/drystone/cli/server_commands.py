@@ -14,9 +14,9 @@ import click
 from drystone.base.errors import InputError
 from drystone.base.files import write_bytes
 from drystone.cli.base import kinds, output
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import ANALYSIS, OUTPUT, Argument, Option, command
 from drystone.cli.base.kinds import POSITIVE
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 
@@ -52,7 +52,7 @@ def live(
         float, Option("MiB of one model.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
     ] = 16.0,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
     The verdict follows at once. The model file is watched: when it is saved, it is read again.
@@ -117,7 +117,7 @@ def mcp(
     time_limit: Annotated[float, Option("Seconds for one call.", kind=POSITIVE)] = 50.0,
     size_limit: Annotated[float, Option("MiB of one model.", kind=POSITIVE)] = 16.0,
     waiting: Waiting,  # noqa: ARG001  # the client waits
-) -> Answer:
+) -> Printed:
     """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
 
     It uses standard input and output, and ends when the client disconnects.

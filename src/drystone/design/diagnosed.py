@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
@@ -54,7 +56,7 @@ class Region(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis(OneLine):
+class Diagnosis(Answer):
     """Where a model falls, why, and which forces are missing.
 
     Attributes
@@ -83,7 +85,7 @@ class Diagnosis(OneLine):
 
     def _summary(self) -> str:
         told = counted(len(self.regions), "region")
-        return f"{self.result.verdict.value}, {told}, '{'; '.join(self.sentences)}'"
+        return f"{self.result.verdict.value}, {told}, '{'; '.join(self.reasons)}'"
 
     @property
     def model(self) -> Model:
@@ -91,7 +93,7 @@ class Diagnosis(OneLine):
         return self.result.model
 
     @property
-    def sentences(self) -> tuple[str, ...]:
+    def reasons(self) -> tuple[str, ...]:
         """A sentence for each region, or one if the model stands."""
         if not self.regions:
             return (diagnosis_words.nothing(self.result),)
@@ -117,28 +119,58 @@ class Diagnosis(OneLine):
         bare = [region.needs for region in self.regions if not region.needs.props.props]
         return _arrows([(needs.point, needs.force) for needs in bare])
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: forces in N, moments in N m, lengths in m."""
-        return _plain(self)
+    @property
+    def title(self) -> str:
+        """The verdict as a plain sentence."""
+        return self.result.title
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The verdict, and why each region falls."""
+        verdict, *_ = self.result.sentences()
+        said = [verdict, Sentence(self.result.message), *(Sentence(one) for one in self.reasons)]
+        if self.stopped:
+            said.append(Sentence(f"{self.stopped} before all was tried", Role.REMARK))
+        return [one for one in said if one.text]
+
+    def layers(self) -> Scene:
+        """The model with its first motion and the forces that would hold it."""
+        stage = self.result.stage("diagnosis")
+        needed = [
+            Layer(
+                key, label, LayerKind.ARROWS, "help", point, force, single=True, width=2.0,
+                group="help",
+            )
+            for key, label, (point, force) in (
+                ("help", "props that would hold it", self.props),
+                ("missing", "forces that are missing", self.missing),
+            )
+            if len(point)
+        ]  # fmt: skip
+        shown = [layer for layer in stage.layers if layer.kind is not LayerKind.ARROWS]
+        stage = replace(
+            stage,
+            message="; ".join(self.reasons),
+            motion=self.motion if self.regions else None,
+            prop=None,
+            layers=(*shown, *needed),
+        )
+        return replace(self.result.layers(), stages=(stage,))
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Of each region: its joints, and what would hold it."""
+        return {
+            "verdict": self.result.verdict,
+            "message": self.result.message,
+            "friction_of_all": self.friction,
+            "others": [self.model.assembly.names[i] for i in self.others],
+            "stopped": self.stopped,
+            "regions": [_plain_region(self.model, region) for region in self.regions],
+        }
 
 
 def _arrows(pairs: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
     point, force = ([one[k] for one in pairs] for k in (0, 1))
     return np.array(point).reshape(-1, 3), np.array(force).reshape(-1, 3)
-
-
-def _plain(diagnosis: Diagnosis) -> dict[str, Any]:
-    """A diagnosis as plain values."""
-    model = diagnosis.model
-    return {
-        "verdict": diagnosis.result.verdict.value,
-        "message": diagnosis.result.message,
-        "sentences": list(diagnosis.sentences),
-        "friction_of_all": diagnosis.friction,
-        "others": [model.assembly.names[i] for i in diagnosis.others],
-        "stopped": diagnosis.stopped,
-        "regions": [_plain_region(model, region) for region in diagnosis.regions],
-    }
 
 
 def _plain_region(model: Model, region: Region) -> dict[str, Any]:

@@ -39,11 +39,12 @@ from drystone.design.props import (
     find_props,
     quickly_stands,
 )
-from drystone.design.regions import first_motion_of, interfaces_of, local_model, regions_of
+from drystone.design.regions import interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
+from drystone.statics import first_motion_of
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def diagnose(
     --------
     >>> from drystone.models import h_model
     >>> found = diagnose(h_model(), friction=0.9)
-    >>> for part in found.sentences[0].replace(", or", ";or").split(";"):
+    >>> for part in found.reasons[0].replace(", or", ";or").split(";"):
     ...     print(part.strip())
     block 'block' slides down along 'left' and 'right'
     nothing presses on it

@@ -76,7 +76,7 @@ def find_mends(
         first.model, result=falls, executor=executor, progress=progress, stop=clock.late
     )
     if not found.regions:
-        told = found.sentences[0]
+        told = found.reasons[0]
         if first.stable:
             told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
         return Mends(found, (), message=told)

@@ -8,9 +8,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Ints
 from drystone.model import Model
-from drystone.statics import build_statics
 
 
 def regions_of(model: Model, needy: Sequence[int]) -> list[tuple[int, ...]]:
@@ -63,26 +62,3 @@ def interfaces_of(model: Model, region: Sequence[int]) -> Bools:
     inside[list(region)] = True
     touched: Bools = inside[model.contacts.block_a] | inside[model.contacts.block_b]
     return touched & model.active
-
-
-def first_motion_of(model: Model, prop: Floats) -> Floats:
-    """The first motion (n, 6) of blocks when props are removed.
-
-    The wrench of a prop is the mass of the block times its acceleration without the prop. The
-    fastest corner moves by the mean size of a block.
-
-    Parameters
-    ----------
-    model
-    prop : (n, 6) [N, N m]
-    """
-    statics = build_statics(model)
-    assembly, free = model.assembly, statics.free
-    motion = np.zeros((len(model), 6))
-    motion[free, :3] = -prop[free, :3] / assembly.mass[free, None]
-    turning = assembly.mass[free] * statics.inertia * assembly.size[free] ** 2
-    motion[free, 3:] = -prop[free, 3:] / turning[:, None]
-    speed = np.linalg.norm(motion[:, :3], axis=1)
-    speed += assembly.size * np.linalg.norm(motion[:, 3:], axis=1)
-    fastest = float(speed.max(initial=0.0))
-    return motion * (statics.mean_length / fastest) if fastest > 0.0 else motion

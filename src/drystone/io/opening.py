@@ -11,15 +11,15 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import of_type
-from drystone.base.display import shortened
+from drystone.base.display import differing, shortened
 from drystone.base.errors import InputError, counted, meant
-from drystone.base.files import PathLike
+from drystone.base.files import PathLike, digest
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.io.registry import read_file
-from drystone.model import Model, up_of_load
+from drystone.model import Model, Origin, up_of_load
 from drystone.supports import require_supports
 
 UP = {
@@ -189,7 +189,20 @@ def read(
     notes += model.notes
     if case:
         notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
-    return replace(model, notes=tuple(notes), cases=contents.loads)
+    given = {
+        "units": units, "up": None if up == "z" else up, "supports": supports,
+        "friction": friction, "density": density, "split": split, "search": search,
+        "anyway": anyway, "skip_defects": skip_defects, "layers": layers, "hidden": hidden,
+        **({} if detection is None else differing(detection)),
+    }  # fmt: skip
+    chosen = {name: one for name, one in given.items() if one is not None and one is not False}
+    reading = {name: _told(one) for name, one in chosen.items() if one != ()}
+    origin = Origin(str(path), digest(path), reading)
+    return replace(model, notes=tuple(notes), cases=contents.loads, origin=origin)
+
+
+def _told(value: Any) -> str:
+    return "yes" if value is True else shortened(str(value), 60)
 
 
 def as_model(given: Given, **how: Unpack[How]) -> Model:

@@ -186,9 +186,10 @@ class LoadCase(OneLine):
         i = free_block(assembly, block)
         vector = frozen_floats(force, (3,), "force")
         point = assembly.centroid[i] if at is None else frozen_floats(at, (3,), "at")
+        place = "" if at is None else f" at {_listed(point)} m"
         return cls(
             wrench_at(assembly, i, vector[None], point[None]),
-            "point load",
+            f"{_listed(vector)} N on '{assembly.names[i]}'{place}",
             off_block(assembly.blocks[i], point),
         )
 
@@ -205,7 +206,8 @@ class LoadCase(OneLine):
         total = length * frozen_floats(force_per_length, (3,), "force per length")
         notes = [note for point in ends for note in off_block(assembly.blocks[i], point)]
         wrench = wrench_at(assembly, i, total[None], ends.mean(axis=0)[None])
-        return cls(wrench, "line load", tuple(notes))
+        name = f"{_listed(total)} N along a line of '{assembly.names[i]}'"
+        return cls(wrench, name, tuple(notes))
 
     @classmethod
     def surface_load(
@@ -237,7 +239,8 @@ class LoadCase(OneLine):
         """
         i = free_block(assembly, block)
         force, point = surface_forces(assembly.blocks[i], traction, faces, facing)
-        return cls(wrench_at(assembly, i, force, point), "surface load")
+        name = f"surface load on '{assembly.names[i]}'"
+        return cls(wrench_at(assembly, i, force, point), name)
 
     @classmethod
     def moment(cls, assembly: Assembly, block: int | str, moment: Any) -> LoadCase:
@@ -245,7 +248,7 @@ class LoadCase(OneLine):
         i = free_block(assembly, block)
         wrench = np.zeros((len(assembly), 6))
         wrench[i, 3:] = frozen_floats(moment, (3,), "moment")
-        return cls(wrench, "moment")
+        return cls(wrench, f"moment {_listed(wrench[i, 3:])} N m on '{assembly.names[i]}'")
 
     @classmethod
     def extra_mass(
@@ -263,7 +266,8 @@ class LoadCase(OneLine):
             raise InputError(f"mass is {carried}", remedy="give kg of zero or more")
         force = carried * number(g, "g") * unit(direction, "gravity direction")
         load = cls.point_load(assembly, block, force, at)
-        return cls(load.wrench, f"{carried:g} kg", load.notes)
+        place = load.name.partition(" N on ")[2]
+        return cls(load.wrench, f"{carried:g} kg on {place}", load.notes)
 
     @classmethod
     def settlement(cls, assembly: Assembly, block: int | str, motion: Any) -> LoadCase:
@@ -340,3 +344,7 @@ class LoadCase(OneLine):
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case
+
+
+def _listed(vector: Floats) -> str:
+    return ", ".join(f"{x + 0.0:.4g}" for x in vector)

@@ -1,15 +1,13 @@
 """Pictures of results: self-contained pages, static figures, CAD files."""
 
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.plots import save_curve, save_front, save_gravity, save_polar, save_share
 from drystone.view.paper.report import save_report
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.mend_scenes import mended_scene
-from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
-from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
-from drystone.view.style.palette import State
 from drystone.view.style.presets import PRESETS, Preset
 from drystone.view.web.notebook import Frame, show
 from drystone.view.web.page import page_text, save_page
@@ -41,5 +39,4 @@ __all__ = [
     "save_share",
     "scene_of",
     "show",
-    "stage_of",
 ]

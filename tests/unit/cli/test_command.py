@@ -13,8 +13,8 @@ import pytest
 from drystone import io
 from drystone.cli import main
 from drystone.cli.application import app
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import MODEL, Argument, Command, Option, command
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.models import arch
 
@@ -39,11 +39,11 @@ def lay(
     place: Annotated[str, Argument("PLACE", "Where it goes.")],
     tool: Annotated[tuple[str, ...], Option("Tools.")] = (),
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Lay stones."""
     assert isinstance(waiting, Waiting)
     SEEN.append((stone, place, rows, tool))
-    return Answer({"laid": rows}, lambda screen: screen.line("laid"))
+    return Printed({"laid": rows}, lambda screen: screen.line("laid"))
 
 
 def test_the_command_gets_its_groups_back(capsys: Capsys) -> None:

@@ -86,9 +86,9 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
 def test_ctrl_c_while_files_are_made_keeps_the_verdict(tmp_path: Path) -> None:
     io.write(tower(2), tmp_path / "tower.json")
     code = (
-        "import drystone.results\n"
+        "import drystone.results.result\n"
         "def joint_table(*given): tell('joints'); wait()\n"
-        "drystone.results.joint_table = joint_table"
+        "drystone.results.result.joint_table = joint_table"
     )
     table = tmp_path / "joints.csv"
     run = child(code, "check", str(tmp_path / "tower.json"), "--json", "--joints", str(table))
@@ -219,7 +219,7 @@ def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
     def pressed(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drystone.cli.base.verdict.show", pressed)
+    monkeypatch.setattr("drystone.cli.base.told.Told.show", pressed)
     model, page = tmp_path / "tower.json", tmp_path / "page.html"
     io.write(tower(2), model)
     assert main(["check", str(model), "--html", str(page)]) == 130

@@ -97,9 +97,9 @@ def test_load_cases_of_the_file_combine_with_factors(tmp_path: Path, capsys: Cap
     cases = ("--case", "1.35*gravity", "--case", "wind")
     code, told = answer(capsys, "check", str(path), *cases)
     assert code == 0
-    force = told["largest"]["force"]
+    force = told["most_loaded"][0]
     assert force["normal"] == pytest.approx(1.35 * 2400.0 * 9.81)
-    assert force["tangential"] == pytest.approx(1000.0)
+    assert force["friction"] == pytest.approx(1000.0)
     assert "no load case is called 'snow'" in refused(capsys, "check", str(path), "--case", "snow")
     given = ("--case", "wind", "--gravity", "9.81")
     assert "leave out --gravity" in refused(capsys, "check", str(path), *given)
@@ -162,9 +162,9 @@ def test_check_takes_loads_and_an_earthquake(model: str, capsys: Capsys) -> None
     mass = ("--load", "block-1:100kg", "--load", "block-1:m=0,0,5")
     code, told = answer(capsys, "check", model, *mass, "--seismic", "0.1,0.1")
     assert code == 0
-    force = told["largest"]["force"]
+    force = told["most_loaded"][0]
     assert force["normal"] == pytest.approx(2500.0 * 9.81)
-    assert force["tangential"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
+    assert force["friction"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
     assert answer(capsys, "check", model, "--seismic", "0.7,0")[0] == 1
 
 

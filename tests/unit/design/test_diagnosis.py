@@ -59,12 +59,12 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
     assert np.linalg.norm(region.needs.force) == pytest.approx(missing, rel=1e-4)
     assert "slides down along 'ramp'" in region.sentence
     assert "friction of 0.84 there" in region.sentence
-    short = diagnose(model, options=DiagnosisOptions(needs=False)).sentences[0]
+    short = diagnose(model, options=DiagnosisOptions(needs=False)).reasons[0]
     assert "in the direction (0.77, 0, 0.64) at " in short
 
 
 def test_a_friction_that_was_told_is_not_told_again() -> None:
-    first, second = diagnose(slope(40.0)).sentences
+    first, second = diagnose(slope(40.0)).reasons
     assert "friction of 0.84 there" in first
     assert second == "the same friction in all joints would hold the whole model"
 
@@ -127,7 +127,7 @@ def test_both_pieces_of_the_shelf_that_fall_are_named_with_their_cause(fallen: D
     assert needs.turn is not None
     assert needs.turn.angle == pytest.approx(50.08 - np.rad2deg(np.arctan(0.9)), abs=0.1)
     assert found.model.contacts[needs.turn.interface].blocks == (8, 10)
-    assert "the lower joint, with 'block-8', turned by 8.1 degrees" in found.sentences[1]
+    assert "the lower joint, with 'block-8', turned by 8.1 degrees" in found.reasons[1]
 
 
 def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> None:
@@ -158,14 +158,14 @@ def test_an_arch_that_is_too_thin_turns_about_hinges_and_ballast_or_glue_is_name
 def test_a_model_that_stands_is_said_to_stand() -> None:
     found = diagnose(tower(3), friction=0.6)
     assert found.regions == ()
-    assert found.sentences == ("it stands: nothing is missing",)
+    assert found.reasons == ("it stands: nothing is missing",)
 
 
 def test_regions_beyond_the_number_asked_for_are_named_only() -> None:
     found = diagnose(shelf(), friction=0.9, options=DiagnosisOptions(needs=False, regions=1))
     assert [region.blocks for region in found.regions] == [(9,)]
     assert found.others == (10,)
-    assert "1 more block falls: 'block-10'" in found.sentences
+    assert "1 more block falls: 'block-10'" in found.reasons
     assert found.regions[0].needs.friction is None
 
 

@@ -154,7 +154,7 @@ def test_diagnosis_and_mend_tell_one_friction_that_is_enough() -> None:
     model = Model.of(tower(2), friction=0.6, load=load)
     found = find_mends(model, options=MendOptions(kinds=("friction",)))
     assert found.diagnosis.regions[0].needs.friction == found.mends[0].value == 0.71
-    assert "friction of 0.71 there" in found.diagnosis.sentences[0]
+    assert "friction of 0.71 there" in found.diagnosis.reasons[0]
 
 
 def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     assert found.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
     (glue,) = mends.diagnosis.regions[0].needs.glue
     assert glue.strength == found.value
-    assert found.description in mends.diagnosis.sentences[0]
+    assert found.description in mends.diagnosis.reasons[0]
     enough, half = (
         JointCapacity(np.full(1, share * found.value), np.full(1, share * found.value))
         for share in (1.0, 0.5)
@@ -245,7 +245,7 @@ def test_diagnosis_and_mend_name_the_same_props_of_a_stair(tmp_path: Path) -> No
     assert len(point) == mended.added > 1
     assert np.linalg.norm(force, axis=1).sum() == pytest.approx(mended.value, rel=1e-6)
     assert not len(found.diagnosis.missing[0])
-    assert f"{mended.added} supports on 'tread-00'" in found.diagnosis.sentences[0]
+    assert f"{mended.added} supports on 'tread-00'" in found.diagnosis.reasons[0]
     assert again(mended.model, tmp_path).stable
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import drystone
+from drystone.answer.scene import State
 from drystone.base.errors import InputError
 from drystone.models import arch, box, tower, wedge
 from drystone.settlement import Carrier, SettlementOptions, move_supports
 from drystone.view import Scene, SceneStage, scene_of
-from drystone.view.style.palette import State
 from drystone.view.web import encode as encoding
 from drystone.view.web.encode import LEFT_OUT, encode
 

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import drystone
+from drystone.answer.asked import asked_line
 from drystone.checks import corner_motion
 from drystone.design import DiagnosisOptions
 from drystone.design.added_mends import tied
@@ -15,16 +16,16 @@ from drystone.design.glue_needed import glued
 from drystone.design.missing import ballasted
 from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
+from drystone.model import Origin
 from drystone.models import arch, box, tower
 from drystone.settlement import push
 from drystone.view import LayerKind, State, mended_scene, scene_of
-from drystone.view.scenes.header import asked_line
 
 
 def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls():
     model = drystone.Model.of(arch(0.2, 8), friction=0.2)
-    found = drystone.diagnose(model)
-    scene = scene_of(found, source="folder/arch.json")
+    found = drystone.diagnose(replace(model, origin=Origin("folder/arch.json")))
+    scene = scene_of(found)
     (stage,) = scene.stages
     (props,) = [layer for layer in stage.layers if layer.kind is LayerKind.ARROWS]
     assert (props.key, props.colour, props.single) == ("help", "help", True)
@@ -39,7 +40,7 @@ def test_a_mended_model_says_what_was_changed_and_shows_the_edges_of_what_it_was
     lower = box((1.0, 1.0, 0.5), (0.0, 0.0, 1.0), "block-1")
     changed = replace(before.assembly, blocks=(before.assembly.blocks[0], lower))
     after = drystone.check(drystone.Model.of(changed, friction=0.6))
-    scene = mended_scene(before, after, "tower.json", "block 'block-1' lower")
+    scene = mended_scene(before, after, "block 'block-1' lower")
     (ghost,) = [layer for layer in scene.stages[0].layers if layer.key == "before"]
     assert ghost.count == 12  # the edges of one box
     assert scene.facts["Changed"] == "block 'block-1' lower"
@@ -60,12 +61,12 @@ def test_hinges_of_a_pushed_model_are_carried_to_where_they_are_at_the_end():
 
 
 def test_what_was_asked_is_told_in_one_line():
-    result = drystone.check(drystone.Model.of(tower(2), friction=0.5))
-    scene = scene_of(result, source="a/b/tower.json")
+    model = replace(drystone.Model.of(tower(2), friction=0.5), origin=Origin("a/b/tower.json"))
+    scene = scene_of(drystone.check(model))
     line = asked_line(scene.facts, "2026, drystone 1")
     assert line == (
-        "tower.json · 2 blocks · free mass 2.4 t · density 2400 kg/m³ · friction 0.5 · gravity"
-        " · supports: block-0 · 2026, drystone 1"
+        "tower.json · 2 blocks · 1 interface · 1 x 1 x 2 m · free mass 2.4 t · density 2400 kg/m³"
+        " · friction 0.5 · gravity · supports: block-0 · 2026, drystone 1"
     )
     numbered = [replace(one, name=str(i)) for i, one in enumerate(tower(2).blocks)]
     told = asked_line(scene_of(replace(tower(2), blocks=tuple(numbered))).facts)
@@ -78,7 +79,7 @@ def test_the_hinges_of_a_thin_arch_are_those_that_its_sentence_counts() -> None:
     model = drystone.Model.of(arch(0.09, 12), friction=0.7)
     found = drystone.check(model)
     options = DiagnosisOptions(needs=False)
-    (sentence,) = drystone.diagnose(model, result=found, options=options).sentences
+    (sentence,) = drystone.diagnose(model, result=found, options=options).reasons
     assert "5 joints are hinges" in sentence
     (stage,) = scene_of(found).stages
     (hinges,) = (layer for layer in stage.layers if layer.key == "hinges")

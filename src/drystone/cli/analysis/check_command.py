@@ -7,8 +7,8 @@ from functools import partial
 from typing import Annotated
 
 from drystone.cli.base import verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Written
 from drystone.cli.design import mend_command
@@ -32,7 +32,7 @@ def check(
     time_limit: options.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
-) -> Answer:
+) -> Told:
     """Check whether a model stands, with a proof.
 
     Exit code 0: it stands. 1: it falls, or it is undecided. 2: bad input. 130: stopped by Ctrl-C,
@@ -45,5 +45,7 @@ def check(
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend_command.short(result, waiting)
-    files = partial(wanted.all_of, result, subject.model)
-    return verdict.answer(result, waiting, subject.model, files, strict, why)
+    return Told(
+        result, why, exit_code=verdict.exit_code(result, strict), notes=result.model.notes,
+        files=partial(wanted.all_of, result),
+    )  # fmt: skip

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.display import named
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import LISTED, Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import loading, options
@@ -18,7 +18,7 @@ from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.fall import Film
 
 _JAMS = (
@@ -57,7 +57,7 @@ def fall(
         Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
     ] = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Simulate the fall with inertia and impacts, as a film; this gives no verdict.
 
     Exit code 0: every block is at rest at the end. 1: some still move. 3: MuJoCo is missing.
@@ -87,16 +87,16 @@ def fall(
     if falls and not film.fell.any() and not film.stopped:
         notes.append(_JAMS)
     data = {"model": subject.model, **film.to_dict()}
-    files = partial(_files, film, pictures, glb, subject.model)
-    return Answer(data, partial(_show, data), 0 if film.lies else 1, notes, files)
+    files = partial(_files, film, pictures, glb)
+    return Printed(data, partial(_show, data), 0 if film.lies else 1, notes, files)
 
 
-def _files(film: Film, pictures: Pictures, glb: Path | None, source: str) -> Files:
+def _files(film: Film, pictures: Pictures, glb: Path | None) -> Files:
     jobs: list[Job] = []
     if pictures.html is not None:
         from drystone.view import save_page  # work is imported when there is some
 
-        page = partial(save_page, film, source=source, section=pictures.section)
+        page = partial(save_page, film, section=pictures.section)
         jobs.append((pictures.html, page))
     if glb is not None:
         jobs.append((glb, film.save_glb))

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Written
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.model import Model
     from drystone.settlement import Settlement
 
@@ -28,7 +28,7 @@ STYLE = {"comes to rest": "bold green", "falls": "bold red", "comes to rest far 
 
 def answer(
     model: Model, source: str, wanted: Written, waiting: Waiting, time_limit: float | None
-) -> Answer:
+) -> Printed:
     """Follow the blocks under their load.
 
     Raises
@@ -46,13 +46,13 @@ def answer(
     with waiting.keywords(time_limit) as common:
         found = settle(model, **common)
     data = {"model": source, **found.to_dict()}
-    files = partial(_files, found, wanted, source)
-    return Answer(data, partial(_show, data), 0 if found.rests else 1, model.notes, files)
+    files = partial(_files, found, wanted)
+    return Printed(data, partial(_show, data), 0 if found.rests else 1, model.notes, files)
 
 
-def _files(found: Settlement, wanted: Written, source: str) -> Files:
-    jobs, said = wanted.of(found, source)
-    return [*jobs, *wanted.for_cad(found, source)], said
+def _files(found: Settlement, wanted: Written) -> Files:
+    jobs, said = wanted.of(found)
+    return [*jobs, *wanted.for_cad(found)], said
 
 
 def _show(data: Mapping[str, Any], screen: Screen) -> None:

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.written import Pictures, apart
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.settlement import LargeDisplacement
 
 _SHOWN = 12
@@ -45,10 +45,10 @@ class Curves(Pictures):
 
 def answer(
     found: LargeDisplacement, model: str, notes: Sequence[str], wanted: Curves, code: int
-) -> Answer:
+) -> Printed:
     """The answer, with its files."""
     data = {"model": model, **found.to_dict()}
-    return Answer(
+    return Printed(
         data, partial(_show, found, data), code, notes, partial(_files, found, wanted, model)
     )
 
@@ -58,7 +58,7 @@ def _files(found: LargeDisplacement, wanted: Curves, source: str) -> Files:
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # work is imported when there is some
 
-        page = partial(view.save_page, found, source=source, section=wanted.section)
+        page = partial(view.save_page, found, section=wanted.section)
         plot = partial(view.save_curve, found, title=Path(source).stem)
         jobs = wanted.jobs(page, plot)
     if wanted.curve is not None:

@@ -9,13 +9,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.display import named
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.output import LISTED, Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.limits import Limit, TiltSweep
 
 _TITLES = {
@@ -41,7 +41,7 @@ def answer(
     waiting: Waiting,
     more: Mapping[str, float] = _NOTHING,
     about: str = "",
-) -> Answer:
+) -> Printed:
     """A limit and the pictures of its fall; exit code 1 if it does not stand at all.
 
     ``more`` has figures that follow from the limit, by name; ``about`` is the axis of a tilt.
@@ -50,12 +50,10 @@ def answer(
     data = {"model": model, **found.to_dict(), **({"axis": about} if about else {}), **others}
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
     code = 0 if found.best.stands is not None else 1
-    return Answer(
-        data, partial(_show, data, more), code, notes, partial(_both, found, pictures, model)
-    )
+    return Printed(data, partial(_show, data, more), code, notes, partial(_both, found, pictures))
 
 
-def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: Pictures) -> Answer:
+def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: Pictures) -> Printed:
     """A polar sweep, its plot and the fall in its weakest direction."""
     data = {"model": model, **sweep.to_dict()}
     code = 0 if all(limit.best.stands is not None for limit in sweep.limits) else 1
@@ -66,16 +64,16 @@ def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: P
         from drystone.view import save_page, save_polar  # pictures are imported when asked for
 
         plot = partial(save_polar, sweep, title=Path(model).stem)
-        page = partial(save_page, sweep, source=model, section=pictures.section)
+        page = partial(save_page, sweep, section=pictures.section)
         return pictures.jobs(page, plot), []
 
-    return Answer(data, partial(_show_sweep, data), code, notes, files)
+    return Printed(data, partial(_show_sweep, data), code, notes, files)
 
 
-def _both(found: Limit, pictures: Pictures, source: str) -> Files:
+def _both(found: Limit, pictures: Pictures) -> Files:
     """Pictures of the states on either side, where there are any."""
     known = found.best.falling is not None or found.best.standing is not None
-    return pictures.of(found, source) if known else ([], [])
+    return pictures.of(found) if known else ([], [])
 
 
 def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> None:

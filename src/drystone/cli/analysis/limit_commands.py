@@ -9,8 +9,8 @@ from drystone.base.errors import InputError
 from drystone.cli.analysis import large_answer, limit_answer
 from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Argument, Option, command
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading
@@ -60,7 +60,7 @@ def tilt(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The largest angle by which a model can be turned; --polar in all directions.
 
     The page shows both sides of the limit, in the weakest direction of --polar; the figure of
@@ -105,7 +105,7 @@ def friction(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The least friction coefficient at which a model stands."""
 
     def find(model: Model, common: dict[str, Any]) -> Limit:
@@ -138,7 +138,7 @@ def load(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The largest factor of a load on top of the weight and of --load."""
     notes: list[str] = []
 
@@ -163,7 +163,7 @@ def shrink(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
 
     def find(model: Model, common: dict[str, Any]) -> Limit:
@@ -184,7 +184,7 @@ def _answer(
     waiting: Waiting,
     notes: list[str] | None = None,
     more: Callable[[Limit], dict[str, float]] = lambda _: {},
-) -> Answer:
+) -> Printed:
     """Prepare the model and find the limit.
 
     Notes that ``find`` adds are printed, and so are the figures of ``more``.
@@ -228,7 +228,7 @@ def push(
     time_limit: TimeLimit = None,
     wanted: Curves,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Load against displacement, until the load is zero again: the displacement capacity.
 
     Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does

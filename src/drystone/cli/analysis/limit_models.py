@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli.analysis import limit_answer
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import families, loading, options
@@ -23,7 +23,7 @@ from drystone.cli.inputs.options import LimitSearch
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.limits import StandingShare
 
 SEARCHED = {
@@ -86,7 +86,7 @@ def thickness(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The least thickness at which a parametric model stands."""
     name, unit, (first, last) = SEARCHED[family]
     build, known = families.family(family)
@@ -170,7 +170,7 @@ def imperfections(
     time_limit: options.TimeLimit = None,
     files: Drawn,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """The share of random imperfect copies of a model that stand.
 
     Exit code 0: all of them. 1: not all.
@@ -208,7 +208,7 @@ def imperfections(
         notes.append(f"{data['undecided']} draws are undecided")
     code = 0 if found.share == 1.0 else 1
     written = partial(_files, found, files, subject.model)
-    return Answer(data, partial(_show, found, data), code, notes, written)
+    return Printed(data, partial(_show, found, data), code, notes, written)
 
 
 def _files(found: StandingShare, wanted: Drawn, source: str) -> Files:

@@ -14,16 +14,16 @@ from drystone.base.errors import InputError
 from drystone.cli.analysis import followed_answer, large_answer
 from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Written
 from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.model import Model
     from drystone.settlement import SupportResponse
 
@@ -71,7 +71,7 @@ def settle(
     ] = None,
     wanted: Written,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Where the blocks come to rest; with --move, which joints open when supports move.
 
     Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
@@ -102,13 +102,13 @@ def settle(
     found = support_response(model, options=SupportResponseOptions(compliance=compliance))
     data = _content(found, subject.model)
     code = verdict.exit_code(found.result, strict=False)
-    files = partial(_files, found, wanted, subject.model)
+    files = partial(_files, found, wanted)
     notes = model.notes
     if found.size > LARGE * model.assembly.size.mean():
         notes += (
             "the motion is large, and this answer is for small ones: --to follows the blocks",
         )
-    return Answer(data, partial(_show, data), code, notes, files)
+    return Printed(data, partial(_show, data), code, notes, files)
 
 
 def _far(
@@ -119,7 +119,7 @@ def _far(
     curve: Path | None,
     time_limit: float | None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Supports that move by finite amounts."""
     from drystone.settlement import End, move_supports  # as above
 
@@ -136,16 +136,16 @@ def _far(
     return large_answer.answer(found, source, model.notes, curves, code)
 
 
-def _files(found: SupportResponse, wanted: Written, source: str) -> Files:
+def _files(found: SupportResponse, wanted: Written) -> Files:
     tables, said = wanted.tables(found.result)
-    tables = [*wanted.for_cad(found, source), *tables]
+    tables = [*wanted.for_cad(found), *tables]
     if wanted.html is None and wanted.png is None:
         return tables, said
     from drystone import view  # as above
     from drystone.view.scenes.settlement_scenes import moved_scene, settlement_scene
 
-    page = partial(view.save_page, wanted.cut(settlement_scene(found, source)))
-    figure = partial(view.save_figure, wanted.cut(moved_scene(found, source)))
+    page = partial(view.save_page, wanted.cut(settlement_scene(found)))
+    figure = partial(view.save_figure, wanted.cut(moved_scene(found)))
     return [*wanted.jobs(page, figure), *tables], said
 
 

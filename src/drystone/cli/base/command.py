@@ -11,8 +11,8 @@ import click
 
 from drystone.base.errors import counted
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer, finish
 from drystone.cli.base.output import UsageFault
+from drystone.cli.base.told import Printed, Told, finish
 from drystone.cli.base.waiting import Waiting
 
 _GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
@@ -143,7 +143,7 @@ def write_examples(examples: tuple[str, ...], formatter: click.HelpFormatter) ->
             formatter.write(f"{' ' * formatter.current_indent}{example}\n")
 
 
-def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]], Command]:
+def command(*examples: str, name: str = "") -> Callable[[Callable[..., Printed | Told]], Command]:
     """Make a command of a function that returns an answer.
 
     Each parameter is an argument or an option; its annotation has an :class:`Argument` or an
@@ -152,7 +152,7 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]],
     options, ``--help-all`` are added.
     """
 
-    def make(function: Callable[..., Answer]) -> Command:
+    def make(function: Callable[..., Printed | Told]) -> Command:
         params: list[click.Parameter] = []
         groups: dict[str, type[Any]] = {}
         hints = get_type_hints(function, include_extras=True)
@@ -190,7 +190,9 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]],
     return make
 
 
-def _runner(function: Callable[..., Answer], groups: dict[str, type[Any]]) -> Callable[..., int]:
+def _runner(
+    function: Callable[..., Printed | Told], groups: dict[str, type[Any]]
+) -> Callable[..., int]:
     def run(as_json: bool, **given: Any) -> int:
         made = {
             name: kind(**{each.name: given.pop(each.name) for each in fields(kind)})

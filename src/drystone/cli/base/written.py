@@ -18,7 +18,7 @@ from drystone.cli.inputs import options
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.limits import Limit
     from drystone.results import Result
     from drystone.sequence import Plan
@@ -73,14 +73,14 @@ class Pictures:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, subject: Result | Limit | Settlement, source: str = "") -> Files:
+    def of(self, subject: Result | Limit | Settlement) -> Files:
         """The pictures of an answer."""
         if self.html is None and self.png is None:
             return [], []
         from drystone import view  # the program starts fast: pictures are imported when asked for
 
-        page = partial(view.save_page, subject, source=source, section=self.section)
-        figure = partial(view.save_figure, subject, source=source, section=self.section)
+        page = partial(view.save_page, subject, section=self.section)
+        figure = partial(view.save_figure, subject, section=self.section)
         return self.jobs(page, figure), []
 
 
@@ -113,15 +113,15 @@ class Written(Pictures):
         self.require_picture()
         refuse_missing(self.cad)
 
-    def all_of(self, result: Result, source: str) -> Files:
+    def all_of(self, result: Result) -> Files:
         """The pictures and the tables of a result, and remarks."""
-        jobs, _ = self.of(result, source)
+        jobs, _ = self.of(result)
         more, said = self.tables(result)
-        return [*jobs, *self.for_cad(result, source), *more], said
+        return [*jobs, *self.for_cad(result), *more], said
 
-    def for_cad(self, subject: Result | SupportResponse | Settlement, source: str) -> list[Job]:
+    def for_cad(self, subject: Result | SupportResponse | Settlement) -> list[Job]:
         """The file for CAD programs, where one is asked for."""
-        return cad_jobs(self.cad, subject, source)
+        return cad_jobs(self.cad, subject)
 
     def tables(self, result: Result) -> Files:
         """The tables of joints, and remarks."""
@@ -164,15 +164,13 @@ def refuse_missing(cad: Path | None) -> None:
         require("writing 3dm")
 
 
-def cad_jobs(
-    path: Path | None, subject: Result | SupportResponse | Settlement | Plan, source: str
-) -> list[Job]:
+def cad_jobs(path: Path | None, subject: Result | SupportResponse | Settlement | Plan) -> list[Job]:
     """The file for CAD programs, where one is asked for."""
     if path is None:
         return []
     from drystone.view import save_cad  # as above
 
-    return [(path, partial(save_cad, subject, source=source))]
+    return [(path, partial(save_cad, subject))]
 
 
 def apart(paths: Sequence[Path | None]) -> None:

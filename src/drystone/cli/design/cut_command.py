@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError, counted
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Source
@@ -41,7 +41,7 @@ def cut(
     html: options.Html = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Cut a monolith from the bottom up into blocks that are placed one by one without help.
 
     Each place takes its first cut on which the part above stands: the horizontal plane, a turned
@@ -81,12 +81,12 @@ def cut(
         "recuts": [{"place": place, "why": why} for place, why in found.recuts],
         "plan": None if found.plan is None else found.plan.to_dict(),
     }
-    return Answer(
+    return Printed(
         data,
         partial(_show, data),
         0 if found.free else 1,
         read.notes,
-        partial(_files, found, out, html, source.model),
+        partial(_files, found, out, html),
     )
 
 
@@ -102,9 +102,7 @@ def _chosen(assembly: Assembly, name: str | None) -> Block:
     return assembly.blocks[0]
 
 
-def _files(
-    found: Any, out: Path | None, html: Path | None, source: str
-) -> tuple[list[Job], list[str]]:
+def _files(found: Any, out: Path | None, html: Path | None) -> tuple[list[Job], list[str]]:
     wanted = [str(path) for path in (out, html) if path is not None]
     if found.plan is None:
         return [], [f"not written: {', '.join(wanted)}"] if wanted else []
@@ -115,7 +113,7 @@ def _files(
     if out is not None:
         jobs.append((out, partial(io.write, found.plan.model.model)))
     if html is not None:
-        jobs.append((html, partial(save_page, found.plan, source=source)))
+        jobs.append((html, partial(save_page, found.plan)))
     return jobs, []
 
 

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed, Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.design import DesignMargin, Diagnosis, Mends, Shaped, Sharpened
     from drystone.model import Model
     from drystone.results import Result
@@ -98,7 +98,7 @@ def mend(
     time_limit: options.TimeLimit = None,
     wanted: Pictures,
     waiting: Waiting,
-) -> Answer:
+) -> Printed | Told:
     """Say why a model falls, and find changes with which it stands.
 
     Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
@@ -121,10 +121,7 @@ def mend(
     with waiting.keywords(time_limit) as common:
         if diagnose:
             found = design.diagnose(model, **common)
-            data = {"model": subject.model, **found.to_dict()}
-            code = verdict.exit_code(found.result, strict=False)
-            pictures = partial(_files, found, wanted, subject.model)
-            return Answer(data, partial(_show, data), code, model.notes, pictures)
+            return Told(found, notes=model.notes, files=partial(_files, found, wanted))
         chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
         waiting.stage("mend", "mending")
         if auto:
@@ -133,17 +130,17 @@ def mend(
             useless = out is not None and not (made.steps or made.stands)
             files = partial(
                 _files_after, model, made.result, made.model, wanted, None if useless else out,
-                subject.model, "; ".join(one.description for one in made.steps),
+                "; ".join(one.description for one in made.steps),
             )  # fmt: skip
             if useless:
                 files = partial(_with_note, files, f"{out} is not written: no mend was made")
-            return Answer(
+            return Printed(
                 data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
             )
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     data = {"model": subject.model, **mends.diagnosis.to_dict(), **mends.to_dict()}
-    files = partial(_files, mends.diagnosis, wanted, subject.model)
+    files = partial(_files, mends.diagnosis, wanted)
     code = 0 if stands and mends.diagnosis.result.stable else 1
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
@@ -154,13 +151,11 @@ def mend(
 
         result = check(one.model)
         data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
-        files = partial(
-            _files_after, model, result, one.model, wanted, out, subject.model, one.description
-        )
+        files = partial(_files_after, model, result, one.model, wanted, out, one.description)
         code = verdict.exit_code(result, strict=False)
     if pages is not None:
-        files = partial(_with_pages, files, mends, pages, subject.model)
-    return Answer(data, partial(_show, data), code, model.notes, files)
+        files = partial(_with_pages, files, mends, pages)
+    return Printed(data, partial(_show, data), code, model.notes, files)
 
 
 def _with_note(others: Any, note: str) -> Files:
@@ -169,7 +164,7 @@ def _with_note(others: Any, note: str) -> Files:
     return jobs, [*notes, note]
 
 
-def _with_pages(others: Any, mends: Mends, folder: Path, source: str) -> Files:
+def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
     """The other files, and a page of each mend."""
     from drystone import view  # as above
 
@@ -179,7 +174,7 @@ def _with_pages(others: Any, mends: Mends, folder: Path, source: str) -> Files:
         change = one.description
         if one.held:
             change += f" ({named(one.held)} held meanwhile)"
-        scene = view.mended_scene(one.before, one.result, source, change)
+        scene = view.mended_scene(one.before, one.result, change)
         jobs.append((folder / f"mend-{number:02d}.html", partial(view.save_page, scene)))
     return jobs, notes
 
@@ -238,9 +233,9 @@ class Changed(Pictures):
     ] = None
     time_limit: options.TimeLimit = None
 
-    def files(self, found: Shaped | Sharpened, source: str, change: str) -> Files:
+    def files(self, found: Shaped | Sharpened, change: str) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
-        return _files_after(found.before, found.result, found.model, self, self.out, source, change)
+        return _files_after(found.before, found.result, found.model, self, self.out, change)
 
 
 def _files_after(
@@ -249,7 +244,6 @@ def _files_after(
     model: Model,
     wanted: Pictures,
     out: Path | None,
-    source: str = "",
     change: str = "",
 ) -> Files:
     """The mended model, and its pictures with the edges of the model before."""
@@ -261,28 +255,28 @@ def _files_after(
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # as above
 
-        scene = wanted.cut(view.mended_scene(before, result, source, change))
+        scene = wanted.cut(view.mended_scene(before, result, change))
         jobs += wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene))
     return jobs, []
 
 
-def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
-    """Why the heaviest regions of a result fall; ``None`` if nothing falls."""
+def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
+    """Why the heaviest regions of a result fall; nothing if nothing falls."""
     if not result.falls:
-        return None
+        return {}
     from drystone.design import DiagnosisOptions, diagnose  # as above
 
     few = DiagnosisOptions(needs=False, regions=_SHORT)
     with waiting.stoppable() as stop:
-        return diagnose(result.model, result=result, options=few, stop=stop).to_dict()
+        return {"diagnosis": diagnose(result.model, result=result, options=few, stop=stop)}
 
 
-def _files(found: Diagnosis, wanted: Pictures, source: str) -> Files:
+def _files(found: Diagnosis, wanted: Pictures) -> Files:
     if wanted.html is None and wanted.png is None:
         return [], []
     from drystone import view  # as above
 
-    scene = wanted.cut(view.scene_of(found, source=source))
+    scene = wanted.cut(found.layers())
     return wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene)), []
 
 
@@ -291,7 +285,7 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     screen.line(str(data["model"]), data["verdict"].upper(), style)
     if data["message"]:
         screen.line(data["message"])
-    for number, sentence in enumerate(data["sentences"], 1):
+    for number, sentence in enumerate(data["sentences"][2:], 1):
         mark = f"{number}. " if number <= len(data["regions"]) else ""
         screen.line(f"{mark}{sentence}")
     if data["stopped"]:

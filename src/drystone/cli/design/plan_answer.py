@@ -18,7 +18,7 @@ from drystone.cli.inputs import options
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.sequence import Margins, Plan, Robot, Scaffolding
 
 _LISTED = 40
@@ -60,21 +60,20 @@ class PlanFiles:
         made: Scaffolding | None,
         margins: Margins | None,
         robots: Sequence[Robot],
-        source: str,
     ) -> Files:
         """The files of a plan, with its scaffolding and its margins where there are some."""
         if not plan.steps:
             wanted = [str(path) for path in astuple(self) if path is not None]
             return [], [f"not written: {', '.join(wanted)}"] if wanted else []
-        jobs: list[Job] = cad_jobs(self.cad, plan, source)
+        jobs: list[Job] = cad_jobs(self.cad, plan)
         if self.html is not None or self.png is not None or self.instructions is not None:
             from drystone.view import save_figure, save_page
             from drystone.view.paper.instructions import save_instructions
 
             if self.html is not None:
-                jobs.append((self.html, partial(save_page, made or plan, source=source)))
+                jobs.append((self.html, partial(save_page, made or plan)))
             if self.png is not None:
-                jobs.append((self.png, partial(save_figure, made or plan, source=source)))
+                jobs.append((self.png, partial(save_figure, made or plan)))
             if self.instructions is not None:
                 jobs.append((self.instructions, partial(save_instructions, plan)))
         if self.work is not None:

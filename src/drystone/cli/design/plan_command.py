@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.plan_answer import PlanFiles, show
 from drystone.cli.design.scaffold_command import (
@@ -137,7 +137,7 @@ def plan(
     ] = None,
     wanted: PlanFiles,
     waiting: Waiting,
-) -> Answer:  # fmt: skip
+) -> Printed:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
@@ -184,8 +184,8 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.stable and not helped else 1
-    files = partial(wanted.of, found, made, measured, robot, subject.model)
-    return Answer(data, partial(show, data, found), code, model.notes, files)
+    files = partial(wanted.of, found, made, measured, robot)
+    return Printed(data, partial(show, data, found), code, model.notes, files)
 
 
 def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -37,7 +37,7 @@ def recut(
     html: options.Html = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Change joints until every block is placed alone and stands at once.
 
     The model is planned. Where a block must be held or propped, one of its joints is turned or made
@@ -59,18 +59,16 @@ def recut(
             **common,
         )
     data = {"model": subject.model, **found.to_dict()}
-    return Answer(
+    return Printed(
         data,
         partial(_show, data),
         0 if found.free else 1,
         model.notes,
-        partial(_files, found, out, html, subject.model),
+        partial(_files, found, out, html),
     )
 
 
-def _files(
-    found: Recut, out: Path | None, html: Path | None, source: str
-) -> tuple[list[Job], list[str]]:
+def _files(found: Recut, out: Path | None, html: Path | None) -> tuple[list[Job], list[str]]:
     from drystone import io
     from drystone.view import save_page
 
@@ -78,7 +76,7 @@ def _files(
     if out is not None:
         jobs.append((out, partial(io.write, found.model)))
     if html is not None and found.plan.steps:
-        jobs.append((html, partial(save_page, found.plan, source=source)))
+        jobs.append((html, partial(save_page, found.plan)))
     return jobs, [f"not written: {html}"] if html is not None and not found.plan.steps else []
 
 

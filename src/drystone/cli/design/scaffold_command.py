@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -93,7 +93,7 @@ def scaffold(
     ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Plan a model with each kind of scaffolding in each order, and compare what it takes.
 
     Struts push, ropes pull, clamps or hands do both, centring carries a face; each stage is checked
@@ -124,7 +124,7 @@ def scaffold(
     data: dict[str, Any] = {"model": subject.model, "compared": rows}
     jobs = [(csv, table.to_csv)] if csv is not None else []
     code = 0 if any(row["failed_stages"] == 0 and row["cost"] == row["cost"] for row in rows) else 1
-    return Answer(data, partial(_show, rows), code, model.notes, lambda: (list(jobs), []))
+    return Printed(data, partial(_show, rows), code, model.notes, lambda: (list(jobs), []))
 
 
 def _show(rows: list[dict[str, Any]], screen: Screen) -> None:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -99,7 +99,7 @@ def shape(
     ] = None,
     changed: Changed,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
 
     Vertices at one place move together, and joints stay plane, so that they stay shared. The
@@ -140,8 +140,8 @@ def shape(
     data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
     largest = 1e3 * float(abs(found.x).max(initial=0.0))
     change = f"vertices moved by up to {largest:.1f} mm"
-    files = partial(changed.files, found, subject.model, change)
-    return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
+    files = partial(changed.files, found, change)
+    return Printed(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 
 def _show(data: dict[str, Any], screen: Screen) -> None:

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 from drystone.base.errors import counted
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -52,7 +52,7 @@ def sharpen(
     ] = (),
     changed: Changed,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Make wedges of two planes from plane joints with tension, until the model stands.
 
     Wedges that are not needed are then made plane again, and each other one as flat as possible.
@@ -76,8 +76,8 @@ def sharpen(
     change = found.message
     if wedges:
         change = f"{counted(len(wedges), 'joint')} made wedges of up to {max(wedges):.3g} degrees"
-    files = partial(changed.files, found, subject.model, change)
-    return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
+    files = partial(changed.files, found, change)
+    return Printed(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 
 def _show(data: dict[str, Any], screen: Screen) -> None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Experts, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed, Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.design.buildable_answer import find_buildable, show_buildable
@@ -22,7 +22,7 @@ from drystone.cli.inputs.surfaces import SurfaceRequest, surface_of
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.design import Tuned
     from drystone.shells import Shell
 
@@ -72,7 +72,7 @@ def shell(
     ] = None,
     pictures: Pictures,
     waiting: Waiting,
-) -> Answer:  # fmt: skip
+) -> Printed:  # fmt: skip
     """Divide a surface into blocks that fit, and check whether they stand.
 
     With --vary its options are searched, as ``drystone tune`` does; the best shell is the answer.
@@ -117,14 +117,14 @@ def shell(
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]
     files = bound(_files, made, out, schedule, unrolled, pictures.of(result)[0])
-    answer = verdict.answer(result, waiting, base.shape.name, files)
-    answer.data["shell"] = summary(made)
+    answer = Told(result, subject=base.shape.name)
+    data = {**answer.data, "shell": summary(made)}
     if told is not None:
-        answer.data["buildable"] = told.to_dict()
+        data["buildable"] = told.to_dict()
     if tuned is not None:
-        answer.data["search"] = {"message": tuned._summary(), **tuned.to_dict()}
-    show = bound(_show, answer)
-    return replace(answer, show=show, written=waiting.wrote)
+        data["search"] = {"message": tuned._summary(), **tuned.to_dict()}
+    show = bound(_show, answer, data)
+    return Printed(data, show, answer.code, result.model.notes, files, waiting.wrote)
 
 
 def _search(
@@ -144,11 +144,11 @@ def _search(
     return search.run(bound(varied_shell, wanted, pattern), known, how, waiting, time_limit)
 
 
-def _none_stands(tuned: Tuned, surface: str) -> Answer:
+def _none_stands(tuned: Tuned, surface: str) -> Printed:
     """The answer where no shell is good enough."""
     message = tuned._summary()
     data = {"model": surface, "message": message, "search": tuned.to_dict()}
-    return Answer(data, lambda screen: screen.line(surface, message, "bold"), 1)
+    return Printed(data, lambda screen: screen.line(surface, message, "bold"), 1)
 
 
 def _files(
@@ -183,14 +183,14 @@ def summary(made: Shell) -> dict[str, Any]:
     }
 
 
-def _show(answer: Answer, screen: Screen) -> None:
+def _show(answer: Told, data: dict[str, Any], screen: Screen) -> None:
     answer.show(screen)
-    told = answer.data["shell"]
-    if "buildable" in answer.data:
-        show_buildable(answer.data["buildable"], screen)
-    if "search" in answer.data:
-        screen.line(answer.data["search"]["message"])
-        show_front(answer.data["search"], screen)
+    told = data["shell"]
+    if "buildable" in data:
+        show_buildable(data["buildable"], screen)
+    if "search" in data:
+        screen.line(data["search"]["message"])
+        show_front(data["search"], screen)
     screen.line(
         f"{told['voussoirs']} voussoirs in {told['courses']} courses, {told['ground_blocks']} "
         f"ground blocks, {told['volume']:.2f} m3"

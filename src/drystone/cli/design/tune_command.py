@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.parameter_search import SearchRequest, show_front
 from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.design import Tuned
 
 
@@ -51,7 +51,7 @@ def tune(
     ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Search for the parameters with which a family of structures stands and is best.
 
     With several goals the front is listed: no other structure is better in all of them.
@@ -73,7 +73,7 @@ def tune(
     found = search.run(made, known, how, waiting, time_limit)
     data = {"family": family, "message": found._summary(), **found.to_dict()}
     files = partial(_files, found, made, how, out, png)
-    return Answer(data, partial(_show, data), 0 if found.front else 1, (), files)
+    return Printed(data, partial(_show, data), 0 if found.front else 1, (), files)
 
 
 def _files(

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 from drystone.base.errors import InputError
 from drystone.base.files import same_place
 from drystone.cli.base import kinds
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import CONTACTS, OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Source, warnings_of
@@ -46,7 +46,7 @@ def convert(
     ] = None,
     overwrite: Annotated[bool, Option("Write over the model itself.", OUTPUT)] = False,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Write a model in another format, and list what that format cannot hold."""
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.model import Model
@@ -84,7 +84,7 @@ def convert(
     told = f"{len(read.assembly)} blocks, {chosen.title}"
     arrays = [str(Path(target).with_suffix(".npz"))] if chosen.name == "drystone-npz" else []
     show = partial(_show, told, chosen.loses)
-    return Answer(data, show, notes=notes, written=[target, *arrays])
+    return Printed(data, show, notes=notes, written=[target, *arrays])
 
 
 def _show(told: str, loses: str, screen: Screen) -> None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units as si
 from drystone.base.errors import InputError, counted
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import CONTACTS, OUTPUT, Option, command
 from drystone.cli.base.output import LISTED, Screen, grouped
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import options
@@ -19,7 +19,7 @@ from drystone.cli.inputs.model_input import Source, Tolerances
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.arrays import Floats
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
     from drystone.detection import Detection, GapSweep
     from drystone.io.build import Built
 
@@ -34,7 +34,7 @@ def inspect(
     pictures: Pictures,
     everything: Annotated[bool, Option("List every block.", OUTPUT, ("--all",))] = False,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """List the blocks of a model, the defects of their meshes and the contacts between them.
 
     The page and the figure show the contacts, near misses in orange. Exit code 0: every block can
@@ -59,10 +59,10 @@ def inspect(
     def files() -> Files:
         if assembly is None or detection is None:
             return [], []
-        return _pictures(assembly, detection, swept, built.bare, pictures, source.model)
+        return _pictures(assembly, detection, swept, built.bare, pictures)
 
     show = partial(_show, data, lines, everything)
-    return Answer(data, show, 2 if built.defects else 0, notes, files)
+    return Printed(data, show, 2 if built.defects else 0, notes, files)
 
 
 def _content(
@@ -145,14 +145,13 @@ def _pictures(
     swept: GapSweep | None,
     bare: Sequence[Floats],
     pictures: Pictures,
-    source: str,
 ) -> Files:
     """The page and the figure."""
     from drystone import view
 
-    scene = pictures.cut(view.inspection_scene(assembly, found, bare, source))
+    scene = pictures.cut(view.inspection_scene(assembly, found, bare))
     page = partial(
-        view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source,
+        view.save_inspection, assembly, found, sweep=swept, bare=bare,
         section=pictures.section,
     )  # fmt: skip
     return pictures.jobs(page, partial(view.save_figure, scene)), []

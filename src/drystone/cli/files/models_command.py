@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError, counted
 from drystone.cli.base import kinds, verdict
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.kinds import output_path
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed, Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
-    from drystone.cli.base.answer import Files
+    from drystone.cli.base.told import Files
 
 
 _SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
@@ -43,7 +43,7 @@ def models(
         ),
     ] = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """List the parametric models, or build one and write it.
 
     Their supports are fixed. STL and OBJ files cannot store that: add --supports lowest.
@@ -52,7 +52,7 @@ def models(
         if set or out is not None:
             raise InputError("no family is named", where="FAMILY", remedy="see 'drystone models'")
         rows = [_told(name) for name in families.names()]
-        return Answer({"families": rows}, partial(_show_all, rows))
+        return Printed({"families": rows}, partial(_show_all, rows))
     build, known = families.family(family)
     given = dict(families.setting(text, known) for text in set)
     missing = [one.name for one in known.values() if one.default is one.empty]
@@ -80,7 +80,7 @@ def models(
 
         return ([(out, partial(io.write, assembly))] if out is not None else []), []
 
-    return Answer(data, partial(_show, data), files=files)
+    return Printed(data, partial(_show, data), files=files)
 
 
 def _told(name: str) -> dict[str, Any]:
@@ -123,7 +123,7 @@ def demo(
     friction: options.Friction = None,
     folder: Annotated[str, Option("Folder for the model, the page and the figure.", OUTPUT)] = ".",
     waiting: Waiting,
-) -> Answer:
+) -> Told:
     """Check a built-in vault, and write its model, a page and a figure.
 
     The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
@@ -145,4 +145,4 @@ def demo(
     def files() -> Files:
         return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []
 
-    return verdict.answer(result, waiting, "built-in vault", files)
+    return Told(result, subject="built-in vault", notes=result.model.notes, files=files)

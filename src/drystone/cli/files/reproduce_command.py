@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
+from drystone.cli.base.told import Printed
 from drystone.cli.base.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def reproduce(
         ),
     ] = None,
     waiting: Waiting,
-) -> Answer:
+) -> Printed:
     """Compute the case studies of the source, and compare with the published figures.
 
     Exit code 0: all figures agree. 1: some differ. 2: bad input.
@@ -67,7 +67,7 @@ def reproduce(
         for case in found
     ]
     code = 0 if all(case.agrees for case in found) else 1
-    return Answer({"sections": sections}, partial(_show, found), code, written=written)
+    return Printed({"sections": sections}, partial(_show, found), code, written=written)
 
 
 def _show(found: Sequence[Case], screen: Screen) -> None:

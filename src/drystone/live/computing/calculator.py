@@ -127,10 +127,10 @@ class Calculator:
             self.starts.popitem(last=False)
         return states
 
-    def keep(self, model: Model, number: int, name: str, **more: Any) -> None:
+    def keep(self, model: Model, number: int, **more: Any) -> None:
         """Keep a model under a number, and hand it over with its picture."""
         self.models[number] = model
-        scene = to_text(encode(scene_of(model, source=name)))
+        scene = to_text(encode(scene_of(model)))
         self.tell("model", blob=pickle.dumps(model), scene=scene, facts=facts(model), **more)
 
 
@@ -154,7 +154,7 @@ def _read(self: Calculator, message: Mapping[str, Any]) -> None:
         raise InputError("the file is gone", where=name, remedy="save it again")
     path = folder.model(name)
     model = read(path, **message["how"])
-    self.keep(model, message["number"], message["name"])
+    self.keep(model, message["number"])
 
 
 def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
@@ -167,7 +167,7 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
         else:
             found = _first_of_moved(self, made, message, wish)
     self.require()
-    _show(self, "quick", wish, made, found, began, message["name"])
+    _show(self, "quick", wish, made, found, began)
 
 
 def _first_of_moved(
@@ -208,7 +208,7 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     def watch(found: Found) -> None:
         if found.result.displacement is not None:
             self.known(message, wish, FOLLOWED)[0] = found.result.displacement
-        _show(self, "following", wish, made, found, began, message["name"])
+        _show(self, "following", wish, made, found, began)
 
     if made.motion is not None:
         found = verdict_of(made, watch=watch, **limits)
@@ -223,7 +223,7 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
         known.update(rests)
         found = Found.at_rest(result)
     self.require()
-    _show(self, "whole", wish, made, found, began, message["name"])
+    _show(self, "whole", wish, made, found, began)
 
 
 def _show(
@@ -233,9 +233,8 @@ def _show(
     made: WishedModel,
     found: Found,
     began: float,
-    source: str,
 ) -> None:
-    picture = snapshot(made, wish, found, source)
+    picture = snapshot(made, wish, found)
     result = found.result
     told = {
         "verdict": result.verdict.value,
@@ -261,7 +260,7 @@ def _task(self: Calculator, message: Mapping[str, Any]) -> None:
     for event, what in tasks.TASKS[message["task"]](work):
         self.require()
         if event == "model":
-            self.keep(what.pop("made"), message["number"], message["name"], **what)
+            self.keep(what.pop("made"), message["number"], **what)
         else:
             self.tell(event, **what)
 

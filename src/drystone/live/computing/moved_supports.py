@@ -26,7 +26,7 @@ from drystone.settlement import (
     support_response,
 )
 from drystone.stability import check
-from drystone.view import LayerKind, SceneStage, State, stage_of
+from drystone.view import LayerKind, SceneStage, State
 from drystone.view.scenes.large_scenes import blocks_that_fall, moved_headline
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
@@ -59,7 +59,7 @@ def at_once(model: Model, steps: CoarseSteps | None = None, before: Floats | Non
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
         headline = f"Supports moved by {size}: no first-order answer; it is being followed"
-        return Found(result, replace(stage_of(result, "live"), headline=headline, verdict=None))
+        return Found(result, replace(result.stage("live"), headline=headline, verdict=None))
     joints = counted(len(found.open_joints()), "joint")
     headline = f"Supports moved by {size}: {joints} open to first order; it is being followed"
     contacts = _carried(model, result.displacement)
@@ -91,7 +91,7 @@ def _in_proportion(model: Model, before: Floats | None) -> Found:
         motion[~fixed] = share * before[~fixed]
     result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
     headline = f"Supports moved by {size}: the blocks are being followed"
-    stage = replace(stage_of(result, "live"), headline=headline, verdict=None, motion=motion,
+    stage = replace(result.stage("live"), headline=headline, verdict=None, motion=motion,
                     motion_name=_MOTION)  # fmt: skip
     return Found(result, stage, moved=True)
 
@@ -209,7 +209,7 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
     there = moved_assembly(model.assembly, path[-1])
     placed = replace(model, assembly=there, contacts=contacts)
     # staged as one that stands: where it falls later, the forces are those before it falls
-    stage = stage_of(replace(result, model=placed, verdict=Verdict.STABLE), "live")
+    stage = replace(result, model=placed, verdict=Verdict.STABLE).stage("live")
     layers = tuple(  # marks of a joint would be moved with its blocks once more
         replace(one, interface=None) if one.kind is LayerKind.MARKERS else one
         for one in stage.layers

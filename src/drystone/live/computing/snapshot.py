@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from drystone.answer.asked import Asked
+from drystone.answer.widening import stage_among
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.live.computing.wish import Wish, WishedModel
 from drystone.loads import DOWN
 from drystone.results import Result, Verdict
-from drystone.view import Layer, LayerKind, Scene, SceneStage, stage_of
-from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.widening import stage_among
+from drystone.view import Layer, LayerKind, Scene, SceneStage
 from drystone.view.web.encode import encode_stage
 
 QUICK = {
@@ -43,13 +43,13 @@ class Found:
     @classmethod
     def at_rest(cls, result: Result, *, quick: bool = False) -> Found:
         """The picture of a result; ``quick`` where the whole verdict is still to come."""
-        stage = stage_of(result, "live")
+        stage = result.stage("live")
         if quick:
             stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
         return cls(result, stage)
 
 
-def snapshot(asked: WishedModel, wish: Wish, found: Found, source: str = "") -> dict[str, Any]:
+def snapshot(asked: WishedModel, wish: Wish, found: Found) -> dict[str, Any]:
     """An answer about ``asked.part``, encoded for the page that shows all blocks of ``asked``.
 
     Parameters
@@ -57,14 +57,12 @@ def snapshot(asked: WishedModel, wish: Wish, found: Found, source: str = "") -> 
     asked
     wish
     found
-    source
-        Name of the file.
     """
     stage = widened(found.stage, asked)
     turn = rotation_about(asked.axis, wish.tilt)
     layers = (*stage.layers, *pushes(asked, wish, turn))
     part = asked.part
-    facts = facts_of(part.assembly, part.contacts, part.load, source)
+    facts = Asked.of(part).facts()
     stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
     encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
     encoded["stage"]["moved"] = found.moved

@@ -259,7 +259,7 @@ def _plan(work: Work) -> Iterator[Event]:
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
         "help": _help(found),
     }
-    scene = to_text(encode(scene_of(found, source=work.name))) if found.steps else None
+    scene = to_text(encode(scene_of(found))) if found.steps else None
     yield "plan", {"plan": told, "scene": scene}
 
 

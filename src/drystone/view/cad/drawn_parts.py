@@ -9,10 +9,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from drystone.answer.scene import Layer, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import frames_from_normals, rotation_about
-from drystone.view.scenes.scene import Layer, MarkerShape, Scene, SceneStage
-from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
 
 Triangles: TypeAlias = tuple[Floats, Ints]
 """Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""

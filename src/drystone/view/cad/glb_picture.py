@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.fans import fan_warped
 from drystone.geometry.triangulate import triangulate
 from drystone.io.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
 from drystone.io.glb_write import container
+from drystone.results.stage import VIRTUAL
 from drystone.view.cad.drawn_parts import (
     Triangles,
     arrow_ends,
@@ -29,8 +31,6 @@ from drystone.view.cad.drawn_parts import (
     stage_of_scene,
     tubes,
 )
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, ramp_colours, rgb
 from drystone.view.style.presets import PRESETS, is_shown
 

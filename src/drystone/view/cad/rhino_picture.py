@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.triangulate import triangulate
 from drystone.io.rhino_extract import PICTURE
 from drystone.io.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
+from drystone.results.stage import VIRTUAL
 from drystone.view.cad.drawn_parts import arrow_ends, block_groups, marks, matrix_of, stage_of_scene
 from drystone.view.cad.glb_picture import MARK
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.view.scenes.staging import VIRTUAL
-from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, ramp_colours, rgb
 from drystone.view.style.presets import is_shown
 
 _WIDEST = 2.0

@@ -22,7 +22,6 @@ def save_cad(
     *,
     stage: int | None = None,
     preset: str | None = None,
-    source: str = "",
 ) -> None:
     """Write an answer for a CAD program, as Rhino 3dm or GLB; lengths are in metres.
 
@@ -45,8 +44,6 @@ def save_cad(
         Its number, where there are several; the one that a figure shows when left out.
     preset
         Which layers are shown; the one that suits the answer when left out.
-    source
-        The file that the model came from.
 
     Raises
     ------
@@ -74,7 +71,7 @@ def save_cad(
             where=str(path),
             remedy="end the name in .3dm or .glb",
         )
-    scene = scene_of(subject, contacts, source)
+    scene = scene_of(subject, contacts)
     if stage is not None and not -len(scene.stages) <= stage < len(scene.stages):
         raise InputError(f"there is no stage {stage}", remedy=f"there are {len(scene.stages)}")
     chosen = first_preset(scene) if preset is None else preset

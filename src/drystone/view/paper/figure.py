@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drystone.answer.asked import asked_line
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
@@ -17,10 +19,8 @@ from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
 from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
-from drystone.view.scenes.header import asked_line
-from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.subjects import Subject, scene_of
-from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, ramp_colours
 from drystone.view.style.presets import PRESETS, first_preset, is_shown
 from drystone.view.transforms.exploded import taken_apart
 from drystone.view.transforms.section import behind, cut_at
@@ -53,7 +53,6 @@ def save_figure(
     explode: float = 0.0,
     section: str | None = None,
     dark: bool = False,
-    source: str = "",
 ) -> Figure:
     """Draw the model, with what is known of it, in parallel projection.
 
@@ -96,8 +95,6 @@ def save_figure(
         What lies between the plane and the eye is not drawn.
     dark
         Draw on a dark ground.
-    source
-        The file that the model came from, for the head of the figure.
 
     Returns
     -------
@@ -124,7 +121,7 @@ def save_figure(
         raise InputError("size and dpi must be above zero")
     if not 0.0 <= explode < np.inf:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
-    scene = scene_of(subject, contacts, source)
+    scene = scene_of(subject, contacts)
     if section is not None:
         scene = cut_at(scene, section)
     if explode:

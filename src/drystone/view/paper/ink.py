@@ -10,15 +10,16 @@ import numpy as np
 import shapely
 from scipy.spatial.transform import Rotation
 
+from drystone.answer.asked import UP
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.cut_face import clip_loop, cut_faces
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.triangulate import triangulate
 from drystone.view.paper.depth import SortedPolygons, ordered_patches
-from drystone.view.scenes.scene import UP, Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
-from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, ramp_colours, rgb
 from drystone.view.transforms.section import Plane, plane_of
 
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from drystone.answer.scene import State
 from drystone.assembly import Block
 from drystone.base.arrays import Floats
 from drystone.view.paper.ink import Sheet
-from drystone.view.style.palette import State
 
 _ALIKE = 0.9
 """Cosine of the angle up to which faces are one side of a block to a reader."""

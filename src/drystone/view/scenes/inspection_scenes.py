@@ -9,16 +9,15 @@ from os import PathLike
 
 import numpy as np
 
+from drystone.answer.asked import Asked
+from drystone.answer.drawing import interface_layers, state_of
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.detection import ContactReport, Detection, GapSweep
-from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.view.scenes.staging import interface_layers
-from drystone.view.style.palette import State
 from drystone.view.transforms.section import cut_at
 from drystone.view.web.page import page_text
 
@@ -27,9 +26,7 @@ LEFT, RIGHT, TOP, BOTTOM = 44.0, 8.0, 10.0, 30.0
 """Size [px] of the drawing of a sweep, and of its margins."""
 
 
-def inspection_scene(
-    assembly: Assembly, found: Detection, bare: Sequence[Floats] = (), source: str = ""
-) -> Scene:
+def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats] = ()) -> Scene:
     """A scene with the interfaces, and near misses between blocks that do not touch in orange.
 
     Parameters
@@ -39,8 +36,6 @@ def inspection_scene(
         Its contacts and their report.
     bare
         Faces (c, 3) [m] of open meshes, at their holes.
-    source
-        The file that the model came from.
 
     Examples
     --------
@@ -50,7 +45,7 @@ def inspection_scene(
     >>> inspection_scene(assembly, find_contacts(assembly)).title
     'drystone: 3 blocks, 2 interfaces'
     """
-    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state = state_of(assembly)
     count = f"{len(assembly)} blocks, {found.contacts.count} interfaces"
     layers = (
         *interface_layers(found.contacts),
@@ -67,7 +62,7 @@ def inspection_scene(
         f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
     )
     stage = SceneStage("contacts", headline, message, state, layers=layers)
-    facts = facts_of(assembly, found.contacts, source=source)
+    facts = Asked.of_blocks(assembly, found.contacts).facts()
     return Scene(assembly, found.contacts, (stage,), f"drystone: {count}", facts)
 
 
@@ -77,7 +72,6 @@ def save_inspection(
     path: str | PathLike[str],
     sweep: GapSweep | None = None,
     bare: Sequence[Floats] = (),
-    source: str = "",
     section: str | None = None,
 ) -> None:
     """Write the page of :func:`inspection_scene`, with the report and a sweep's curve beside it.
@@ -92,8 +86,6 @@ def save_inspection(
         Number of pairs against the gap tolerance.
     bare
         Faces (c, 3) [m] of open meshes, at their holes.
-    source
-        The file that the model came from.
     section
         As in :func:`drystone.view.save_page`.
 
@@ -111,7 +103,7 @@ def save_inspection(
     panels = [_report_panel(found.report)]
     if sweep is not None:
         panels.append(_sweep_panel(sweep, found.report.options.gap))
-    scene = replace(inspection_scene(assembly, found, bare, source), panels=tuple(panels))
+    scene = replace(inspection_scene(assembly, found, bare), panels=tuple(panels))
     text = page_text(scene if section is None else cut_at(scene, section))
     write_bytes(path, text.encode("utf-8"))
 

@@ -7,16 +7,15 @@ import html
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drystone.answer.asked import Asked, directions
+from drystone.answer.drawing import interface_layers, state_of
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base import units
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import counted
 from drystone.checks import block_speed
 from drystone.fall import Film
 from drystone.settlement import Drive, End, LargeDisplacement, LargeState
-from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
-from drystone.view.scenes.staging import interface_layers
-from drystone.view.style.palette import State
 
 WIDTH, HEIGHT = 280.0, 170.0
 LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
@@ -29,7 +28,7 @@ _NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
-def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
+def large_scene(found: LargeDisplacement) -> Scene:
     """A scene that plays the states from first to last, and the fall where there is one.
 
     Examples
@@ -41,7 +40,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     ('Push', 'Push: at most 0.3; followed to 0.01 m, where it is 0.3')
     """
     assembly, contacts, model = found.assembly, found.contacts, found.model
-    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state = state_of(assembly)
     up, gravity = directions(assembly, model.load)
     name = NAMES[found.drive.value]
     moves = found.drive is Drive.SUPPORTS
@@ -56,7 +55,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
         path=path if len(path) > 1 else None, seconds=_SECONDS, plays=True, up=up, gravity=gravity,
         layers=(*interface_layers(contacts), *_marks(found, last)),
     )  # fmt: skip
-    facts = facts_of(assembly, contacts, model.load, source)
+    facts = Asked.of(model).facts()
     title = f"drystone: {headline[0].lower()}{headline[1:]}"
     return Scene(
         assembly, contacts, (whole,), title, facts, panels=(_curve_panel(found),), preset="solid"
@@ -151,10 +150,10 @@ def _up(load: Floats, low: float, high: float) -> Floats:
     return place
 
 
-def film_scene(film: Film, source: str = "") -> Scene:
+def film_scene(film: Film) -> Scene:
     """A scene that plays a film in real time."""
     assembly, model = film.assembly, film.model
-    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state = state_of(assembly)
     state[film.fell] = State.FALLING
     _, gravity = directions(assembly, model.load)
     up = -gravity  # across the ground on which they fall
@@ -165,6 +164,6 @@ def film_scene(film: Film, source: str = "") -> Scene:
         path=film.positions if len(film) > 1 else None, seconds=float(film.time[-1]), plays=True,
         up=up, gravity=gravity,
     )  # fmt: skip
-    facts = facts_of(assembly, film.contacts, model.load, source)
+    facts = Asked.of(model).facts()
     title = f"drystone: {film.message}"
     return Scene(assembly, film.contacts, (stage,), title, facts, preset="solid")

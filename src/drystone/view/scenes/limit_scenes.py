@@ -7,15 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer.asked import UP, Asked
+from drystone.answer.scene import Scene, SceneStage
+from drystone.answer.widening import side_by_side
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.limits import Evaluation, Limit, TiltSweep
 from drystone.limits.limit_families import Shrunk
 from drystone.results import Result, Verdict
-from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.scene import UP, Scene, SceneStage
-from drystone.view.scenes.staging import stage_of
-from drystone.view.scenes.widening import side_by_side
 
 WIDTH, HEIGHT = 280.0, 130.0
 LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 26.0, 30.0
@@ -26,7 +25,7 @@ _MOST_DIGITS = 9
 _NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 
 
-def limit_scene(limit: Limit, source: str = "") -> Scene:
+def limit_scene(limit: Limit) -> Scene:
     """A scene that compares the last state that stands with the first one that falls.
 
     If their blocks differ (a limit of thickness), the blocks of the other state are absent.
@@ -62,14 +61,14 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
         names = [" (falls)" if falls else " (stands)" for _, _, falls in states]
         models = [state.model for state, _, _ in states]
         assembly, contacts, stages = side_by_side(models, stages, names)
-    facts = facts_of(model.assembly, model.contacts, model.load, source)
+    facts = Asked.of(model).facts()
     asked = {name: text for name, text in facts.items() if name not in ("Load", "Friction")}
     title = f"drystone: {_summary(limit, last)}"
     panels = (evaluations_panel(limit),)
     return Scene(assembly, contacts, stages, title, asked, panels=panels, still=-1)
 
 
-def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
+def sweep_scene(sweep: TiltSweep) -> Scene:
     """The states on either side of the limit in the lowest known direction, with a plot of all.
 
     Raises
@@ -78,7 +77,7 @@ def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
         No direction is known.
     """
     lowest = sweep.lowest
-    scene = limit_scene(sweep.limits[lowest], source)
+    scene = limit_scene(sweep.limits[lowest])
     message = f"{sweep.rank} leans towards {sweep.azimuth[lowest]:g} degrees"
     stages = tuple(
         replace(
@@ -101,9 +100,9 @@ def _stage(limit: Limit, state: Result, value: float, falls: bool) -> SceneStage
     """One side of the limit."""
     told = _quantity_text(limit, value, state)
     headline = f"{'Falls at' if falls else _verb(limit)} {told}"
-    facts = facts_of(state.assembly, state.contacts, state.load)
+    facts = state.asked.facts()
     return replace(
-        stage_of(state, f"{'falls' if falls else 'stands'} at {_short(limit, value)}"),
+        state.stage(f"{'falls' if falls else 'stands'} at {_short(limit, value)}"),
         headline=headline,
         message=_means(limit, state),
         facts={name: text for name, text in facts.items() if name in ("Load", "Friction")},

@@ -7,18 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer.scene import Layer, LayerKind, Scene, State
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.design.changed_model import ties_of
-from drystone.design.diagnosed import Diagnosis
 from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 from drystone.results import Result
-from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene
-from drystone.view.scenes.staging import result_scene, stage_of
-from drystone.view.style.palette import State
 
 _EQUAL = 1e-6
 """Strengths, coefficients and weights that differ by less than this share are equal: rounding."""
@@ -27,38 +23,7 @@ _WIDE = 3.0
 """Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
 
 
-def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
-    """The model with its first motion and the forces that would hold it.
-
-    Examples
-    --------
-    >>> from drystone.design import diagnose
-    >>> from drystone.models import h_model
-    >>> scene = diagnosis_scene(diagnose(h_model(), friction=0.9))
-    >>> [layer.key for layer in scene.stages[0].layers if layer.kind is LayerKind.ARROWS]
-    ['help']
-    """
-    stage = stage_of(found.result, "diagnosis")
-    helps = [
-        Layer(key, label, LayerKind.ARROWS, "help", *arrows, single=True, width=2.0, group="help")
-        for key, label, arrows in (
-            ("help", "props that would hold it", found.props),
-            ("missing", "forces that are missing", found.missing),
-        )
-        if len(arrows[0])
-    ]
-    shown = [layer for layer in stage.layers if layer.kind is not LayerKind.ARROWS]
-    stage = replace(
-        stage,
-        message="; ".join(found.sentences),
-        motion=found.motion if found.regions else None,
-        prop=None,
-        layers=(*shown, *helps),
-    )
-    return replace(result_scene(found.result, source), stages=(stage,))
-
-
-def mended_scene(before: Model, result: Result, source: str = "", change: str = "") -> Scene:
+def mended_scene(before: Model, result: Result, change: str = "") -> Scene:
     """A mended model, with the edges of the blocks that changed as they were, and what was added.
 
     Parameters
@@ -67,8 +32,6 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
         The model that was mended.
     result
         Of the mended model.
-    source
-        The file of the model that was mended.
     change
         What was changed, for the head of the picture.
     """
@@ -78,7 +41,7 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
         for block in before.assembly.blocks
         if id(block) not in kept
     ]
-    stage = stage_of(result, "mended")
+    stage = result.stage("mended")
     layers = [*stage.layers, *_change_layers(before, result.model)]
     if lines:
         ends = np.concatenate(lines)
@@ -90,7 +53,7 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
     added &= stage.state != State.FALLING
     state = np.where(added, State.ADDED, stage.state)
     stage = replace(stage, state=state, layers=tuple(layers))
-    facts = dict(facts_of(result.assembly, result.contacts, result.model.load, source))
+    facts = result.asked.facts()
     if change:
         facts["Changed"] = change
     return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", facts)

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer.asked import Asked, directions
+from drystone.answer.drawing import help_layer, interface_layers
+from drystone.answer.scene import Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.results.stage import force_layers
 from drystone.sequence.plans import Plan, Status
 from drystone.sequence.stages import StageAnswer, members
-from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Scene, SceneStage
-from drystone.view.scenes.staging import force_layers, help_layer, interface_layers
-from drystone.view.style.palette import State
 
 _MOST_ARROWS = 200_000
 """Largest number of arrows in all stages; with more, stages have no forces. Chosen: the page
@@ -33,7 +33,7 @@ _STATE_OF = {
 }
 
 
-def plan_scene(plan: Plan, source: str = "") -> Scene:
+def plan_scene(plan: Plan) -> Scene:
     """A scene with a stage for every block that is placed; the last shows the status of all.
 
     A page opens with the last one, whose headline is the answer of the whole plan.
@@ -47,7 +47,7 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
     stages.append(summary_stage(plan))
     title = f"drystone plan: {counts_text(plan)}"
     asked = model.model
-    facts = dict(facts_of(asked.assembly, asked.contacts, asked.load, source))
+    facts = dict(Asked.of(asked).facts())
     facts["Plan"] = counts_text(plan)
     number = np.zeros(len(model.assembly), dtype=np.intp)
     for block, position in block_numbers(plan).items():

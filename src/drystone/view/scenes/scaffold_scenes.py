@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.results import Verdict
 from drystone.sequence import Centring, Rope, Scaffolding, ScaffoldItem, Strut
 from drystone.view.scenes.plan_scenes import plan_scene
-from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 
 _WIDE = 3.0
 """Width of a strut or a rope, by that of other lines; chosen by eye."""
 
 
-def scaffold_scene(made: Scaffolding, source: str = "") -> Scene:
+def scaffold_scene(made: Scaffolding) -> Scene:
     """The scene of the plan, with the struts, ropes, clamps or centring of every stage.
 
     A stage that does not stand with them, or overloads one of them, says so.
@@ -32,7 +32,7 @@ def scaffold_scene(made: Scaffolding, source: str = "") -> Scene:
     >>> [layer.label for layer in scene.stages[2].layers if layer.key == "scaffold"]
     ['4 struts']
     """
-    scene, plan = plan_scene(made.plan, source), made.plan
+    scene, plan = plan_scene(made.plan), made.plan
     shown = [number for number, step in enumerate(plan.steps) for _ in step.blocks]
     stages = [
         _stage(made, number, stage)

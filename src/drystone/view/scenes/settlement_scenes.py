@@ -7,6 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.answer.asked import Asked, directions
+from drystone.answer.drawing import PLAYED, interface_layers, state_of
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.checks import block_speed
@@ -14,16 +17,12 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about
 from drystone.results import Verdict
 from drystone.settlement import Outcome, Settlement, SettlementPath, SupportResponse
-from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.view.scenes.staging import PLAYED, interface_layers, stage_of
-from drystone.view.style.palette import State
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000
 """Frames of a path. Chosen: it looks smooth, and adds 3 MB to a page."""
 
 
-def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
+def settlement_scene(settlement: SupportResponse) -> Scene:
     """A scene that compares the forces before and after, and plays the motion, enlarged.
 
     Examples
@@ -36,7 +35,7 @@ def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
     ['after', 'before']
     """
     result = settlement.result
-    after = stage_of(result, "after")
+    after = result.stage("after")
     if result.displacement is not None:
         after = replace(
             after,
@@ -47,27 +46,25 @@ def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
             layers=(*after.layers, *_openings(settlement)),
         )
     title = f"drystone: {after.headline.lower()}"
-    before = stage_of(settlement.before, "before")
-    return Scene(
-        result.assembly, result.contacts, (after, before), title, _facts(settlement, source)
-    )
+    before = settlement.before.stage("before")
+    return Scene(result.assembly, result.contacts, (after, before), title, _facts(settlement))
 
 
-def moved_scene(settlement: SupportResponse, source: str = "") -> Scene:
+def moved_scene(settlement: SupportResponse) -> Scene:
     """The blocks moved, enlarged, so that a figure shows which joints open.
 
     Without an answer it is the scene of :func:`settlement_scene`.
     """
     result = settlement.result
     if result.displacement is None:
-        return settlement_scene(settlement, source)
+        return settlement_scene(settlement)
     motion, factor = _enlarged(result.assembly, result.displacement)
-    state = np.where(result.assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state = state_of(result.assembly)
     message = f"{result.message}; the motion is drawn {factor:.3g} times as large"
     headline = _headline(settlement)
     stage = SceneStage("after", headline, message, state, result.verdict)
     moved = moved_assembly(result.assembly, motion)
-    facts = _facts(settlement, source)
+    facts = _facts(settlement)
     return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}", facts)
 
 
@@ -81,7 +78,7 @@ def moved_assembly(assembly: Assembly, motion: Floats) -> Assembly:
     return Assembly(tuple(blocks), assembly.fixed)
 
 
-def followed_scene(settlement: Settlement, source: str = "") -> Scene:
+def followed_scene(settlement: Settlement) -> Scene:
     """A scene that plays the motion of the blocks; a stage for each carrier of the ends of joints.
 
     Examples
@@ -94,7 +91,7 @@ def followed_scene(settlement: Settlement, source: str = "") -> Scene:
     """
     model = settlement.model
     stages = tuple(_followed(settlement, one) for one in settlement.paths)
-    facts = facts_of(model.assembly, model.contacts, model.load, source)
+    facts = Asked.of(model).facts()
     title = f"drystone: {settlement.outcome.value}"
     return Scene(model.assembly, model.contacts, stages, title, facts)
 
@@ -105,7 +102,7 @@ def _followed(settlement: Settlement, path: SettlementPath) -> SceneStage:
     differ = settlement.outcome is Outcome.ENDS_DECIDE
     model, last = path.model, path.displacement
     assembly = model.assembly
-    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state = state_of(assembly)
     falls = path.outcome in (Outcome.FALLS, Outcome.DISPLACED)
     if falls:
         state[list(path.moving)] = State.FALLING
@@ -138,9 +135,9 @@ def _followed(settlement: Settlement, path: SettlementPath) -> SceneStage:
     )
 
 
-def _facts(settlement: SupportResponse, source: str) -> Mapping[str, str]:
+def _facts(settlement: SupportResponse) -> Mapping[str, str]:
     model = settlement.result.model
-    facts = facts_of(model.assembly, model.contacts, model.load, source)
+    facts = Asked.of(model).facts()
     motion = model.load.motion
     moved = [] if motion is None else np.flatnonzero(motion.any(axis=1)).tolist()
     names = ", ".join(model.assembly.names[i] for i in moved)

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from drystone.answer import Answer
+from drystone.answer.drawing import bare_scene
+from drystone.answer.scene import Scene
 from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.design.diagnosed import Diagnosis
 from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
-from drystone.results import Result
 from drystone.sequence import Plan, Scaffolding
 from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
 from drystone.view.scenes.large_scenes import film_scene, large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
-from drystone.view.scenes.mend_scenes import diagnosis_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scaffold_scenes import scaffold_scene
-from drystone.view.scenes.scene import Scene
 from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
-from drystone.view.scenes.staging import bare_scene, result_scene
 
 Subject: TypeAlias = (
-    Result
+    Answer
     | Model
     | Assembly
     | Limit
@@ -36,12 +34,11 @@ Subject: TypeAlias = (
     | Settlement
     | LargeDisplacement
     | Film
-    | Diagnosis
     | Scene
 )
 
 
-def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "") -> Scene:
+def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
     """The scene of a model or of an answer, or the scene itself.
 
     Parameters
@@ -49,8 +46,6 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
     subject
     contacts
         Of an assembly; everything else has its own.
-    source
-        The file that the model came from, for the head of the picture.
 
     Raises
     ------
@@ -59,7 +54,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
         is no picture of such a value.
     """
     if isinstance(subject, Assembly):
-        return bare_scene(subject, contacts, source=source)
+        return bare_scene(subject, contacts)
     own = getattr(subject, "contacts", None)
     if contacts is not None and contacts is not own:
         raise InputError(
@@ -68,28 +63,26 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
     match subject:
         case Scene():
             return subject
-        case Result():
-            return result_scene(subject, source)
+        case Answer():
+            return subject.layers()
         case Model():
-            return bare_scene(subject.assembly, subject.contacts, subject, source)
+            return bare_scene(subject.assembly, subject.contacts, subject)
         case Limit():
-            return limit_scene(subject, source)
+            return limit_scene(subject)
         case TiltSweep():
-            return sweep_scene(subject, source)
+            return sweep_scene(subject)
         case Plan():
-            return plan_scene(subject, source)
+            return plan_scene(subject)
         case Scaffolding():
-            return scaffold_scene(subject, source)
+            return scaffold_scene(subject)
         case SupportResponse():
-            return settlement_scene(subject, source)
+            return settlement_scene(subject)
         case LargeDisplacement():
-            return large_scene(subject, source)
+            return large_scene(subject)
         case Film():
-            return film_scene(subject, source)
-        case Diagnosis():
-            return diagnosis_scene(subject, source)
+            return film_scene(subject)
         case Settlement():
-            return followed_scene(subject, source)
+            return followed_scene(subject)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",

@@ -7,30 +7,10 @@ forces is one hue whose lightness changes evenly, so that equal steps of force l
 
 from __future__ import annotations
 
-import enum
-
 import numpy as np
 
+from drystone.answer.scene import State
 from drystone.base.arrays import Floats
-
-
-class State(enum.IntEnum):
-    """State of a block in a stage; it has a colour."""
-
-    ABSENT = 0
-    """Not placed yet: not drawn."""
-    FREE = 1
-    SUPPORT = 2
-    FALLING = 3
-    HELD = 4
-    PROPPED = 5
-    LATER = 6
-    """Placed, and propped at a later stage: hatched."""
-    COMING = 7
-    """Moved into its place at this stage."""
-    ADDED = 8
-    """In a mended model, a block that was not there before."""
-
 
 STATE_LABEL = {
     State.FREE: "free block",

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from drystone.answer.scene import Layer, Scene
 from drystone.base.display import OneLine
-from drystone.view.scenes.scene import Layer, Scene
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.answer.scene import Layer, LayerKind, Scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.geometry.cut_face import clip_loop
-from drystone.view.scenes.scene import Layer, LayerKind, Scene
 
 AXES = "xyz"
 _NEAR = 1e-3

@@ -45,14 +45,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.answer.asked import asked_line
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.kern import kern
 from drystone.geometry.polyhedron import Faces
+from drystone.geometry.kern import kern
 from drystone.geometry.triangulate import triangulate
-from drystone.view.scenes.header import asked_line
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import (
     FORCE_RAMP,

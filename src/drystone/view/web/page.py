@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from importlib import resources
 from os import PathLike
 
+from drystone.answer.scene import Scene
 from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
-from drystone.view.scenes.scene import Scene
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.transforms.section import cut_at
 from drystone.view.web.encode import encode, to_text
@@ -30,7 +30,6 @@ def save_page(
     contacts: Contacts | None = None,
     *,
     section: str | None = None,
-    source: str = "",
 ) -> None:
     """Write a page on which the model can be turned and taken apart, and its blocks clicked.
 
@@ -45,8 +44,6 @@ def save_page(
         Of an assembly; a result has its own.
     section
         Show the model cut across an axis at first, as in :func:`save_figure`.
-    source
-        The file that the model came from, for the head of the page.
 
     Raises
     ------
@@ -63,7 +60,7 @@ def save_page(
     >>> (folder / "tower.html").read_text(encoding="utf-8")[:15]
     '<!doctype html>'
     """
-    scene = scene_of(subject, contacts, source)
+    scene = scene_of(subject, contacts)
     scene = scene if section is None else cut_at(scene, section)
     write_bytes(path, page_text(scene).encode("utf-8"))
 

@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from drystone.answer.scene import Layer, SceneStage, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Ints
 from drystone.contacts import Contacts, joined_contacts
 from drystone.model import Model
-from drystone.view.scenes.scene import Layer, SceneStage
-from drystone.view.style.palette import State
 
 
 def stage_among(

@@ -10,18 +10,19 @@ from functools import cached_property
 
 import numpy as np
 
-import drystone
+from drystone.answer.asked import UP
+from drystone.answer.sentences import Verdict
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.version import version
 from drystone.contacts import Contacts
-from drystone.results import Verdict
-from drystone.view.style.palette import ROLE_COLOUR
 
-UP = frozen(np.array([0.0, 0.0, 1.0]))
-"""The vertical axis of a picture, unless gravity is turned."""
-
+ROLES = (
+    "interface", "pressure", "network", "resultant", "hinge", "help", "missed", "added", "kern",
+)  # fmt: skip
+"""What the colour of a layer says."""
 _COMMON = 0.97
 """Share of the values that the colours resolve if a few are far above all others. Chosen by eye."""
 
@@ -32,13 +33,31 @@ _THIN = 0.25
 def now() -> str:
     """The time and the version of drystone."""
     day = dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    return f"{day}, drystone {drystone.__version__}"
+    return f"{day}, drystone {version()}"
 
 
 def _round_up(value: float) -> float:
     """The next larger number with two digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - 1.0)
     return float(np.ceil(value / step - 1e-9) * step)
+
+
+class State(enum.IntEnum):
+    """State of a block in a stage; it has a colour."""
+
+    ABSENT = 0
+    """Not placed yet: not drawn."""
+    FREE = 1
+    SUPPORT = 2
+    FALLING = 3
+    HELD = 4
+    PROPPED = 5
+    LATER = 6
+    """Placed, and propped at a later stage: hatched."""
+    COMING = 7
+    """Moved into its place at this stage."""
+    ADDED = 8
+    """In a mended model, a block that was not there before."""
 
 
 class LayerKind(enum.Enum):
@@ -73,7 +92,7 @@ class Layer(OneLine):
         For the legend.
     kind
     colour
-        A role of ``drystone.view.style.palette``.
+        One of :data:`ROLES`.
     position : (p, 3) [m]
     vector : (p, 3), arrows [N] or lines [m]
     start : (f + 1,) loops of polygons
@@ -118,10 +137,10 @@ class Layer(OneLine):
     shape: MarkerShape = MarkerShape.DISC
 
     def __post_init__(self) -> None:
-        if self.colour not in ROLE_COLOUR["light"]:
+        if self.colour not in ROLES:
             raise InputError(
                 f"layer '{self.key}' has the colour '{self.colour}'",
-                remedy=f"choose one of {', '.join(ROLE_COLOUR['light'])}",
+                remedy=f"choose one of {', '.join(ROLES)}",
             )
         if (self.start is None) == (self.kind is LayerKind.POLYGONS):
             raise InputError(f"layer '{self.key}': polygons have a start, nothing else has one")

@@ -1,0 +1,132 @@
+"""The base of all answers: title, sentences, tables, layers, numbers, and what was asked."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime as dt
+import enum
+import html
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from drystone.answer.asked import Asked
+from drystone.answer.scene import Scene
+from drystone.answer.sentences import Role, Sentence
+from drystone.base.display import OneLine, picture_of
+from drystone.base.table import Table
+from drystone.model import OfModel
+
+
+class Answer(OfModel, OneLine, ABC):
+    """What an analysis answers. It says five things of itself, and keeps what was asked.
+
+    A new kind of answer implements :attr:`title`, :meth:`sentences`, :meth:`tables`,
+    :meth:`layers` and :meth:`numbers`. The command line, the JSON, pages, figures, CAD files, the
+    live page, notebooks and the tools for programs show these and know no analysis.
+
+    Attributes
+    ----------
+    made : [s]
+        Time at which it was made, since 1970.
+    options
+        With which it was computed; ``None`` where there are none.
+    """
+
+    made: float
+    options: Any = None
+
+    def __new__(cls, *_: Any, **__: Any) -> Self:
+        """A new answer, which knows when it was made; a copy keeps that."""
+        answer = super().__new__(cls)
+        object.__setattr__(answer, "made", time.time())
+        return answer
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """The answer in a few words."""
+
+    @abstractmethod
+    def sentences(self) -> Sequence[Sentence]:
+        """The answer in sentences; the first one is the verdict."""
+
+    def tables(self) -> Sequence[Table]:
+        """Blocks, joints, steps or values; each table has its own title."""
+        return ()
+
+    @abstractmethod
+    def layers(self) -> Scene:
+        """What is drawn.
+
+        Raises
+        ------
+        InputError
+            There is no picture.
+        """
+
+    @abstractmethod
+    def numbers(self) -> Mapping[str, Any]:
+        """The answer as plain values in SI units, but for what the tables hold."""
+
+    @property
+    def code(self) -> int:
+        """The exit code of a command: 0 where the first sentence is good news, else 1."""
+        return 0 if self.sentences()[0].role is Role.GOOD else 1
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What was asked: the model, where it came from, its loads, options, version and date."""
+        when = dt.datetime.fromtimestamp(self.made).astimezone()
+        return Asked.of(self.model, self.options, when.strftime("%Y-%m-%d %H:%M"))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON: the title, the numbers, the rows of each table, what was asked."""
+        tables = self.tables()
+        return {
+            "title": self.title,
+            "sentences": [one.text for one in self.sentences()],
+            **plain(self.numbers()),
+            **{one.key: plain(list(one)) for one in tables},
+            "units": {one.key: dict(one.units) for one in tables if one.units},
+            "asked": self.asked.to_dict(),
+        }
+
+    def _repr_html_(self) -> str:
+        told = "".join(f"<div>{html.escape(one.text)}</div>" for one in self.sentences())
+        tables = "".join(one._repr_html_() for one in self.tables())
+        return (
+            '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
+            f'<div style="max-width:32em"><b>{html.escape(self.title)}</b>{told}{tables}'
+            f'<div style="opacity:.7">{html.escape(self.asked.line())}</div></div>'
+            f"{picture_of(self)}</div>"
+        )
+
+
+def plain(value: Any) -> Any:
+    """The same with values that JSON knows; numbers that are not finite become ``None``.
+
+    Examples
+    --------
+    >>> from drystone.answer import Verdict
+    >>> plain({"a": np.ones(2), "b": Verdict.STABLE, "c": float("nan")})
+    {'a': [1.0, 1.0], 'b': 'stable', 'c': None}
+    """
+    if isinstance(value, enum.Enum):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {one.name: plain(getattr(value, one.name)) for one in dataclasses.fields(value)}
+    return value if isinstance(value, bool | int | str) or value is None else str(value)

@@ -1,0 +1,286 @@
+"""What was asked: the model, where it came from, its loads, and the options of the analysis."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base import units
+from drystone.base.arrays import Floats, frozen
+from drystone.base.display import OneLine, differing
+from drystone.base.version import commit, version
+from drystone.contacts import Contacts
+from drystone.loads import LoadCase
+from drystone.loads.case import STANDARD_GRAVITY
+from drystone.model import Model
+
+UP = frozen(np.array([0.0, 0.0, 1.0]))
+"""The vertical axis of a picture, unless gravity is turned."""
+_NAMED = 4
+"""Supports named in a line; more are counted."""
+_OWN = 1e-9
+"""Share of the largest load below which a load is rounding."""
+
+
+@dataclass(frozen=True)
+class Asked(OneLine):
+    """What was asked.
+
+    Attributes
+    ----------
+    file, sha256
+        The file of the model, and the hash of its content; empty where there was none.
+    reading
+        How it was read, where that was given: units, axis, supports, gap and others.
+    blocks, interfaces
+        How many.
+    size : [m]
+        Along x, y and z.
+    free_mass : [kg]
+    supports
+        Names of the fixed blocks.
+    density, friction
+        Least and largest; ``None`` where there are none.
+    load
+        Name of the load.
+    acceleration : [m/s2]
+        That most of the masses have under the load.
+    loads
+        Of each block with other loads: force [N] and moment [N m] about its centroid, where that is
+        [m], and the motion [m, rad] of a support.
+    joint_capacity
+        Least and largest tension, cohesion and shear of the joints [N].
+    notes
+        What was assumed while the model was made.
+    options
+        Options of the analysis that differ from the defaults.
+    version, commit
+        Of drystone; the commit is empty where it is not known.
+    made
+        When.
+    """
+
+    file: str = ""
+    sha256: str = ""
+    reading: Mapping[str, str] = field(default_factory=dict)
+    blocks: int = 0
+    interfaces: int = 0
+    size: tuple[float, ...] = ()
+    free_mass: float = 0.0
+    supports: tuple[str, ...] = ()
+    density: tuple[float, float] | None = None
+    friction: tuple[float, float] | None = None
+    load: str = ""
+    acceleration: tuple[float, ...] = ()
+    loads: tuple[Mapping[str, Any], ...] = ()
+    joint_capacity: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    options: Mapping[str, str] = field(default_factory=dict)
+    version: str = ""
+    commit: str = ""
+    made: str = ""
+
+    @classmethod
+    def of(cls, model: Model, options: Any = None, made: str = "") -> Asked:
+        """What was asked of a model."""
+        return cls._of(
+            model.assembly,
+            model.contacts,
+            model.load,
+            notes=model.notes,
+            file=model.origin.file,
+            sha256=model.origin.sha256,
+            reading=model.origin.reading,
+            options=differing(options) if dataclasses.is_dataclass(options) else {},
+            version=version(),
+            commit=commit(),
+            made=made,
+        )
+
+    @classmethod
+    def of_blocks(cls, assembly: Assembly, contacts: Contacts) -> Asked:
+        """Blocks and their interfaces, without an analysis."""
+        return cls._of(assembly, contacts, None)
+
+    @classmethod
+    def _of(
+        cls, assembly: Assembly, contacts: Contacts, load: LoadCase | None, **more: Any
+    ) -> Asked:
+        free = ~assembly.fixed
+        density = np.array([block.density for block in assembly.blocks])
+        bounds = assembly.bounds
+        common, others = ((), ()) if load is None else _loads(assembly, load)
+        capacity = {}
+        if contacts.capacity is not None:
+            kinds = ("tension", "cohesion", "shear")
+            capacity = {name: _ends(getattr(contacts.capacity, name)) for name in kinds}
+        return cls(
+            blocks=len(assembly),
+            interfaces=contacts.count,
+            size=tuple((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).tolist()),
+            free_mass=float(assembly.mass[free].sum()),
+            supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
+            density=_ends(density),
+            friction=_ends(contacts.friction) if contacts.count else None,
+            load="" if load is None else load.name,
+            acceleration=common,
+            loads=others,
+            joint_capacity={name: ends for name, ends in capacity.items() if ends},
+            **more,
+        )
+
+    def facts(self) -> dict[str, str]:
+        """The same in words, by name; empty entries are left out."""
+        told = {
+            "File": PurePath(self.file).name,
+            "Read with": _pairs(self.reading),
+            "Blocks": f"{self.blocks:,}",
+            "Interfaces": f"{self.interfaces:,}",
+            "Size": units.extent(self.size),
+            "Supports": _supports(self.supports),
+            "Free mass": units.mass(self.free_mass),
+            "Density": _range(self.density, " kg/m³"),
+            "Friction": _range(self.friction, ""),
+            "Joint capacity": ", ".join(
+                f"{name} {_range(ends, ' N')}" for name, ends in self.joint_capacity.items()
+            ),
+            "Load": self.load,
+            "Options": _pairs(self.options),
+            "Notes": "; ".join(self.notes),
+        }
+        return {name: text for name, text in told.items() if text}
+
+    def line(self) -> str:
+        """The same in one line."""
+        return asked_line(self.facts())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values; empty entries are left out."""
+        values = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
+        return {
+            name: dict(value) if isinstance(value, Mapping) else value
+            for name, value in values.items()
+            if value not in ("", None, (), {})
+        }
+
+
+def asked_line(facts: Mapping[str, str], made: str = "") -> str:
+    """What was asked, in one line.
+
+    Parameters
+    ----------
+    facts
+        Of a scene and its stage; see :meth:`Asked.facts`.
+    made
+        When and with what the picture was made.
+
+    Examples
+    --------
+    >>> asked_line({"File": "arch.json", "Blocks": "17", "Friction": "0.6", "Supports": "none"})
+    'arch.json · 17 blocks · friction 0.6 · no supports'
+    """
+    shown = [facts.get("File", "")]
+    for name, text in (
+        ("Blocks", "{} blocks"),
+        ("Interfaces", "{} interfaces"),
+        ("Size", "{}"),
+        ("Free mass", "free mass {}"),
+        ("Density", "density {}"),
+        ("Friction", "friction {}"),
+        ("Joint capacity", "joints carry {}"),
+        ("Load", "{}"),
+        ("Supports", "supports: {}"),
+        ("Supports that move", "moved: {}"),
+        ("Plan", "plan of {}"),
+        ("Changed", "changed: {}"),
+        ("Options", "{}"),
+    ):
+        if facts.get(name) == "none":
+            shown.append(f"no {name.lower()}")
+        elif name in facts:
+            one = facts[name] == "1" and text.endswith("s")
+            shown.append((text[:-1] if one else text).format(facts[name]))
+    if "Left out" in facts:
+        shown.append("shown without details, see below")
+    return " \N{MIDDLE DOT} ".join(one for one in (*shown, made) if one)
+
+
+def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
+    """The directions of up in the picture and of gravity, both (3,) unit.
+
+    If all free masses have the same acceleration of the size of standard gravity, gravity is
+    turned: the picture is tilted until it points down. Otherwise up is along z.
+    """
+    free = ~assembly.fixed
+    force, mass = load.wrench[free, :3], assembly.mass[free]
+    total = force.sum(axis=0)
+    size = float(np.linalg.norm(total))
+    if size == 0.0:
+        return UP, -UP
+    pull = total / size
+    mean = total / mass.sum()
+    alike = np.abs(force - mass[:, None] * mean).max() <= 1e-6 * np.abs(force).max()
+    turned = alike and abs(size / mass.sum() / STANDARD_GRAVITY - 1.0) < 1e-3
+    return (frozen(-pull) if turned else UP), frozen(pull)
+
+
+def _loads(
+    assembly: Assembly, load: LoadCase
+) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...]]:
+    """The acceleration that most masses have, and the other loads of each block."""
+    free, mass = ~assembly.fixed, assembly.mass
+    common = np.zeros(3)
+    if free.any():
+        common = np.median(load.wrench[free, :3] / mass[free, None], axis=0)
+    rest = load.wrench.copy()
+    rest[:, :3] -= mass[:, None] * common
+    rest[~free] = 0.0
+    least = _OWN * np.abs(load.wrench[:, :3]).max(initial=0.0)
+    size = np.abs(rest[:, :3]).max(axis=1) + np.abs(rest[:, 3:]).max(axis=1) / assembly.size
+    motion = np.zeros((len(assembly), 6)) if load.motion is None else load.motion
+    moved = np.abs(motion).max(axis=1) > 0.0
+    told = []
+    for i in np.flatnonzero((size > least) | moved).tolist():
+        one: dict[str, Any] = {"block": assembly.names[i], "at": assembly.centroid[i].tolist()}
+        if size[i] > least:
+            one |= {"force": rest[i, :3].tolist(), "moment": rest[i, 3:].tolist()}
+        if moved[i]:
+            one["motion"] = motion[i].tolist()
+        told.append(one)
+    return tuple(common.tolist()), tuple(told)
+
+
+def _ends(values: Floats | None) -> tuple[float, float] | None:
+    """The least and the largest value."""
+    if values is None or not len(values):
+        return None
+    return float(values.min()), float(values.max())
+
+
+def _range(ends: tuple[float, float] | None, unit: str) -> str:
+    if ends is None:
+        return ""
+    low, high = ends
+    text = f"{low:.4g}" if high - low <= 1e-9 * abs(high) else f"{low:.4g} to {high:.4g}"
+    return text + unit
+
+
+def _pairs(given: Mapping[str, str]) -> str:
+    return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in given.items())
+
+
+def _supports(fixed: tuple[str, ...]) -> str:
+    if not fixed:
+        return "none"
+    if len(fixed) > _NAMED:
+        return f"{len(fixed):,} blocks"
+    told = ", ".join(fixed)
+    if any(name.isdecimal() for name in fixed):  # "0" alone would be a count
+        return f"block {told}" if len(fixed) == 1 else f"blocks {told}"
+    return told

@@ -1,0 +1,237 @@
+"""What an analysis answers: verdict, forces, motion, and the residuals that prove it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
+from drystone.assembly import Blocks
+from drystone.base.arrays import lengths, number
+from drystone.base.errors import InputError, counted
+from drystone.base.table import NEGLIGIBLE, Table
+from drystone.joints import (
+    ThrustLine,
+    joint_table,
+    thrust_line,
+)
+from drystone.results.solution import Solution
+from drystone.results.stage import stage_of
+
+
+@dataclass(frozen=True, eq=False)
+class Result(Solution, Answer):
+    """Answer of an analysis, with the model that it belongs to.
+
+    Its fields are those of :class:`Solution`.
+    """
+
+    def _summary(self) -> str:
+        blocks, joints = len(self.assembly), self.contacts.count
+        return (
+            f"{self.verdict}, {counted(blocks, 'block')}, {counted(joints, 'interface')}, "
+            f"'{self.message}'"
+        )
+
+    @property
+    def title(self) -> str:
+        """The verdict as a plain sentence."""
+        if self.verdict is Verdict.UNSTABLE:
+            if len(self.falling) > 1:
+                return f"Falls: {len(self.falling)} of {len(self.assembly)} blocks"
+            return f"Falls: block '{self.falling_names[0]}'" if self.falling else "Falls"
+        if self.verdict is Verdict.UNDECIDED:
+            return "Not decided: neither standing nor falling was shown"
+        if self.verdict is Verdict.EQUILIBRIUM_EXISTS:
+            return "Some forces balance the loads; whether it stands was not asked"
+        if self.settlement is not None:
+            return "Stands after settling: it depends on how the joints press"
+        if self.samples.standing == self.samples.tried:
+            return "Stands"
+        tried, standing = self.samples.tried, self.samples.standing
+        return f"Contact stiffness decides: stands for {standing} of {tried} tried"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The verdict, how it was found, and the contact stiffnesses."""
+        word = self.verdict.upper() + (" (sensitive)" if self.sensitive else "")
+        said = [Sentence(word, Role.of(self.verdict)), Sentence(self.message)]
+        if self.samples.tried:
+            tried, standing = self.samples.tried, self.samples.standing
+            said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
+        return [one for one in said if one.text]
+
+    def tables(self) -> Sequence[Table]:
+        """The blocks that give way with the props that they need; the joints that carry most."""
+        return [table for table in (self._props(), self._largest()) if len(table)]
+
+    def layers(self) -> Scene:
+        """What falls and how it begins, or the forces inside."""
+        stage, facts = self.stage(), self.asked.facts()
+        title = f"drystone: {stage.headline.lower()}"
+        return Scene(self.assembly, self.contacts, (stage,), title, facts)
+
+    def stage(self, label: str = "result") -> SceneStage:
+        """The same as one stage of a picture."""
+        return stage_of(self, self.title, label)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The verdict, what it is made of, and how well the conditions are met."""
+        return {
+            "verdict": self.verdict,
+            "method": self.method,
+            "message": self.message,
+            "sensitive": self.sensitive,
+            "settlement": [
+                {"carrier": path.carrier, "outcome": path.outcome, "travel": path.travel.max()}
+                for path in getattr(self.settlement, "paths", ())
+            ],
+            "stopped": self.stopped,
+            "falling": self.falling_names,
+            "samples": self.samples,
+            "residuals": self.residuals,
+            "time_s": self.time_s,
+        }
+
+    def _props(self) -> Table:
+        """What falls, neediest first, with force and moment of the prop about the centroid."""
+        prop = np.zeros((len(self.assembly), 6)) if self.prop is None else self.prop
+        size = lengths(prop[:, :3])
+        order = sorted(self.falling, key=lambda i: -size[i])
+        force, moment = prop[order, :3], prop[order, 3:]
+        arm = float(self.assembly.size.max())  # a moment that is small beside it is rounding
+        seen = lengths(moment) > NEGLIGIBLE * arm * size[order]
+        moment = np.where(seen[:, None], moment, 0.0)
+        columns: dict[str, Any] = {"block": [self.assembly.names[i] for i in order]}
+        if self.prop is None:
+            return Table("gives way", columns)
+        columns |= {"prop_force": force, "prop_moment": moment}
+        return Table("gives way", columns, {"prop_force": "N", "prop_moment": "N m"})
+
+    def _largest(self) -> Table:
+        """The interfaces with the largest normal force and with most of the friction used."""
+        if self.force is None or self.contacts.count == 0:
+            return Table("most loaded", {"joint": []})
+        names, contacts, found = self.assembly.names, self.contacts, self.resultants
+        at = np.array([np.argmax(found.normal), np.argmax(self.utilisation)])
+        normal, tangential = found.normal[at], found.tangential[at]
+        columns = {
+            "joint": ["largest force", "most friction used"],
+            "interface": at,
+            "block_a": [names[i] for i in contacts.block_a[at]],
+            "block_b": [names[i] for i in contacts.block_b[at]],
+            "normal": normal,
+            "friction": np.where(tangential > NEGLIGIBLE * np.abs(normal), tangential, 0.0),
+            "utilisation": self.utilisation[at],
+        }
+        return Table("most loaded", columns, {"normal": "N", "friction": "N", "utilisation": "1"})
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether it stands only for some contact stiffnesses, or only after settling."""
+        some = self.samples.standing < self.samples.tried
+        return self.stable and (some or self.settlement is not None)
+
+    def __bool__(self) -> bool:
+        raise TypeError("a result is neither true nor false; ask for .stable, .falls or .verdict")
+
+    @property
+    def stable(self) -> bool:
+        """Whether it was shown to stand."""
+        return self.verdict is Verdict.STABLE
+
+    @property
+    def falls(self) -> bool:
+        """Whether it was shown to fall."""
+        return self.verdict is Verdict.UNSTABLE
+
+    def joints(self, *, strength: float | None = None) -> Table:
+        """Forces, utilisation, eccentricity and pressure of every interface.
+
+        Parameters
+        ----------
+        strength : [Pa], optional
+            Interfaces whose peak pressure exceeds it are marked.
+
+        Returns
+        -------
+        Table
+            One row per interface.
+
+        Columns
+        -------
+        joint, block_a, block_b
+            Position of the interface, names of its blocks.
+        area [m2]
+        normal [N]
+            Positive in compression.
+        tangential [N]
+        torque [N m]
+            About the normal, on block b, at the centre of pressure.
+        friction_use
+            Tangential over friction times normal: 1 slides.
+        eccentricity [m]
+            Distance of the centre of pressure from the centroid of the joint.
+        kern_ratio
+            The same as a share of the distance to the rim of the kern: above 1 the joint opens.
+        edge_ratio
+            The same as a share of the distance to the rim of the joint: 1 is a hinge.
+        mean_pressure, peak_pressure [Pa]
+            The peak is that of a linear pressure that does not pull; infinite on the rim.
+        over_strength
+            Whether the peak exceeds the strength, where one was given.
+        force_x, force_y, force_z [N]
+            Resultant on block b, world axes.
+        x, y, z [m]
+            Centre of pressure; the centroid where nothing presses.
+
+        Raises
+        ------
+        InputError
+            There are no forces, or the strength is not above zero.
+
+        Examples
+        --------
+        >>> import drystone
+        >>> from drystone.models import tower
+        >>> table = drystone.check(tower(2)).joints()
+        >>> table["mean_pressure"].round(1).tolist(), table["peak_pressure"].round(1).tolist()
+        ([23544.0], [23544.0])
+        """
+        if strength is None:
+            return self._joint_table
+        if not number(strength, "strength") > 0.0:
+            raise InputError(f"strength is {strength}", remedy="give a pressure in Pa above zero")
+        made = self._joint_table
+        over = {"over_strength": made["peak_pressure"] > strength}
+        return Table(made.title, {**made.columns, **over}, made.units)
+
+    @cached_property
+    def _joint_table(self) -> Table:
+        self._require_forces()
+        return joint_table(self.contacts, self.assembly.names, self.resultants, self.utilisation)
+
+    def thrust_line(self, blocks: Blocks | None = None) -> ThrustLine:
+        """The polyline through the centres of pressure of successive joints.
+
+        Parameters
+        ----------
+        blocks
+            Voussoirs in order, by name or position. Left out, the model must be one chain.
+
+        Raises
+        ------
+        InputError
+            There are no forces, successive blocks do not touch, or there is no single chain.
+        """
+        self._require_forces()
+        return thrust_line(self.assembly, self.contacts, self.resultants, blocks)
+
+    def _require_forces(self) -> None:
+        if self.force is None:
+            raise InputError(
+                "the result has no forces", remedy="ask for those of a structure that stands"
+            )

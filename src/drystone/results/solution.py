@@ -1,0 +1,119 @@
+"""What an analysis found: the verdict, forces, and motion of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import Verdict
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.checks import Residuals
+from drystone.joints import Resultants, resultants_of, utilisation_of, world_forces
+from drystone.loads import LoadCase
+from drystone.model import Model, OfModel
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Contact stiffness distributions tried, and how many let the structure come to rest."""
+
+    tried: int = 0
+    standing: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(OfModel, OneLine):
+    """What was found about a model; :class:`Result` puts it in words.
+
+    Attributes
+    ----------
+    method
+        ``rbe``, ``rest``, ``cra``, ``cra-penalty``, or ``check`` for the whole cascade.
+    verdict
+    model
+        What was asked about.
+    message
+        One sentence for a person, with the remedy where there is one.
+    force : (k, 3) [N], local n, u, v, on block b; n >= 0 is compression
+        They balance the loads, with ``tension`` in a penalty form. None where it falls.
+    force_with_props : (k, 3) [N]
+        Forces that balance the loads together with ``prop``, where it falls.
+    tension : (k,) [N], where a penalty form found some
+    displacement : (n, 6) [m, rad]
+        Virtual motion of each block: centroid, rotation vector; world axes. Its size is that of the
+        contact compliance that was assumed: only its shape has a meaning.
+    mechanism : (n, 6)
+        A collapse mechanism or first motion, scaled so that its largest translation of a corner is
+        the size of a block.
+    prop : (n, 6) [N, N m]
+        Wrench that a prop would have to supply to each block.
+    falling
+        Positions of the blocks that fall; in the penalty form those that need help, neediest first.
+    eta
+        Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
+    stiffness_ratio
+        The largest contact stiffness by the smallest one in the state that was found, where none
+        of the stiffnesses tried leads to rest.
+    settlement
+        Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
+        stiffness that was tried holds a structure that stands after settling, its forces balance
+        the loads on the moved blocks. It is not written to files.
+    stopped
+        Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
+        where nothing was left out.
+    """
+
+    method: str
+    verdict: Verdict
+    model: Model
+    message: str = ""
+    force: Floats | None = None
+    force_with_props: Floats | None = None
+    tension: Floats | None = None
+    displacement: Floats | None = None
+    mechanism: Floats | None = None
+    prop: Floats | None = None
+    falling: tuple[int, ...] = ()
+    samples: Samples = field(default_factory=Samples)
+    residuals: Residuals | None = None
+    eta: float | None = None
+    stiffness_ratio: float | None = None
+    stopped: str = ""
+    settlement: Any = None
+    options: Any = None
+    solver: str = ""
+    iterations: int = 0
+    time_s: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def load(self) -> LoadCase:
+        """The load of the model."""
+        return self.model.load
+
+    @property
+    def falling_names(self) -> tuple[str, ...]:
+        """Names of the blocks that fall."""
+        return tuple(self.assembly.names[i] for i in self.falling)
+
+    def world_force(self) -> Floats:
+        """Corner forces (k, 3) [N] on block b in world axes; zero where there are none."""
+        return world_forces(self.contacts, self._local_force)
+
+    @property
+    def _local_force(self) -> Floats:
+        return np.zeros((self.contacts.corner_count, 3)) if self.force is None else self.force
+
+    @cached_property
+    def resultants(self) -> Resultants:
+        """Force, centre of pressure and torque of every interface; zero without forces."""
+        return resultants_of(self.contacts, self._local_force)
+
+    @cached_property
+    def utilisation(self) -> Floats:
+        """Friction utilisation (m,): tangential over friction times normal resultant, 0 to 1."""
+        return utilisation_of(self.contacts, self.resultants)
