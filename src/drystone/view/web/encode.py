@@ -50,8 +50,8 @@ from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.polyhedron import Faces
 from drystone.geometry.kern import kern
+from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import (
