@@ -13,8 +13,6 @@ import json
 import platform
 import subprocess
 import sys
-import time
-import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -23,7 +21,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from benchmarks.same_answers.asking import Answer
-from benchmarks.same_answers.catalogue import PARTS, Question, questions
+from benchmarks.same_answers.catalogue import PARTS, Question, answered, questions
 from benchmarks.same_answers.comparing import differences, plain
 
 FROZEN = Path(__file__).parent / "frozen.jsonl"
@@ -105,27 +103,13 @@ def _answers(
     """Each answer, and the CPU seconds that it took."""
     if given.workers == 1:
         for question in asked:
-            yield question, *_answer(given.folder, question.key, question)
+            yield question, *answered(given.folder, question.key, question)
         return
     with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
-        work = partial(_answer, given.folder)
+        work = partial(answered, given.folder)
         found = pool.map(work, [one.key for one in asked], chunksize=4)
         for question, (answer, seconds) in zip(asked, found, strict=True):
             yield question, answer, seconds
-
-
-def _answer(
-    folder: Path | None, key: str, question: Question | None = None
-) -> tuple[Answer, float]:
-    asked = question or questions(folder)[key]
-    began = time.process_time()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            answer = asked.ask()
-        except Exception as error:
-            answer = {"error": f"{type(error).__name__}: {error}"}
-    return answer, time.process_time() - began
 
 
 def _freeze(given: argparse.Namespace, asked: Sequence[Question]) -> int:

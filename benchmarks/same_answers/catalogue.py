@@ -7,6 +7,8 @@ degree of published limits, piles, stages of assembly, joints that pull, shells,
 
 from __future__ import annotations
 
+import time
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -62,6 +64,21 @@ def questions(folder: Path | None = None) -> dict[str, Question]:
     if len(found) != len(listed):
         raise SystemExit("two questions have the same name")
     return found
+
+
+def answered(
+    folder: Path | None, key: str, question: Question | None = None
+) -> tuple[Answer, float]:
+    """The answer to a question, and the CPU seconds that it took; also in another process."""
+    asked = question or questions(folder)[key]
+    began = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            answer = asked.ask()
+        except Exception as error:
+            answer = {"error": f"{type(error).__name__}: {error}"}
+    return answer, time.process_time() - began
 
 
 def _verdicts() -> Iterator[Question]:
