@@ -25,11 +25,17 @@ from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.scaffold_comparison import compare_scaffolding
-from drystone.sequence.scaffold_items import ScaffoldedModel, with_scaffold
-from drystone.sequence.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
+from drystone.sequence.scaffold_items import (
+    Centring,
+    Clamp,
+    Rope,
+    ScaffoldedModel,
+    ScaffoldItem,
+    Strut,
+    with_scaffold,
+)
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffold_plans import Scaffolding, scaffolding
+from drystone.sequence.scaffolding import Scaffolding, compare_scaffolding, scaffolding
 from drystone.sequence.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stages import Stage, StageAnswer
 from drystone.sequence.structure import Structure

@@ -22,7 +22,7 @@ from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.search import NO_HELP, Node, OrderSearch
 from drystone.sequence.stage_checks import Check, check_both, check_thoroughly
 from drystone.sequence.stages import Stage, StageAnswer, members

@@ -1,13 +1,13 @@
 """Struts, ropes, clamps and centring as joints of a stage, each with its one-sidedness.
 
-Every point at which an item acts on a block is an interface with an added fixed block:
+Where an item acts on a block there is an interface with an added fixed block:
 
 - a strut pushes along its axis, from its foot to its head, and never pulls;
 - a rope pulls towards its anchor and never pushes (Deuss and others 2014);
 - centring carries the free lower face of a block: it pushes and rubs, and never pulls;
 - a clamp, or a hand, pushes and pulls with a limited force and a limited moment.
 
-A strut and a rope have one joint without friction whose normal is the direction of the force.
+A strut and a rope have one corner without friction; the normal is the direction of the force.
 Limits of struts, ropes and centring are compared with the forces of the state that was found.
 """
 
@@ -15,25 +15,221 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, frozen_floats, number
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.model import Model
 from drystone.results import Result
-from drystone.sequence.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
 
 TOUCHING = 0.01
 """Distance of an end from its block, by the size of the block, that is still taken as touching."""
 THICK = 0.02
 """Width of the body that stands for a strut, a rope or a clamp, by the size of its block: it is
 there to be seen and carries nothing by it."""
+
+
+class _Joint(NamedTuple):
+    """Where an item acts: corners (c, 3), direction (3,) of its push, ends (2, 3) of its body.
+
+    ``pull`` [N] is the largest force against the push.
+    """
+
+    corner: Floats
+    push: Floats
+    ends: tuple[Floats, Floats]
+    area: float = 0.0
+    friction: float = 0.0
+    pull: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class ScaffoldItem(OneLine):
+    """What holds one block.
+
+    Parameters
+    ----------
+    block
+        Position or name of the block.
+    limit : [N]
+        Largest force of the whole item; infinite when left out.
+
+    Raises
+    ------
+    InputError
+        A point is none, or a limit is not above zero.
+    """
+
+    block: int | str
+    limit: float = float("inf")
+
+    def __post_init__(self) -> None:
+        self._require_positive("limit", self.limit, "newtons")
+
+    def _require_positive(self, what: str, value: Any, unit: str) -> None:
+        if not number(value, f"{self._place()}: its {what}", finite=False) > 0.0:
+            raise InputError(
+                f"its {what} is {value}", where=self._place(), remedy=f"give {unit} above zero"
+            )
+
+    def _points(self, *names: str) -> None:
+        """Take the fields of these names as points (3,)."""
+        for name in names:
+            point = frozen_floats(getattr(self, name), (3,), f"{self._place()}: its {name}")
+            object.__setattr__(self, name, point)
+
+    def _place(self) -> str:
+        return f"{type(self).__name__.lower()} of block '{self.block}'"
+
+    @property
+    def length(self) -> float:
+        """[m] of material that it takes."""
+        return 0.0
+
+    def joint(self, body: Block) -> _Joint:
+        """Where it acts on its block."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Strut(ScaffoldItem):
+    """Pushes a block from a foot, on the ground or on another block.
+
+    Attributes
+    ----------
+    head, foot : (3,) [m]
+        Where it touches the block, and where it stands.
+    on
+        Block on which it stands, which bears the force; the ground when left out.
+    """
+
+    head: Sequence[float] = (0.0, 0.0, 0.0)
+    foot: Sequence[float] = (0.0, 0.0, 0.0)
+    on: int | str | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._points("head", "foot")
+        if self.on is not None and self.on == self.block:
+            raise InputError(
+                "it stands on the block that it props", where=self._place(), remedy="name another"
+            )
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return float(np.linalg.norm(np.subtract(self.head, self.foot)))
+
+    def joint(self, body: Block) -> _Joint:  # noqa: ARG002
+        """Its head, pushed away from the foot."""
+        head, foot = np.asarray(self.head), np.asarray(self.foot)
+        return _Joint(head[None], head - foot, (foot, head))
+
+
+@dataclass(frozen=True, eq=False)
+class Rope(ScaffoldItem):
+    """Pulls a block towards an anchor.
+
+    Attributes
+    ----------
+    at, anchor : (3,) [m]
+        Where it is tied to the block, and where it hangs from.
+    """
+
+    at: Sequence[float] = (0.0, 0.0, 0.0)
+    anchor: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._points("at", "anchor")
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return float(np.linalg.norm(np.subtract(self.at, self.anchor)))
+
+    def joint(self, body: Block) -> _Joint:  # noqa: ARG002
+        """Its knot, pulled towards the anchor."""
+        at, anchor = np.asarray(self.at), np.asarray(self.anchor)
+        return _Joint(at[None], anchor - at, (at, anchor))
+
+
+@dataclass(frozen=True, eq=False)
+class Clamp(ScaffoldItem):
+    """Holds a block at its centroid, pushing and pulling.
+
+    Attributes
+    ----------
+    moment : [N m]
+        Largest moment about the centroid.
+    """
+
+    moment: float = float("inf")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._require_positive("moment", self.moment, "newton metres")
+
+    def joint(self, body: Block) -> _Joint:
+        """Four corners about the centroid, which pull too."""
+        reach = 0.25 * body.size
+        ring = reach * np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0], [0, -1.0, 0]])
+        up = np.array([0.0, 0.0, 1.0])
+        ends = (body.centroid, body.centroid + 0.2 * body.size * up)
+        pull = min(self.limit, NO_LIMIT)
+        return _Joint(body.centroid + ring, up, ends, 2.0 * reach**2, pull=pull)
+
+
+@dataclass(frozen=True, eq=False)
+class Centring(ScaffoldItem):
+    """Carries the free lower face of a block.
+
+    Attributes
+    ----------
+    face : (c, 3) [m]
+        Its corners, counter-clockwise from outside the block.
+    friction
+        Coefficient.
+    height : [m]
+        Of the face above the ground, which counts as length.
+    """
+
+    face: Floats = None  # type: ignore[assignment]  # always given
+    friction: float = 0.6
+    height: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        face = frozen_floats(self.face, (None, 3), f"{self._place()}: its face")
+        if len(face) < 3:
+            raise InputError(
+                f"its face has {counted(len(face), 'corner')}",
+                where=self._place(),
+                remedy="give three or more",
+            )
+        object.__setattr__(self, "face", face)
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return self.height
+
+    def joint(self, body: Block) -> _Joint:
+        """The face, pushed inwards."""
+        turned = self.face[::-1]  # counter-clockwise about the inward normal
+        inward = area_vector(turned)
+        area = float(np.linalg.norm(inward))
+        low = self.face.mean(axis=0)
+        ends = (low - 0.1 * body.size * inward / max(area, 1e-300), low)
+        return _Joint(turned, inward, ends, area, self.friction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,43 +239,39 @@ class ScaffoldedModel(OneLine):
     Attributes
     ----------
     model
-        With a fixed block for each item behind its blocks.
+        With a fixed block and an interface for each item, behind its own.
     items
-    owner : (m,)
-        Item of each interface, -1 for those of the model.
     """
 
     model: Model
     items: tuple[ScaffoldItem, ...]
-    owner: Ints
 
     def force(self, result: Result) -> Floats:
         """(i,) [N] that each item supplies in a state, the length of its resultant."""
-        total = np.zeros((len(self.items), 3))
-        mine = self.owner >= 0
-        np.add.at(total, self.owner[mine], result.resultants.force[mine])
-        return np.linalg.norm(total, axis=1)
+        found = result.resultants.force[self._first :]
+        return np.asarray(np.linalg.norm(found, axis=1))
 
     def moment(self, result: Result) -> Floats:
         """(i,) [N m] that each item supplies about the centroid of its block."""
-        total = np.zeros((len(self.items), 3))
-        contacts, assembly = self.model.contacts, self.model.assembly
-        found = result.resultants
-        for k in np.flatnonzero(self.owner >= 0).tolist():
-            arm = found.position[k] - assembly.centroid[contacts.block_b[k]]
-            twist = found.torque[k] * contacts.frame[k, 0]
-            total[self.owner[k]] += np.cross(arm, found.force[k]) + twist
-        return np.linalg.norm(total, axis=1)
+        contacts, found = self.model.contacts, result.resultants
+        first = self._first
+        arm = found.position[first:] - self.model.assembly.centroid[contacts.block_b[first:]]
+        twist = found.torque[first:, None] * contacts.frame[first:, 0]
+        return np.asarray(np.linalg.norm(np.cross(arm, found.force[first:]) + twist, axis=1))
 
     def overloaded(self, result: Result) -> tuple[int, ...]:
         """Items whose limits are exceeded in a state."""
         force, moment = self.force(result), self.moment(result)
-        out = []
-        for i, item in enumerate(self.items):
-            turned = isinstance(item, Clamp) and moment[i] > item.moment
-            if force[i] > item.limit or turned:
-                out.append(i)
-        return tuple(out)
+        return tuple(
+            i
+            for i, item in enumerate(self.items)
+            if force[i] > item.limit or (isinstance(item, Clamp) and moment[i] > item.moment)
+        )
+
+    @property
+    def _first(self) -> int:
+        """Interface of the first item."""
+        return self.model.contacts.count - len(self.items)
 
 
 def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
@@ -98,67 +290,39 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
     InputError
         A block is not known, an item has no length, or it does not touch its block.
     """
-    before, bodies = len(model), []
-    joints: list[tuple[int, int, Floats, Floats, float, float]] = []
-    owner: list[int] = []
-    pull: dict[int, float] = {}
+    assembly = model.assembly
+    bodies: list[Block] = []
+    pairs: list[tuple[int, int]] = []
+    joints: list[_Joint] = []
     for k, item in enumerate(items):
         if not isinstance(item, ScaffoldItem):
             raise InputError(f"{item!r} is no strut, rope, clamp or centring", where=f"item {k}")
-        block = int(model.assembly.indices([item.block])[0])
-        where = f"item {k} at block '{model.assembly.names[block]}'"
-        bearer = before + k
-        size = float(model.assembly.size[block])
-        centroid = model.assembly.centroid[block]
-        first = len(joints)
-        ends: tuple[Floats, Floats]
+        block = int(assembly.indices([item.block])[0])
+        where = f"item {k} at block '{assembly.names[block]}'"
+        under = len(model) + k
+        joint = item.joint(assembly.blocks[block])
         if isinstance(item, Strut):
-            head, foot = np.asarray(item.head), np.asarray(item.foot)
-            ends = (foot, head)
-            _require_touching(model, block, head, f"{where}: its head")
-            under = bearer
+            _require_touching(model, block, joint.corner[0], f"{where}: its head")
             if item.on is not None:
-                under = int(model.assembly.indices([item.on])[0])
-                _require_touching(model, under, foot, f"{where}: its foot")
-            joints.append((under, block, head[None], _axis(head - foot, where), 0.0, 0.0))
+                under = int(assembly.indices([item.on])[0])
+                _require_touching(model, under, np.asarray(item.foot), f"{where}: its foot")
         elif isinstance(item, Rope):
-            at, anchor = np.asarray(item.at), np.asarray(item.anchor)
-            ends = (at, anchor)
-            _require_touching(model, block, at, where)
-            joints.append((bearer, block, at[None], _axis(anchor - at, where), 0.0, 0.0))
-        elif isinstance(item, Centring):
-            face = item.face
-            turned = face[::-1]  # counter-clockwise about the inward normal
-            area = 0.5 * np.cross(turned - turned[0], np.roll(turned, -1, 0) - turned[0]).sum(0)
-            inward = _axis(area, where)
-            low = face.mean(axis=0)
-            ends = (low - 0.1 * size * inward, low)
-            joints.append(
-                (bearer, block, turned, inward, float(np.linalg.norm(area)), item.friction)
-            )
-        else:
-            ends = (centroid, centroid + np.array([0.0, 0.0, 0.2 * size]))
-            reach = 0.25 * size
-            ring = reach * np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0], [0, -1.0, 0]])
-            up = np.array([0.0, 0.0, 1.0])
-            joints.append((bearer, block, centroid + ring, up, 2.0 * reach**2, 0.0))
-            pull[first] = min(item.limit, NO_LIMIT)
-        bodies.append(_bar(*ends, THICK * size, f"scaffold-{k:03d}"))
-        owner += [k] * (len(joints) - first)
-    assembly = Assembly(
-        (*model.assembly.blocks, *bodies),
-        np.concatenate([model.assembly.fixed, np.ones(len(bodies), dtype=bool)]),
+            _require_touching(model, block, joint.corner[0], where)
+        if not np.linalg.norm(joint.push) > 0.0:
+            raise InputError("it has no length", where=where, remedy="give two different points")
+        bodies.append(_bar(*joint.ends, THICK * float(assembly.size[block]), f"scaffold-{k:03d}"))
+        pairs.append((under, block))
+        joints.append(joint)
+    wrench = np.concatenate([model.load.wrench, np.zeros((len(bodies), 6))])
+    whole = Model(
+        Assembly(
+            (*assembly.blocks, *bodies), np.append(assembly.fixed, np.ones(len(bodies), dtype=bool))
+        ),
+        _with_joints(model.contacts, pairs, joints),
+        replace(model.load, wrench=wrench),
+        notes=model.notes,
     )
-    contacts = _with_joints(model.contacts, joints, pull)
-    load = replace(
-        model.load, wrench=np.concatenate([model.load.wrench, np.zeros((len(bodies), 6))])
-    )
-    none = np.full(model.contacts.count, -1, dtype=np.intp)
-    return ScaffoldedModel(
-        Model(assembly, contacts, load, notes=model.notes),
-        tuple(items),
-        np.concatenate([none, np.array(owner, dtype=np.intp)]),
-    )
+    return ScaffoldedModel(whole, tuple(items))
 
 
 def _require_touching(model: Model, block: int, point: Floats, where: str) -> None:
@@ -173,18 +337,10 @@ def _require_touching(model: Model, block: int, point: Floats, where: str) -> No
         )
 
 
-def _axis(vector: Floats, where: str) -> Floats:
-    length = float(np.linalg.norm(vector))
-    if not length > 0.0:
-        raise InputError("it has no length", where=where, remedy="give two different points")
-    return np.asarray(vector / length)
-
-
 def _bar(one: Floats, other: Floats, width: float, name: str) -> Block:
     """A square bar between two points."""
-    axis = np.asarray(other) - np.asarray(one)
-    length = float(np.linalg.norm(axis))
-    frame = frames_from_normals((axis / length)[None])[0]
+    axis = other - one
+    frame = frames_from_normals((axis / np.linalg.norm(axis))[None])[0]
     flat = 0.5 * width * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=np.float64)
     ring = flat @ frame[1:]
     faces = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
@@ -192,34 +348,32 @@ def _bar(one: Floats, other: Floats, width: float, name: str) -> Block:
 
 
 def _with_joints(
-    contacts: Contacts,
-    joints: Sequence[tuple[int, int, Floats, Floats, float, float]],
-    pull: dict[int, float],
+    contacts: Contacts, pairs: Sequence[tuple[int, int]], joints: Sequence[_Joint]
 ) -> Contacts:
-    """The interfaces, and others behind them: blocks, corners, normal, area, friction."""
-    count = contacts.count
+    """The interfaces, and those of items behind them."""
+    count, more = contacts.count, len(joints)
     if not joints:
         return contacts
-    normal = np.array([joint[3] for joint in joints])
+    pull = np.array([joint.pull for joint in joints])
     capacity = contacts.capacity
-    if pull or capacity is not None:
+    if pull.any() or capacity is not None:
         old = capacity or JointCapacity(np.zeros(count), np.zeros(count))
-        some = np.array([pull.get(i, 0.0) for i in range(len(joints))])
-        more = JointCapacity(some, some)
+        new = JointCapacity(pull, pull)
         capacity = JointCapacity(
             *(
-                np.concatenate([getattr(old, name), getattr(more, name)])
+                np.concatenate([getattr(old, name), getattr(new, name)])
                 for name in ("tension", "cohesion", "shear")
             )
         )
-    corners = [len(joint[2]) for joint in joints]
+    unit = np.array([joint.push / np.linalg.norm(joint.push) for joint in joints])
+    corners = [len(joint.corner) for joint in joints]
     return Contacts(
-        np.append(contacts.block_a, [joint[0] for joint in joints]),
-        np.append(contacts.block_b, [joint[1] for joint in joints]),
-        np.concatenate([contacts.frame, frames_from_normals(normal)]),
-        np.append(contacts.area, [joint[4] for joint in joints]),
-        np.append(contacts.friction, [joint[5] for joint in joints]),
-        np.concatenate([contacts.point, *(joint[2] for joint in joints)]),
-        np.append(contacts.interface, np.repeat(count + np.arange(len(joints)), corners)),
+        np.append(contacts.block_a, [under for under, _ in pairs]),
+        np.append(contacts.block_b, [block for _, block in pairs]),
+        np.concatenate([contacts.frame, frames_from_normals(unit)]),
+        np.append(contacts.area, [joint.area for joint in joints]),
+        np.append(contacts.friction, [joint.friction for joint in joints]),
+        np.concatenate([contacts.point, *(joint.corner for joint in joints)]),
+        np.append(contacts.interface, np.repeat(np.arange(count, count + more), corners)),
         capacity,
     )

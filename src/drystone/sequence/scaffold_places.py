@@ -14,8 +14,9 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vector
 from drystone.model import Model
-from drystone.sequence.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
+from drystone.sequence.scaffold_items import Centring, Clamp, Rope, ScaffoldItem, Strut
 
 INSET = 0.6
 """Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
@@ -130,7 +131,7 @@ def items_of(
         )
     heights = [float((one.vertices @ down).max()) for one in model.assembly.blocks]
     ground, top = max(heights), min(float((b.vertices @ down).min()) for b in model.assembly.blocks)
-    points = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
+    points = _inset(face)
     if support is Support.CENTRING:
         height = ground - float(face.mean(axis=0) @ down)
         return (Centring(name, options.limit, face, options.friction, height),)
@@ -168,15 +169,15 @@ def _foot_of(
         raise InputError(
             f"'{names[under]}' carries no strut: {why}", where=where, remedy="name another block"
         )
-    flat = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
-    normal = np.cross(flat - flat[0], np.roll(flat, -1, 0) - flat[0]).sum(0)
+    flat = _inset(face)
+    normal = area_vector(flat)
     normal /= np.linalg.norm(normal)
-    frame = frames_from_normals(normal[None])[0]
+    across = frames_from_normals(normal[None])[0, 1:]
     below = head - ((head - flat[0]) @ normal) / (down @ normal) * down
-    place = shapely.Point((below - flat[0]) @ frame[1:].T)
-    shape = shapely.Polygon((flat - flat[0]) @ frame[1:].T)
+    place = shapely.Point((below - flat[0]) @ across.T)
+    shape = shapely.Polygon((flat - flat[0]) @ across.T)
     near = shapely.get_coordinates(shapely.ops.nearest_points(shape, place)[0])[0]
-    foot: Floats = flat[0] + near @ frame[1:]
+    foot: Floats = flat[0] + near @ across
     along = float((head - foot) @ normal)
     aside = float(np.linalg.norm(head - foot - along * normal))
     if not along > 0.0 or aside > options.friction * along:
@@ -187,6 +188,12 @@ def _foot_of(
             remedy="name a block that lies lower, or nearer to the place below it",
         )
     return foot
+
+
+def _inset(face: Floats) -> Floats:
+    """The corners of a face, moved towards its middle."""
+    middle = face.mean(axis=0)
+    return np.asarray(middle + INSET * (face - middle))
 
 
 def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:

@@ -35,7 +35,7 @@ from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.local_balance import LocalBalance
 from drystone.sequence.rules import BoundRules, Order
-from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
 from drystone.sequence.structure import Structure
 

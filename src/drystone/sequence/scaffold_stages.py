@@ -10,8 +10,7 @@ import numpy as np
 from drystone.base.errors import InputError, counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.scaffold_items import ScaffoldedModel, with_scaffold
-from drystone.sequence.scaffold_kinds import ScaffoldItem
+from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, with_scaffold
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support, items_of
 from drystone.sequence.stage_checks import Check, check_once
 from drystone.sequence.stages import StageAnswer, mask_of, members

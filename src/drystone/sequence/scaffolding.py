@@ -1,33 +1,39 @@
-"""Scaffolding of a plan: the ideal props of its stages replaced by struts, ropes, clamps, centring.
+"""Scaffolding of a plan: struts, ropes, clamps or centring in place of its ideal props.
 
 A plan says which blocks are propped at which stages, and assumes props that hold a block in
 every direction. Here each of these blocks gets items of one kind, and each stage is checked again
-with them.
+with them. A table compares what a model takes with each kind, in each order.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from itertools import pairwise
-from typing import Any
+from itertools import pairwise, product
+from typing import Any, Unpack
 
 import numpy as np
 
 from drystone.base.display import OneLine
-from drystone.base.errors import counted
+from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
+from drystone.io.opening import Given, How, as_model
 from drystone.results import Result
+from drystone.sequence import planner
 from drystone.sequence.plans import Plan
-from drystone.sequence.scaffold_items import ScaffoldedModel
-from drystone.sequence.scaffold_kinds import Clamp, ScaffoldItem
+from drystone.sequence.rules import Order
+from drystone.sequence.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
-from drystone.sequence.scaffolded_stages import ScaffoldedStages
+from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_checks import Check, check_once
 from drystone.sequence.stages import mask_of
+
+FEWEST = "fewest-props"
+"""The order with the fewest props, by a search without limit. It may cost more than another one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,3 +188,106 @@ def _plain(item: ScaffoldItem) -> dict[str, Any]:
 
 def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
     return stages.result(*stage)
+
+
+@checked_call
+def compare_scaffolding(
+    given: Given,
+    kinds: Sequence[Support | str] = tuple(Support),
+    orders: Sequence[Order | str] = (Order.TOP, Order.COURSE),
+    *,
+    options: planner.PlanOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Table:
+    """Plan a model with each kind of scaffolding in each order, and compare what it takes.
+
+    Ended early, plans that are missing are rows with a ``message`` only.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file that ``how`` turns into one.
+    kinds
+    orders
+        An order, its name, or ``"fewest-props"``: the search goes on until no order has fewer
+        props. Fewer props can stay for more stages, so its cost may be higher.
+    options
+        Of each plan; ``rules.order``, ``scaffold`` and ``patience`` are set here.
+
+    Returns
+    -------
+    Table
+        The cheapest first, those with failed stages last: ``support``, ``order``, ``propped`` and
+        ``held`` blocks, ``metre_stages`` [m], ``peak_force`` [N] of an item, ``moves``, ``cost``,
+        ``failed_stages``, ``message``.
+
+    Raises
+    ------
+    InputError
+        A kind or an order is not known, or there is none.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> table = compare_scaffolding(arch(0.3, 5), ["clamp", "centring"], ["top"], friction=0.6)
+    >>> table["failed_stages"].tolist()
+    [0, 0]
+    """
+    model = as_model(given, **how)
+    chosen = planner.PlanOptions.of(options)
+    named = [Support.named(one) for one in kinds]
+    known = (*(one.value for one in Order), FEWEST)
+    names = [order.value if isinstance(order, Order) else order for order in orders]
+    for name in names:
+        if name not in known:
+            raise InputError(f"order '{name}' is not known", remedy=f"use {', '.join(known)}")
+    if not named or not names:
+        raise InputError("nothing to compare", remedy="give a kind and an order")
+    clock = Clock(time_limit_s, stop)
+    rows: list[dict[str, object]] = []
+    for name, kind in product(names, named):
+        if progress is not None:
+            progress("scaffolding", len(rows), len(named) * len(names))
+        fewest = name == FEWEST
+        rules = replace(chosen.rules, order=Order.TOP if fewest else Order(name))
+        patience = float("inf") if fewest else chosen.patience
+        planned = planner.plan(
+            model,
+            options=replace(chosen, rules=rules, scaffold=kind, patience=patience),
+            executor=executor,
+            progress=progress,
+            stop=stop,
+            time_limit_s=clock.left_s,
+        )
+        made = None
+        if planned.steps:
+            made = scaffolding(
+                planned,
+                kind,
+                options=chosen.scaffold_options,
+                executor=executor,
+                stop=clock.late,
+            )
+        rows.append(_row(name, kind, planned, None if made is None or made.stopped else made))
+    rows.sort(key=lambda row: (row["cost"] != row["cost"], row["failed_stages"], row["cost"]))
+    columns = {key: [row[key] for row in rows] for key in rows[0]}
+    return Table("scaffolding compared", columns, {"metre_stages": "m", "peak_force": "N"})
+
+
+def _row(name: str, kind: Support, plan: Plan, made: Scaffolding | None) -> dict[str, object]:
+    """What a model takes with one kind in one order."""
+    counts = plan.counts
+    numbers = ("metre_stages", "peak_force", "moves", "cost")
+    return {
+        "support": kind.value,
+        "order": name,
+        "propped": counts["propped"],
+        "held": counts["held"],
+        **{one: np.nan if made is None else float(getattr(made, one)) for one in numbers},
+        "failed_stages": len(plan.steps) if made is None else len(made.failed),
+        "message": plan.message,
+    }
