@@ -28,6 +28,10 @@ FROZEN = Path(__file__).parent / "frozen.jsonl"
 QUICK_S = 0.6
 """CPU seconds that a question of the sample took at most."""
 
+SLOWER = 1.5
+"""Times the frozen CPU seconds, and a quick question's more: from there on it is told. It is no
+difference: the frozen ones are of one machine."""
+
 
 def main() -> int:
     """Ask, compare or freeze."""
@@ -50,6 +54,8 @@ def main() -> int:
         count[question.part] += 1
         spent[question.part] += seconds
         before_s[question.part] += row["s"]
+        if seconds > SLOWER * row["s"] + QUICK_S:
+            print(f"{question.key}: slower: frozen {row['s']:.2f} CPU s, now {seconds:.2f}")
         for what, before, after in differences(row["answer"], now):
             different.add(question.key)
             print(f"{question.key}: {what}: frozen {_told(before)}, now {_told(after)}", flush=True)
