@@ -220,7 +220,6 @@ def cards() -> list[Card]:
     return [
         stack,
         stack.assembly,
-        limits.limit_friction(stack, options=limits.LimitOptions(width=0.2)),
         drystone.plan(stack),
         drystone.find_contacts(tower(3)),
         drystone.find_contacts(tower(3)).report,

@@ -8,9 +8,9 @@ An arch is tilted towards four sides until it falls.
 import drystone
 from drystone.limits import tilt_sweep
 from drystone.models import arch
-from drystone.view import save_polar
+from drystone.view import save_figure
 
 model = drystone.Model.of(arch(voussoirs=9), friction=0.6)
 limits = tilt_sweep(model, 4)
 print(limits)
-figure = save_polar(limits)
+figure = save_figure(limits)

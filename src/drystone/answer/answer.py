@@ -16,6 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from drystone.answer.asked import Asked
+from drystone.answer.chart import Chart
 from drystone.answer.scene import Scene
 from drystone.answer.sentences import Role, Sentence
 from drystone.base.display import OneLine, picture_of
@@ -82,8 +83,17 @@ class Answer(OfModel, OneLine, ABC):
     @cached_property
     def asked(self) -> Asked:
         """What was asked: the model, where it came from, its loads, options, version and date."""
-        when = dt.datetime.fromtimestamp(self.made).astimezone()
-        return Asked.of(self.model, self.options, when.strftime("%Y-%m-%d %H:%M"))
+        return Asked.of(self.model, self.options, self.when)
+
+    @property
+    def when(self) -> str:
+        """Date and time at which it was made."""
+        return dt.datetime.fromtimestamp(self.made).astimezone().strftime("%Y-%m-%d %H:%M")
+
+    @property
+    def plot(self) -> Chart | None:
+        """A chart that says more than a drawing of the blocks; a figure shows it instead."""
+        return None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON: the title, the numbers, the rows of each table, what was asked."""

@@ -104,6 +104,12 @@ class Asked(OneLine):
         )
 
     @classmethod
+    def of_nothing(cls, options: Any = None, made: str = "") -> Asked:
+        """Options and version, where no model is known."""
+        chosen = differing(options) if dataclasses.is_dataclass(options) else {}
+        return cls(options=chosen, version=version(), commit=commit(), made=made)
+
+    @classmethod
     def of_blocks(cls, assembly: Assembly, contacts: Contacts) -> Asked:
         """Blocks and their interfaces, without an analysis."""
         return cls._of(assembly, contacts, None)
@@ -140,11 +146,11 @@ class Asked(OneLine):
         told = {
             "File": PurePath(self.file).name,
             "Read with": _pairs(self.reading),
-            "Blocks": f"{self.blocks:,}",
-            "Interfaces": f"{self.interfaces:,}",
-            "Size": units.extent(self.size),
-            "Supports": _supports(self.supports),
-            "Free mass": units.mass(self.free_mass),
+            "Blocks": f"{self.blocks:,}" if self.blocks else "",
+            "Interfaces": f"{self.interfaces:,}" if self.blocks else "",
+            "Size": units.extent(self.size) if self.size else "",
+            "Supports": _supports(self.supports) if self.blocks else "",
+            "Free mass": units.mass(self.free_mass) if self.blocks else "",
             "Density": _range(self.density, " kg/m³"),
             "Friction": _range(self.friction, ""),
             "Joint capacity": ", ".join(
@@ -235,9 +241,7 @@ def _loads(
 ) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...]]:
     """The acceleration that most masses have, and the other loads of each block."""
     free, mass = ~assembly.fixed, assembly.mass
-    common = np.zeros(3)
-    if free.any():
-        common = np.median(load.wrench[free, :3] / mass[free, None], axis=0)
+    common = _commonest(load.wrench[free, :3] / mass[free, None])
     rest = load.wrench.copy()
     rest[:, :3] -= mass[:, None] * common
     rest[~free] = 0.0
@@ -254,6 +258,19 @@ def _loads(
             one["motion"] = motion[i].tolist()
         told.append(one)
     return tuple(common.tolist()), tuple(told)
+
+
+def _commonest(acceleration: Floats) -> Floats:
+    """The acceleration (3,) that most masses have; of two, that of about the size of gravity."""
+    largest = float(np.abs(acceleration).max(initial=0.0))
+    if largest == 0.0:
+        return np.zeros(3)
+    each, count = np.unique((acceleration / largest).round(9), axis=0, return_counts=True)
+    far = np.abs(np.linalg.norm(each, axis=1) * largest - STANDARD_GRAVITY)
+    chosen = each[np.lexsort((far, -count))[0]]
+    alike = np.abs(acceleration / largest - chosen).max(axis=1) < 1e-8
+    mean: Floats = acceleration[alike].mean(axis=0)
+    return mean
 
 
 def _ends(values: Floats | None) -> tuple[float, float] | None:

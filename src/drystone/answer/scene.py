@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.answer.asked import UP
+from drystone.answer.chart import Chart
 from drystone.answer.sentences import Verdict
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
@@ -247,6 +248,8 @@ class Scene(OneLine):
         Facts about the input by name: file, blocks, mass, friction, density, load, supports.
     number : (n,)
         A number to write on each block, 0 for none: the order of assembly.
+    charts
+        For the panel beside the model.
     panels
         HTML for the panel beside the model.
     made
@@ -270,6 +273,7 @@ class Scene(OneLine):
     facts: Mapping[str, str] = field(default_factory=dict)
     number: Ints | None = None
     panels: tuple[str, ...] = ()
+    charts: tuple[Chart, ...] = ()
     made: str = field(default_factory=now)
     still: int = 0
     opens: int = 0

@@ -11,8 +11,10 @@ import numpy as np
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
+from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats, frozen, frozen_floats, number, of_type, whole
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import Ragged
@@ -88,7 +90,7 @@ class Imperfections(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class StandingShare(OneLine):
+class StandingShare(Answer):
     """The share of imperfect structures that stand.
 
     Attributes
@@ -104,6 +106,10 @@ class StandingShare(OneLine):
         Orders of loading that every draw was followed with; empty where it was checked.
     friction : (d,)
         Mean friction coefficient of every draw.
+    model
+        Without imperfections.
+    options
+        The imperfections.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -112,6 +118,8 @@ class StandingShare(OneLine):
     confidence: float
     loading: tuple[Loading, ...] = ()
     friction: Floats = field(default_factory=lambda: np.zeros(0))
+    model: Model = field(kw_only=True)
+    options: Imperfections = field(kw_only=True)
 
     def _summary(self) -> str:
         share, low, high = (f"{100.0 * x:.3g}" for x in (self.share, *self.interval))
@@ -160,24 +168,70 @@ class StandingShare(OneLine):
             rows.append((name, len(mine), standing, undecided, share, low, high))
         titles = ("loading", "draws", "standing", "undecided", "share", "low", "high")
         columns = dict(zip(titles, zip(*rows, strict=True), strict=True))
-        return Table("share that stands", {key: list(each) for key, each in columns.items()})
+        units = dict.fromkeys(("share", "low", "high"), "1")
+        return Table("by loading", {key: list(each) for key, each in columns.items()}, units)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Every draw, as a data frame."""
         return self.table().to_pandas()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def title(self) -> str:
+        """How many stand."""
+        where = " in every order of loading" if len(self.loading) > 1 else ""
+        count = self.by_draw.count(True)
+        return f"{count} of {self.draws} imperfect structures stand{where}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How many stand, and the interval of the share."""
+        low, high = self.interval
+        level = f"at {self.confidence:.0%} confidence"
+        said = [
+            Sentence(self.title, Role.GOOD if self.share == 1.0 else Role.BAD),
+            Sentence(f"share {self.share:.1%}, between {low:.1%} and {high:.1%} {level}"),
+        ]
+        if unsure := self.by_draw.count(None):
+            said.append(Sentence(f"{counted(unsure, 'draw')} undecided", Role.REMARK))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """The share by the order of loading."""
+        return [self.by_loading()]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The share, its interval, and every draw."""
         return {
             "draws": self.draws,
             "standing": self.by_draw.count(True),
             "undecided": self.by_draw.count(None),
             "share": self.share,
-            "interval": list(self.interval),
+            "interval": self.interval,
             "confidence": self.confidence,
-            "by_loading": self.by_loading().to_dict()["rows"],
-            "verdicts": self.table().to_dict()["rows"],
+            "verdicts": list(self.table()),
         }
+
+    def layers(self) -> Scene:
+        """The model without imperfections."""
+        scene = bare_scene(self.assembly, self.contacts, self.model)
+        return replace(scene, title=f"drystone: {self.title}", charts=(self.plot,))
+
+    @property
+    def plot(self) -> Chart:
+        """The share that stands against the number of draws, with its interval."""
+        table, marks = self.table(), []
+        for row, ink in zip(self.by_loading(), ("accent", "bad", "good"), strict=False):
+            stands = np.cumsum(table["stands"][table["loading"] == row["loading"]])
+            count = np.arange(1.0, len(stands) + 1.0)
+            each = [(k, n) for n, k in enumerate(stands.tolist(), 1)]
+            bounds = [share_interval(k, n, self.confidence) for k, n in each]
+            low, high = np.array(bounds).reshape(-1, 2).T
+            label = f"{row['loading']}: {row['share']:.1%} ({row['low']:.1%} to {row['high']:.1%})"
+            marks += [
+                Marks(MarkKind.AREA, count, high, ink, low=low),
+                Marks(MarkKind.LINE, count, stands / count, ink, label),
+            ]
+        up = f"share that stands, interval at {self.confidence:.0%} confidence"
+        return Chart("Share that stands", tuple(marks), "draws", up, top=1.0)
 
 
 def share_interval(standing: int, made: int, confidence: float) -> tuple[float, float]:
@@ -249,8 +303,9 @@ def imperfections(
                 progress("draws", len(friction), draws)
     empty = (0.0, 1.0)
     found = StandingShare(
-        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction))
-    )
+        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction)),
+        model=model, options=kinds,
+    )  # fmt: skip
     standing = found.by_draw.count(True)
     # the verdicts on one draw depend on each other: it counts once
     interval = share_interval(standing, found.draws, confidence)

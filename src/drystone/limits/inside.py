@@ -129,6 +129,7 @@ def _searched(
         tuple(tried[value] for value in sorted(tried)),
         {"equilibrium": between - began, "rest": time.perf_counter() - between},
         means.clock.reason,
+        means.options,
     )
 
 

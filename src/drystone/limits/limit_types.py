@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from drystone.base.display import Card
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.base.table import Table
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.limits.brackets import Bracket, Evaluation, plain
+from drystone.limits.brackets import Bracket, Evaluation
+from drystone.limits.limit_answer import LimitAnswer
 from drystone.results import Verdict
 from drystone.settlement import Outcome
 
@@ -47,7 +45,7 @@ class LimitOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Limit(Card):
+class Limit(LimitAnswer):
     """A limit of equilibrium and of rest.
 
     Attributes
@@ -73,6 +71,7 @@ class Limit(Card):
     time_s
     stopped
         Why the search stopped before the brackets had the required width; else empty.
+    options
     """
 
     parameter: str
@@ -87,25 +86,7 @@ class Limit(Card):
     evaluations: tuple[Evaluation, ...] = ()
     time_s: Mapping[str, float] = field(default_factory=dict)
     stopped: str = ""
-
-    def _facts(self) -> tuple[str, Mapping[str, object]]:
-        kinds = {
-            "equilibrium": self.equilibrium,
-            "rest": self.rest,
-            "uniform": self.uniform,
-            "robust": self.robust,
-        }
-        falling = self.best.falling
-        return self._summary(), {
-            **{
-                kind: f"{self._told(bracket.stands)} to {self._told(bracket.falls)}"
-                for kind, bracket in kinds.items()
-                if bracket is not None
-            },
-            "falls then": "" if falling is None else ", ".join(falling.falling_names),
-            "tried": counted(len(self.evaluations), "value"),
-            "depends on joints": "; ".join(self.remarks),
-        }
+    options: LimitOptions | None = None
 
     def _summary(self) -> str:
         stands, falls = self._told(self.best.stands), self._told(self.best.falls)
@@ -120,6 +101,16 @@ class Limit(Card):
         low, high = (f"{value:.6g}" for value in sorted(ends))
         last = self._told(max(ends))
         return f"at {last}" if low == high else f"between {low} and {last}"
+
+    @property
+    def stands(self) -> float | None:
+        """The last value at which it stands, by the verdict where that was asked for."""
+        return self.best.stands
+
+    @property
+    def falls(self) -> float | None:
+        """The first value beyond at which it falls, by the verdict where that was asked for."""
+        return self.best.falls
 
     @property
     def best(self) -> Bracket:
@@ -187,51 +178,3 @@ class Limit(Card):
                 because = ": it depends on which block carries the ends of the joints"
             told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
         return tuple(told)
-
-    def table(self) -> Table:
-        """The tried values, in ascending order, with their verdicts."""
-        tried = self.evaluations
-        columns = {
-            "value": [one.value for one in tried],
-            "verdict": [one.verdict.value for one in tried],
-            "stiffnesses_tried": [one.samples.tried for one in tried],
-            "stiffnesses_standing": [one.samples.standing for one in tried],
-            "settled": ["" if one.settled is None else one.settled.value for one in tried],
-        }
-        return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values; falling blocks by name."""
-        falling = self.best.falling
-        return {
-            "parameter": self.parameter,
-            "unit": self.unit,
-            "range": [self.start, self.end],
-            "equilibrium": plain(self.equilibrium),
-            "rest": plain(self.rest),
-            "uniform": plain(self.uniform),
-            "robust": plain(self.robust),
-            "islands": [list(run) for run in self.islands],
-            "falling": [] if falling is None else list(falling.falling_names),
-            "message": "" if falling is None else falling.message,
-            "sensitive": self.is_sensitive,
-            "sensitive_between": _listed(self.sensitive_between),
-            "undecided_between": _listed(self.undecided_between),
-            "remarks": list(self.remarks),
-            "stopped": self.stopped,
-            "evaluations": [
-                {
-                    "value": one.value,
-                    "verdict": one.verdict.value,
-                    "tried": one.samples.tried,
-                    "standing": one.samples.standing,
-                    "settled": None if one.settled is None else one.settled.value,
-                }
-                for one in self.evaluations
-            ],
-            "time_s": dict(self.time_s),
-        }
-
-
-def _listed(pair: tuple[float, float] | None) -> list[float] | None:
-    return None if pair is None else list(pair)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer.chart import Chart, MarkKind, Marks, ring
 from drystone.base.arrays import Floats, whole
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -28,7 +30,7 @@ from drystone.results import Result
 
 
 @dataclass(frozen=True, eq=False)
-class TiltSweep(OneLine):
+class TiltSweep(Answer):
     """Tilt limits about horizontal axes.
 
     Attributes
@@ -102,22 +104,93 @@ class TiltSweep(OneLine):
             return f"the weakest of {counted(self._asked, 'direction')}"
         return f"the lowest of {len(self.limits)} known directions ({self._asked} requested)"
 
+    @property
+    def model(self) -> Model:
+        """The model of the lowest known direction."""
+        return self.limits[self.lowest].model
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What was asked of every direction."""
+        return self.limits[0].asked if self.limits else Asked.of_nothing(made=self.when)
+
+    @property
+    def title(self) -> str:
+        """The least tilt, and where it leads."""
+        if not self.limits:
+            return "No direction is known"
+        angle, towards = self.rest[self.lowest], self.azimuth[self.lowest]
+        told = "nowhere" if np.isnan(angle) else f"up to {angle:.3g} degrees"
+        return f"Stands {told} towards {towards:g} degrees, {self.rank}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The least tilt, and why directions are missing."""
+        stands = bool(self.limits) and not np.isnan(self.rest).any()
+        said = [Sentence(self.title, Role.GOOD if stands else Role.BAD)]
+        if any(limit.remarks for limit in self.limits):
+            said.append(Sentence("where joints decide, see --json", Role.REMARK))
+        if self.stopped:
+            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """The limits by direction."""
+        return [self.table()]
+
     def table(self) -> Table:
         """The limits by direction."""
         columns = {"azimuth": self.azimuth, "equilibrium": self.equilibrium, "rest": self.rest}
-        return Table("tilt by direction", columns, dict.fromkeys(columns, "deg"))
+        units = dict.fromkeys(columns, "deg")
+        remarks = ["; ".join(limit.remarks) for limit in self.limits]
+        more = {"joints_decide": remarks} if any(remarks) else {}
+        return Table("tilt by direction", {**columns, **more}, units)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    def numbers(self) -> Mapping[str, Any]:
+        """The limit in each direction."""
         return {
             "parameter": "tilt",
             "unit": "deg",
-            "azimuth": self.azimuth.tolist(),
-            "missing": list(self.missing),
-            "weakest_azimuth": None if self.missing else float(self.azimuth[self.weakest]),
-            "limits": [limit.to_dict() for limit in self.limits],
+            "azimuth": self.azimuth,
+            "missing": self.missing,
+            "weakest_azimuth": None if self.missing else self.azimuth[self.weakest],
+            "limits": [limit.numbers() for limit in self.limits],
             "stopped": self.stopped,
         }
+
+    def layers(self) -> Scene:
+        """The states on either side of the limit in the lowest known direction."""
+        lowest = self.lowest
+        scene = self.limits[lowest].layers()
+        message = f"{self.rank} leans towards {self.azimuth[lowest]:g} degrees"
+        stages = tuple(
+            replace(
+                one, headline=f"{one.headline}: {self.rank}", message=f"{message}; {one.message}"
+            )
+            for one in scene.stages
+        )
+        return replace(scene, stages=stages, charts=(self.plot, *scene.charts))
+
+    @property
+    def plot(self) -> Chart:
+        """The largest tilt towards every direction, by both definitions."""
+        closed = not self.missing
+        inks = ((self.equilibrium, MarkKind.DASHED, "unsure", "some forces balance the loads"),
+                (self.rest, MarkKind.AREA, "accent", ""),
+                (self.rest, MarkKind.LINE, "accent", "stands"))  # fmt: skip
+        marks = [
+            Marks(kind, *ring(self.azimuth, values, closed), ink, label)
+            for values, kind, ink, label in inks
+        ]
+        told = f"{len(self.limits)} of {self._asked} directions are known"
+        if closed and np.isfinite(least := float(self.rest[self.weakest])):
+            towards = float(self.azimuth[self.weakest])
+            spot = np.array([towards]), np.array([least])
+            marks.append(Marks(MarkKind.DIAMOND, *spot, "bad", "the weakest"))
+            told = f"weakest towards {towards:g} deg: {least:.2f} deg"
+        return Chart(
+            "Largest tilt towards each direction", tuple(marks), "direction, seen from above, x to "
+            "the right", "largest tilt", ("deg", "deg"), told, polar=True,
+        )  # fmt: skip
 
 
 @checked_call

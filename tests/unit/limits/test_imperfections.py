@@ -57,7 +57,8 @@ def test_a_draw_counts_once_whatever_the_number_of_orders(study: StandingShare) 
     verdicts = (Verdict.STABLE, Verdict.UNSTABLE, Verdict.STABLE, Verdict.UNDECIDED,
                 Verdict.STABLE, Verdict.STABLE, Verdict.UNDECIDED, Verdict.UNSTABLE)  # fmt: skip
     orders = (Loading.AT_ONCE, Loading.RAMP)
-    mixed = StandingShare(verdicts, 0.25, (0.0, 1.0), 0.95, orders, np.zeros(4))
+    mixed = StandingShare(verdicts, 0.25, (0.0, 1.0), 0.95, orders, np.zeros(4),
+                          model=Model.of(tower(2)), options=Imperfections())  # fmt: skip
     assert mixed.by_draw == (False, None, True, False)
     told = mixed.to_dict()
     assert (told["draws"], told["standing"], told["undecided"]) == (4, 1, 1)
@@ -140,7 +141,7 @@ def test_a_study_is_a_table_plain_values_and_a_plot(study: StandingShare, tmp_pa
     assert len(study.to_pandas()) == 24
     told = json.loads(json.dumps(study.to_dict()))
     assert [row["loading"] for row in told["by_loading"]] == list(ORDERS)
-    drystone.view.save_share(study, tmp_path / "share.svg")
+    drystone.view.save_figure(study, tmp_path / "share.svg")
     assert "turned" in (tmp_path / "share.svg").read_text(encoding="utf-8")
     checked = imperfections(slope(10.0), FRICTION, draws=2)
     assert checked.verdicts == (Verdict.STABLE, Verdict.STABLE)

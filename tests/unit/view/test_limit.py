@@ -8,7 +8,7 @@ from drystone.base.errors import InputError
 from drystone.limits import Bracket, Limit, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
 from drystone.view import State, scene_of
-from drystone.view.scenes.limit_scenes import evaluations_panel, polar_panel
+from drystone.view.web.panels import panel
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_states_of_different_blocks_are_not_mixed() -> None:
 
 
 def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:
-    text = evaluations_panel(tilt)
+    text = panel(tilt.chart())
     assert text.count("<circle") == len(tilt.evaluations)  # all of them stand
     assert tilt.best.falls not in [one.value for one in tilt.evaluations]
     assert text.count('stroke="var(--bad)"') == 1
@@ -69,8 +69,8 @@ def test_a_sweep_shows_its_weakest_direction() -> None:
     scene = scene_of(sweep)
     assert "the weakest of 4 directions" in scene.stages[0].message
     assert scene.stages[0].headline.endswith(" degrees about y: the weakest of 4 directions")
-    assert len(scene.panels) == 2
-    assert "towards 0 degrees" in polar_panel(sweep)
+    assert len(scene.charts) == 2
+    assert "towards 0 deg" in panel(sweep.plot)
 
 
 def test_without_states_there_is_no_picture() -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli.analysis import large_answer, limit_answer
+from drystone.cli.analysis import large_answer
 from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds
 from drystone.cli.base.command import Argument, Option, command
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Printed, Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading
@@ -18,6 +19,7 @@ from drystone.cli.inputs.model_input import Subject
 from drystone.cli.inputs.options import LimitSearch, TimeLimit, vector
 
 if TYPE_CHECKING:
+    from drystone.answer import Answer
     from drystone.limits import Limit
     from drystone.model import Model
 
@@ -29,14 +31,6 @@ def _axis(text: str) -> Any:
     from drystone.limits.limits import axis_vector
 
     return axis_vector(vector(text, "0,1,0") if "," in text else text)
-
-
-def _name_of(axis: Any) -> str:
-    """Its name, or its coordinates."""
-    from drystone.limits.limits import AXES
-
-    names = (name for name, along in AXES.items() if tuple(along) == tuple(axis))
-    return next(names, ",".join(f"{part:.4g}" for part in axis))
 
 
 @command(
@@ -60,7 +54,7 @@ def tilt(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The largest angle by which a model can be turned; --polar in all directions.
 
     The page shows both sides of the limit, in the weakest direction of --polar; the figure of
@@ -75,14 +69,10 @@ def tilt(
     with search.under_way(waiting) as common:
         if polar is None:
             about = _axis("x") if axis is None else axis
-            found = limits.limit_tilt(model, about, upper=upper, **common)
+            found: Answer = limits.limit_tilt(model, about, upper=upper, **common)
         else:
-            sweep = limits.tilt_sweep(model, polar, upper=upper, **common)
-    if polar is None:
-        return limit_answer.answer(
-            found, subject.model, model.notes, pictures, waiting, about=_name_of(about)
-        )
-    return limit_answer.sweep_answer(sweep, subject.model, model.notes, pictures)
+            found = limits.tilt_sweep(model, polar, upper=upper, **common)
+    return Told(found, notes=model.notes, files=partial(pictures.of, found))
 
 
 @command(
@@ -105,7 +95,7 @@ def friction(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The least friction coefficient at which a model stands."""
 
     def find(model: Model, common: dict[str, Any]) -> Limit:
@@ -138,7 +128,7 @@ def load(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The largest factor of a load on top of the weight and of --load."""
     notes: list[str] = []
 
@@ -163,7 +153,7 @@ def shrink(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
 
     def find(model: Model, common: dict[str, Any]) -> Limit:
@@ -171,8 +161,7 @@ def shrink(
 
         return limit_shrink(model, **common)
 
-    more = limit_answer.safety_factor
-    return _answer(subject, search, seismic, find, pictures, waiting, more=more)
+    return _answer(subject, search, seismic, find, pictures, waiting)
 
 
 def _answer(
@@ -183,18 +172,14 @@ def _answer(
     pictures: Pictures,
     waiting: Waiting,
     notes: list[str] | None = None,
-    more: Callable[[Limit], dict[str, float]] = lambda _: {},
-) -> Printed:
-    """Prepare the model and find the limit.
-
-    Notes that ``find`` adds are printed, and so are the figures of ``more``.
-    """
+) -> Told:
+    """Prepare the model and find the limit; notes that ``find`` adds are printed."""
     model = subject.prepared(waiting, seismic=seismic)
     pictures.require_through(model.assembly)
     with search.under_way(waiting) as common:
         found = find(model, common)
     told = (*model.notes, *(notes or ()))
-    return limit_answer.answer(found, subject.model, told, pictures, waiting, more(found))
+    return Told(found, notes=told, files=partial(pictures.of, found))
 
 
 @command(

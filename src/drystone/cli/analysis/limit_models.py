@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli.analysis import limit_answer
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import families, loading, options
@@ -86,7 +84,7 @@ def thickness(
     search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The least thickness at which a parametric model stands."""
     name, unit, (first, last) = SEARCHED[family]
     build, known = families.family(family)
@@ -116,7 +114,7 @@ def thickness(
             unit=unit,
             **common,
         )
-    return limit_answer.answer(found, family, (), pictures, waiting)
+    return Told(found, subject=family, files=partial(pictures.of, found))
 
 
 @command(
@@ -170,7 +168,7 @@ def imperfections(
     time_limit: options.TimeLimit = None,
     files: Drawn,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """The share of random imperfect copies of a model that stand.
 
     Exit code 0: all of them. 1: not all.
@@ -200,50 +198,22 @@ def imperfections(
             loading=[name.replace("-", " ") for name in order],
             **common,
         )
-    data = {"model": subject.model, **found.to_dict()}
     notes = list(model.notes)
-    if len(found.verdicts) < draws * max(len(order), 1):
+    if found.draws < draws:
         notes.append(f"interrupted after {found.draws} of {draws} draws")
-    if data["undecided"]:
-        notes.append(f"{data['undecided']} draws are undecided")
-    code = 0 if found.share == 1.0 else 1
-    written = partial(_files, found, files, subject.model)
-    return Printed(data, partial(_show, found, data), code, notes, written)
+    return Told(found, notes=notes, files=partial(_files, found, files))
 
 
-def _files(found: StandingShare, wanted: Drawn, source: str) -> Files:
+def _files(found: StandingShare, wanted: Drawn) -> Files:
     """The table of draws and the plot of shares."""
     jobs: list[Job] = []
     if wanted.table is not None:
         jobs.append((wanted.table, found.table().to_csv))
     if wanted.png is not None:
-        from drystone.view import save_share  # work is imported when there is some
+        from drystone.view import save_figure  # work is imported when there is some
 
-        jobs.append((wanted.png, partial(save_share, found, title=Path(source).stem)))
+        jobs.append((wanted.png, partial(save_figure, found)))
     return jobs, []
-
-
-def _show(found: StandingShare, data: dict[str, Any], screen: Screen) -> None:
-    low, high = found.interval
-    stand = f"{data['standing']} of {found.draws}"
-    where = " in every order of loading" if len(found.loading) > 1 else ""
-    screen.line(f"imperfect structures stand{where}  {data['model']}", stand, gap=" ")
-    screen.line(
-        f"share {found.share:.1%}, between {low:.1%} and {high:.1%} at {found.confidence:.0%} "
-        "confidence"
-    )
-    if len(found.loading) > 1:
-        screen.table(
-            ("order of loading", "stand", "share", "between", "and"),
-            [
-                (
-                    row["loading"],
-                    f"{row['standing']} of {row['draws']}",
-                    *(f"{row[key]:.1%}" for key in ("share", "low", "high")),
-                )
-                for row in data["by_loading"]
-            ],
-        )
 
 
 def _built(

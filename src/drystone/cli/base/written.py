@@ -16,10 +16,10 @@ from drystone.cli.base.command import OUTPUT, Option
 from drystone.cli.inputs import options
 
 if TYPE_CHECKING:
+    from drystone.answer import Answer
     from drystone.assembly import Assembly
     from drystone.base.files import Job
     from drystone.cli.base.told import Files
-    from drystone.limits import Limit
     from drystone.results import Result
     from drystone.sequence import Plan
     from drystone.settlement import Settlement, SupportResponse
@@ -73,7 +73,7 @@ class Pictures:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, subject: Result | Limit | Settlement) -> Files:
+    def of(self, subject: Answer | Settlement) -> Files:
         """The pictures of an answer."""
         if self.html is None and self.png is None:
             return [], []

@@ -5,10 +5,12 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Collection
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drystone.answer import Answer
 from drystone.answer.asked import asked_line
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, frozen_floats
@@ -19,6 +21,7 @@ from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
 from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plots import save_chart
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, ramp_colours
 from drystone.view.style.presets import PRESETS, first_preset, is_shown
@@ -121,6 +124,8 @@ def save_figure(
         raise InputError("size and dpi must be above zero")
     if not 0.0 <= explode < np.inf:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
+    if isinstance(subject, Answer) and subject.plot is not None:
+        return save_chart(subject.plot, path, title=Path(subject.asked.file).stem)
     scene = scene_of(subject, contacts)
     if section is not None:
         scene = cut_at(scene, section)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drystone.answer.chart import Chart, MarkKind
 from drystone.base.arrays import Bools, Floats
-from drystone.limits.imperfections import share_interval
 from drystone.settlement import Drive, End
 from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from drystone.design import Tuned
-    from drystone.limits import StandingShare, TiltSweep
     from drystone.sequence import GravityRegion
     from drystone.settlement import LargeDisplacement
 
@@ -25,21 +24,62 @@ LABELS = {
     Drive.SUPPORTS: ("motion of the support [m]", "force on the moving supports [N]"),
     Drive.FRICTION: ("largest displacement of a block [m]", "share of the friction"),
 }
-_INKS = ("pressure", "help", "hinge")
 _INCH = 4.2
 """Width of a disc [inches]. Chosen; the dots of all directions just touch."""
 _GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
 
 
-def _axes(title: str, across: str, up: str) -> tuple[Figure, Any]:
+def _axes(title: str, across: str, up: str, projection: str | None = None) -> tuple[Figure, Any]:
     """A figure with one pair of axes and a grid."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes: Any = figure.add_subplot(title=title, xlabel=across, ylabel=up)
-    axes.title.set_fontsize(10)
+    axes: Any = figure.add_subplot(xlabel=across, ylabel=up, projection=projection)
+    axes.set_title(title, fontsize=10)
     axes.grid(alpha=0.25)
     return figure, axes
+
+
+_SHAPES = {
+    MarkKind.LINE: "-",
+    MarkKind.DASHED: "--",
+    MarkKind.DISC: "o",
+    MarkKind.RING: "o",
+    MarkKind.CROSS: "x",
+    MarkKind.DIAMOND: "D",
+}
+_INK = {"accent": "pressure", "good": "resultant", "bad": "help", "unsure": "missed", "ink": "edge"}
+
+
+@saved_plot
+def save_chart(chart: Chart, title: str) -> Figure:
+    """Draw a chart, such as the ``plot`` of an answer."""
+    colour = ROLE_COLOUR["light"]
+    named = zip((chart.across, chart.up), chart.units, strict=True)
+    across, up = (f"{text} [{unit}]" if unit else text for text, unit in named)
+    head = "\n".join(one for one in (title, chart.caption) if one)
+    figure, axes = _axes(head, across, up, "polar" if chart.polar else None)
+    for one in chart.marks:
+        ink, x = colour[_INK[one.ink]], np.deg2rad(one.x) if chart.polar else one.x
+        if one.kind is MarkKind.AREA:
+            axes.fill_between(x, one.y, 0.0 if one.low is None else one.low, color=ink, alpha=0.15)
+            continue
+        face = "none" if one.kind is MarkKind.RING else ink
+        axes.plot(x, one.y, _SHAPES[one.kind], color=ink, label=one.label or None,
+                  markerfacecolor=face, linewidth=1.8, markersize=6)  # fmt: skip
+    for at, text in chart.lines:
+        axes.axvline(at, color=colour["edge"], linestyle=":", linewidth=1.2)
+        axes.annotate(text, (at, axes.get_ylim()[1]), fontsize=9, ha="right", va="top", rotation=90)
+    if chart.logarithmic:
+        axes.set_xscale("log")
+    if chart.polar or chart.top is not None:
+        axes.set_ylim(0.0, chart.top)
+    if chart.polar:
+        axes.set_ylabel("")
+        axes.set_rlabel_position(67.5)
+    if any(one.label for one in chart.marks):
+        axes.legend(frameon=False, fontsize=9)
+    return figure
 
 
 @saved_plot
@@ -66,70 +106,6 @@ def save_curve(found: LargeDisplacement, title: str) -> Figure:
     if len(events):
         axes.legend(frameon=False, fontsize=9)
     return figure
-
-
-@saved_plot
-def save_share(found: StandingShare, title: str) -> Figure:
-    """Draw the share that stands against the number of draws, with its interval.
-
-    There is a line for each order of loading.
-    """
-    colour = ROLE_COLOUR["light"]
-    figure, axes = _axes(
-        title, "draws", f"share that stands, interval at {found.confidence:.0%} confidence"
-    )
-    table = found.table()
-    for row, ink in zip(found.by_loading(), _INKS, strict=False):
-        stands = np.cumsum(table["stands"][table["loading"] == row["loading"]])
-        count = np.arange(1, len(stands) + 1)
-        bounds = np.array(
-            [
-                share_interval(int(k), int(n), found.confidence)
-                for k, n in zip(stands, count, strict=True)
-            ]
-        ).reshape(-1, 2)
-        label = f"{row['loading']}: {row['share']:.1%} ({row['low']:.1%} to {row['high']:.1%})"
-        axes.plot(count, stands / count, "-", color=colour[ink], label=label)
-        axes.fill_between(count, *bounds.T, color=colour[ink], alpha=0.15, linewidth=0.0)
-    axes.set_ylim(-0.02, 1.02)
-    axes.legend(frameon=False, fontsize=9, loc="best")
-    return figure
-
-
-@saved_plot
-def save_polar(sweep: TiltSweep, title: str) -> Figure:
-    """Draw the largest tilt towards every direction, by both definitions."""
-    from matplotlib.figure import Figure  # optional work: plotting is slow to import
-
-    colour = ROLE_COLOUR["light"]
-    figure = Figure(figsize=(6.0, 6.8))
-    axes: Any = figure.add_subplot(projection="polar")
-    for values, label, ink, width in (
-        (sweep.equilibrium, "some forces balance the loads", colour["missed"], 5.0),
-        (sweep.rest, "stands", colour["pressure"], 1.5),
-    ):
-        ring = _ring(sweep.azimuth, values, closed=not sweep.missing)
-        axes.plot(*ring, "-", color=ink, label=label, linewidth=width)
-    if sweep.missing:
-        known = len(sweep.limits)
-        title = f"{title}\n{known} of {known + len(sweep.missing)} directions are known".strip()
-    elif np.isfinite(angle := float(sweep.rest[weakest := sweep.weakest])):
-        azimuth = float(sweep.azimuth[weakest])
-        axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["help"], markersize=7)
-        title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
-    axes.set_title(title, fontsize=10)
-    axes.set_ylim(bottom=0.0)
-    axes.set_rlabel_position(67.5)
-    axes.set_xlabel("largest tilt [deg] towards each direction, seen from above, x to the right")
-    handles = axes.get_legend_handles_labels()
-    figure.legend(*handles, loc="lower center", ncol=2, frameon=False, fontsize=9)
-    figure.subplots_adjust(bottom=0.16, top=0.84)
-    return figure
-
-
-def _ring(azimuth: Floats, values: Floats, *, closed: bool) -> tuple[Floats, Floats]:
-    ring = np.arange(len(azimuth) + closed) % max(len(azimuth), 1)
-    return np.deg2rad(azimuth[ring]), values[ring]
 
 
 @saved_plot

@@ -12,12 +12,10 @@ from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.fall import Film
-from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.sequence import Plan, Scaffolding
 from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
 from drystone.view.scenes.large_scenes import film_scene, large_scene
-from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scaffold_scenes import scaffold_scene
 from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
@@ -26,8 +24,6 @@ Subject: TypeAlias = (
     Answer
     | Model
     | Assembly
-    | Limit
-    | TiltSweep
     | Plan
     | Scaffolding
     | SupportResponse
@@ -67,10 +63,6 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
             return subject.layers()
         case Model():
             return bare_scene(subject.assembly, subject.contacts, subject)
-        case Limit():
-            return limit_scene(subject)
-        case TiltSweep():
-            return sweep_scene(subject)
         case Plan():
             return plan_scene(subject)
         case Scaffolding():

@@ -13,6 +13,7 @@ from drystone.contacts import Contacts
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.transforms.section import cut_at
 from drystone.view.web.encode import encode, to_text
+from drystone.view.web.panels import panel
 
 SCRIPTS = (
     "linear.js", "data.js", "shaders.js", "line-shaders.js", "shadow.js", "outer.js", "graphics.js",
@@ -87,7 +88,9 @@ class Addition:
 
 def page_text(scene: Scene) -> str:
     """The page as text: HTML with its style, its script and its data inside."""
-    return page_of_data(to_text(encode(scene)), scene.title, "\n".join(scene.panels))
+    return page_of_data(
+        to_text(encode(scene)), scene.title, "\n".join((*map(panel, scene.charts), *scene.panels))
+    )
 
 
 def page_of_data(data: str, title: str, aside: str = "", added: Addition | None = None) -> str:

@@ -1,0 +1,110 @@
+"""Charts beside a picture: curves and marks as plain data."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+
+
+class MarkKind(enum.Enum):
+    """How the points of marks are drawn."""
+
+    LINE = "line"
+    DASHED = "dashed"
+    AREA = "area"
+    """Filled, from the values down to ``low``, or inside a ring."""
+    DISC = "disc"
+    RING = "ring"
+    CROSS = "cross"
+    DIAMOND = "diamond"
+
+
+@dataclass(frozen=True, eq=False)
+class Marks(OneLine):
+    """Points, or a line through them.
+
+    Attributes
+    ----------
+    kind
+    x, y : (p,)
+    ink
+        ``accent``, ``good``, ``bad``, ``unsure`` or ``ink``.
+    label
+        For the legend; none where it is empty.
+    low : (p,)
+        The lower edge of an area.
+    """
+
+    kind: MarkKind
+    x: Floats
+    y: Floats
+    ink: str = "accent"
+    label: str = ""
+    low: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Chart(OneLine):
+    """A chart with one pair of axes.
+
+    Attributes
+    ----------
+    title
+    marks
+    across, up
+        What the axes are.
+    units
+        Of both; empty where there is none.
+    caption
+    lines
+        Values across that are marked, with their texts.
+    logarithmic
+        Whether the axis across is.
+    polar
+        x are directions [degrees] from the axis to the right, y the distances from the middle.
+    top
+        End of the axis up; that of the marks when left out.
+    """
+
+    title: str
+    marks: tuple[Marks, ...] = ()
+    across: str = ""
+    up: str = ""
+    units: tuple[str, str] = ("", "")
+    caption: str = ""
+    lines: tuple[tuple[float, str], ...] = ()
+    logarithmic: bool = False
+    polar: bool = False
+    top: float | None = None
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Least and largest value across."""
+        values = [*(one.x for one in self.marks), np.array([at for at, _ in self.lines])]
+        return ends_of(values)
+
+    @property
+    def rise(self) -> tuple[float, float]:
+        """Least value up or zero, and the largest."""
+        values = [*(one.y for one in self.marks), np.zeros(1)]
+        low, high = ends_of(values)
+        return low, high if self.top is None else self.top
+
+
+def ends_of(values: Sequence[Floats]) -> tuple[float, float]:
+    """The least and the largest finite value."""
+    every = np.concatenate([np.ravel(one) for one in values])
+    every = every[np.isfinite(every)]
+    return (float(every.min()), float(every.max())) if len(every) else (0.0, 1.0)
+
+
+def ring(azimuth: Floats, values: Floats, closed: bool = True) -> tuple[Floats, Floats]:
+    """The points of a polar line, back to the first one where it is closed."""
+    order = np.arange(len(azimuth) + closed) % max(len(azimuth), 1)
+    return azimuth[order], values[order]

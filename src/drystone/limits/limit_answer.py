@@ -1,0 +1,303 @@
+"""What a limit says of itself: in words, tables and pictures."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import Answer, Asked, Role, Scene, SceneStage, Sentence
+from drystone.answer.asked import UP
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.widening import side_by_side
+from drystone.base.display import named
+from drystone.base.errors import InputError
+from drystone.base.table import Table
+from drystone.limits.brackets import Bracket, Evaluation, plain
+from drystone.limits.limit_families import Shrunk
+from drystone.model import Model
+from drystone.results import Result, Verdict
+
+_MOST_DIGITS = 9
+"""Of a value; closer brackets are told alike."""
+_NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
+_LISTED = 12
+"""Blocks that give way which are named."""
+_KINDS = {
+    "equilibrium": "some forces balance the loads",
+    "rest": "stands, as the check tells",
+    "uniform": "stands for uniform contact stiffness",
+    "robust": "stands for every contact stiffness tried",
+}
+
+
+class LimitAnswer(Answer):
+    """The words, tables and pictures of a limit; its numbers are those of the class below."""
+
+    parameter: str
+    unit: str
+    start: float
+    end: float
+    equilibrium: Bracket
+    rest: Bracket | None
+    uniform: Bracket | None
+    robust: Bracket | None
+    islands: tuple[tuple[float, float], ...]
+    evaluations: tuple[Evaluation, ...]
+    time_s: Mapping[str, float]
+    stopped: str
+
+    @property
+    @abstractmethod
+    def best(self) -> Bracket:
+        """The bracket of the verdict, or of equilibrium where that was asked for."""
+
+    @property
+    @abstractmethod
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences about values at which the answer depends on the joints."""
+
+    @property
+    @abstractmethod
+    def is_sensitive(self) -> bool:
+        """Whether contact stiffness decides near the limit."""
+
+    @property
+    @abstractmethod
+    def sensitive_between(self) -> tuple[float, float] | None:
+        """Values between which contact stiffness decides."""
+
+    @property
+    @abstractmethod
+    def undecided_between(self) -> tuple[float, float] | None:
+        """Values between which it is undecided."""
+
+    @property
+    def states(self) -> list[tuple[Result, float, bool]]:
+        """The known states on either side: result, value, and whether it falls."""
+        best = self.best
+        sides = ((best.standing, best.stands, False), (best.falling, best.falls, True))
+        return [(s, v, falls) for s, v, falls in sides if s is not None and v is not None]
+
+    @property
+    def model(self) -> Model:
+        """The model at the limit.
+
+        Raises
+        ------
+        InputError
+            No state is known on either side.
+        """
+        if not self.states:
+            raise InputError("there is no picture: no state is known on either side of the limit")
+        return self.states[-1][0].model
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What was asked, without load and friction where the limit is one of these."""
+        if not self.states:
+            return Asked.of_nothing(self.options, self.when)
+        asked = super().asked
+        if self.parameter in ("tilt", "load factor"):
+            return replace(asked, load="", acceleration=(), loads=())
+        return replace(asked, friction=None) if "friction" in self.parameter else asked
+
+    @property
+    def title(self) -> str:
+        """Up to which value it stands."""
+        stands = self.best.stands
+        if stands is None:
+            return f"Stands at no {self._name} that was tried"
+        return f"{self._verb} {self._quantity(stands)}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Up to which value it stands, what gives way beyond, and where the joints decide."""
+        found = self.best.stands is not None
+        said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
+        if self.parameter == Shrunk.parameter and self.best.stands:
+            said.append(Sentence(f"geometric safety factor: {1.0 / self.best.stands:.4g}"))
+        said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
+        for low, high in self.islands:
+            again = f"it stands again from {self._short(low)} to {self._short(high)}"
+            said.append(Sentence(again, Role.REMARK))
+        falling = self.best.falling
+        if falling is not None and falling.falling:
+            said.append(Sentence(f"gives way: {named(falling.falling_names, _LISTED)}"))
+            said.append(Sentence(falling.message))
+        if self.stopped:
+            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """The limit by each definition."""
+        shown = {key: getattr(self, key) for key in _KINDS}
+        if not self.is_sensitive:
+            shown["robust"] = None
+        found = {_KINDS[key]: one for key, one in shown.items() if one is not None}
+        columns = {
+            "definition": list(found),
+            "stands_at": [np.nan if one.stands is None else one.stands for one in found.values()],
+            "gives_way_at": [np.nan if one.falls is None else one.falls for one in found.values()],
+        }
+        unit = {"stands_at": self.unit, "gives_way_at": self.unit} if self.unit else {}
+        return [Table("limit", columns, unit)]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Both sides of the limit by each definition, and the values that were tried."""
+        falling, stands = self.best.falling, self.best.stands
+        shrunk = self.parameter == Shrunk.parameter and stands
+        return {
+            "parameter": self.parameter,
+            "unit": self.unit,
+            "range": [self.start, self.end],
+            **{key: plain(getattr(self, key)) for key in _KINDS},
+            "islands": self.islands,
+            "falling": () if falling is None else falling.falling_names,
+            "message": "" if falling is None else falling.message,
+            "sensitive": self.is_sensitive,
+            "sensitive_between": self.sensitive_between,
+            "undecided_between": self.undecided_between,
+            "remarks": self.remarks,
+            "stopped": self.stopped,
+            **({"geometric_safety_factor": 1.0 / stands} if shrunk and stands else {}),
+            "evaluations": list(self.table()),
+            "time_s": self.time_s,
+        }
+
+    def table(self) -> Table:
+        """The tried values, in ascending order, with their verdicts."""
+        tried = self.evaluations
+        columns = {
+            "value": [one.value for one in tried],
+            "verdict": [one.verdict.value for one in tried],
+            "stiffnesses_tried": [one.samples.tried for one in tried],
+            "stiffnesses_standing": [one.samples.standing for one in tried],
+            "settled": ["" if one.settled is None else one.settled.value for one in tried],
+        }
+        return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
+
+    def layers(self) -> Scene:
+        """The last state that stands beside the first one that falls.
+
+        If their blocks differ (a limit of thickness), the blocks of the other state are absent.
+        """
+        model, states = self.model, self.states
+        assembly, contacts = model.assembly, model.contacts
+        stages = tuple(self._stage(*one) for one in states)
+        if not all(_same_shape(state, states[-1][0]) for state, _, _ in states):
+            names = [" (falls)" if falls else " (stands)" for _, _, falls in states]
+            models = [state.model for state, _, _ in states]
+            assembly, contacts, stages = side_by_side(models, stages, names)
+        title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
+        charts = (self.chart(),) if self.evaluations else ()
+        facts = self.asked.facts()
+        return Scene(assembly, contacts, stages, title, facts, charts=charts, still=-1)
+
+    def chart(self) -> Chart:
+        """The values that were tried: how many contact stiffnesses stand at each."""
+        best, marks = self.best, []
+        kinds = (
+            (Verdict.STABLE, MarkKind.DISC, "good"),
+            (Verdict.UNSTABLE, MarkKind.CROSS, "bad"),
+            (None, MarkKind.RING, "good"),
+        )
+        for verdict, kind, ink in kinds:
+            mine = [
+                one
+                for one in self.evaluations
+                if one.verdict is verdict
+                or (verdict is None and one.verdict not in (Verdict.STABLE, Verdict.UNSTABLE))
+            ]
+            x = np.array([one.value for one in mine])
+            marks.append(Marks(kind, x, np.array([_share(one) for one in mine]), ink))
+        if best.falls is not None and best.falls not in [one.value for one in self.evaluations]:
+            marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad"))
+        line = () if best.stands is None else ((best.stands, self._short(best.stands)),)
+        return Chart(
+            "Values that were tried", tuple(marks), self._name, "share of stiffnesses that stand",
+            (self.unit, ""), "Discs stand, crosses fall; the height is the share of the contact "
+            "stiffnesses tried that stand.", line, top=1.0,
+        )  # fmt: skip
+
+    def _stage(self, state: Result, value: float, falls: bool) -> SceneStage:
+        """One side of the limit."""
+        headline = f"{'Falls at' if falls else self._verb} {self._quantity(value)}"
+        facts = {
+            key: text for key, text in state.asked.facts().items() if key in ("Load", "Friction")
+        }
+        label = f"{'falls' if falls else 'stands'} at {self._short(value)}"
+        means = "; ".join(one for one in (state.message, *self._means()) if one)
+        return replace(state.stage(label), headline=headline, message=means, facts=facts)
+
+    def _means(self) -> list[str]:
+        """How the limit was found."""
+        told = [
+            f"{words} to {self._short(bracket.stands)}"
+            for key, words in _KINDS.items()
+            if (bracket := getattr(self, key)) is not None and bracket.stands is not None
+            if key != "robust" or self.remarks
+        ]
+        return [*told, *(one.text for one in self.sentences() if one.role is Role.REMARK)]
+
+    @property
+    def _verb(self) -> str:
+        """The value up to which, or down to which, it stands."""
+        return "Stands up to" if self.end >= self.start else "Stands down to"
+
+    @property
+    def _name(self) -> str:
+        """The parameter as a person writes it."""
+        return self.parameter.replace("_", " ")
+
+    def _quantity(self, value: float) -> str:
+        """A value with its unit, and for a tilt its direction."""
+        if self.parameter == "tilt":
+            about = _about(self.states[-1][0]) if self.states else ""
+            return f"{self._digits(value, 3)} degrees{about}"
+        if self.parameter == Shrunk.parameter:
+            return f"{self._digits(value)} of the {self.parameter}"
+        return f"{self._name} {self._digits(value)}{f' {self.unit}' if self.unit else ''}"
+
+    def _digits(self, value: float, digits: int = 4) -> str:
+        """A value with so many digits, or with as many more as tell both sides apart."""
+        both = [one for one in (self.best.stands, self.best.falls) if one is not None]
+        while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
+            digits += 1
+        return f"{value:.{digits}g}"
+
+    def _short(self, value: float) -> str:
+        mark = "\N{DEGREE SIGN}" if self.unit == "deg" else f" {self.unit}" if self.unit else ""
+        return f"{self._digits(value)}{mark}"
+
+
+def _same_shape(first: Result, second: Result) -> bool:
+    """Whether two results are of blocks in the same places."""
+    one, other = first.assembly, second.assembly
+    if one is other or len(one) != len(other):
+        return one is other
+    return bool(np.array_equal(one.bounds, other.bounds))
+
+
+def _about(state: Result) -> str:
+    """The axis of the rotation of the model, from the direction of gravity."""
+    total = state.load.wrench[~state.assembly.fixed, :3].sum(axis=0)
+    axis = np.cross(-total, UP)
+    size = float(np.linalg.norm(axis))
+    if size < 1e-9 * float(np.linalg.norm(total)):
+        return ""
+    axis = axis / size
+    for name, along in _NAMED_AXES.items():
+        if np.allclose(axis, along, atol=1e-6):
+            return f" about {name}"
+    towards = float(np.rad2deg(np.arctan2(axis[1], axis[0]))) - 90.0
+    return f" towards {towards % 360.0:.4g} degrees from x"
+
+
+def _share(one: Evaluation) -> float:
+    if one.samples.tried:
+        return one.samples.standing / one.samples.tried
+    return 1.0 if one.verdict in (Verdict.STABLE, Verdict.EQUILIBRIUM_EXISTS) else 0.0

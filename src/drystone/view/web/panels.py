@@ -1,0 +1,127 @@
+"""Charts as SVG in the panel beside a page."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator
+
+import numpy as np
+
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.base import units
+from drystone.base.arrays import Floats
+
+WIDTH, HEIGHT = 280.0, 160.0
+LEFT, RIGHT, TOP, BOTTOM = 44.0, 12.0, 20.0, 32.0
+"""Size [px] of a chart, and its margins."""
+_REACH = 92.0
+"""Radius [px] of a polar chart."""
+_TICKS = 4
+"""On a logarithmic axis, at most."""
+
+
+def panel(chart: Chart) -> str:
+    """HTML of a chart with its title and caption."""
+    drawn = ""
+    if chart.marks:
+        size = (WIDTH, 2 * _REACH + 56.0) if chart.polar else (WIDTH, HEIGHT)
+        name = html.escape(f"{chart.title}: {chart.up} by {chart.across}")
+        body = "".join(_polar_axes() if chart.polar else _axes(chart))
+        body += "".join(_drawn(chart, one) for one in chart.marks)
+        drawn = (
+            f'<svg viewBox="0 0 {size[0]:g} {size[1]:g}" width="100%" role="img" '
+            f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>'
+        )
+    told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
+    return f"    <fieldset><legend>{html.escape(chart.title)}</legend>{drawn}{told}</fieldset>"
+
+
+def _place(chart: Chart, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Pixels of points."""
+    if chart.polar:
+        angle, radius = np.deg2rad(x), _REACH * np.nan_to_num(y) / (chart.rise[1] or 1.0)
+        return 0.5 * WIDTH + radius * np.cos(angle), _REACH + 28.0 - radius * np.sin(angle)
+    (left, right), (low, high) = chart.span, chart.rise
+    if chart.logarithmic:
+        x, left, right = np.log(x), float(np.log(left)), float(np.log(right))
+    across = (x - left) / (right - left) if right > left else np.full(np.shape(x), 0.5)
+    up = (np.nan_to_num(y) - low) / ((high - low) or 1.0)
+    return LEFT + across * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - up * (HEIGHT - TOP - BOTTOM)
+
+
+def _drawn(chart: Chart, marks: Marks) -> str:
+    x, y = _place(chart, marks.x, marks.y)
+    ink = f"var(--{marks.ink})"
+    if marks.kind in (MarkKind.LINE, MarkKind.DASHED, MarkKind.AREA):
+        points = [*zip(x, y, strict=True)]
+        look = f'fill="none" stroke="{ink}" stroke-width="2"'
+        if marks.kind is MarkKind.DASHED:
+            look += ' stroke-dasharray="4 3"'
+        if marks.kind is MarkKind.AREA:
+            look = f'fill="{ink}" fill-opacity="0.15" stroke="none"'
+            if marks.low is not None:
+                points += [*zip(*_place(chart, marks.x, marks.low), strict=True)][::-1]
+        told = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+        return f'<polyline {look} points="{told}"/>'
+    if marks.kind is MarkKind.CROSS:
+        look = f'stroke="{ink}" stroke-width="1.5"'
+        path = "M{:.1f} {:.1f}l7 7m0 -7l-7 7"
+        return "".join(
+            f'<path d="{path.format(a - 3.5, b - 3.5)}" {look}/>' for a, b in zip(x, y, strict=True)
+        )
+    fill = "none" if marks.kind is MarkKind.RING else ink
+    return "".join(
+        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" fill="{fill}" stroke="{ink}"/>'
+        for a, b in zip(x, y, strict=True)
+    )
+
+
+def _axes(chart: Chart) -> Iterator[str]:
+    """Axes, their ends, and the values that are marked."""
+    low, high = chart.rise
+    base = HEIGHT - BOTTOM
+    yield (
+        f'<path d="M{LEFT:g} {TOP:g}V{base:g}H{WIDTH - RIGHT:g}" fill="none" stroke="var(--line)"/>'
+    )
+    for at, text in chart.lines:
+        x = float(_place(chart, np.array([at]), np.zeros(1))[0][0])
+        yield f'<path d="M{x:.1f} {TOP:g}V{base:g}" stroke="var(--ink)" stroke-dasharray="3 3"/>'
+        yield _text(x, TOP - 7.0, text)
+    for value in dict.fromkeys((low, high)):
+        y = float(_place(chart, np.zeros(1) + chart.span[0], np.array([value]))[1][0])
+        yield _text(LEFT - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
+    for value in _across(chart):
+        x = float(_place(chart, np.array([value]), np.zeros(1))[0][0])
+        yield _text(x, base + 13.0, _told(value, chart.units[0]))
+    yield _text(0.5 * WIDTH, HEIGHT - 3.0, chart.across)
+
+
+def _across(chart: Chart) -> list[float]:
+    """Values of the axis across that are written."""
+    low, high = chart.span
+    if not chart.logarithmic:
+        return list(dict.fromkeys((low, high)))
+    powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.log10(high) + 1e-9)
+    return [float(10.0**one) for one in powers[:: max(-(-len(powers) // _TICKS), 1)]]
+
+
+def _polar_axes() -> Iterator[str]:
+    middle = _REACH + 28.0
+    yield (
+        f'<circle cx="{0.5 * WIDTH:g}" cy="{middle:g}" r="{_REACH:g}" fill="none" '
+        'stroke="var(--line)"/>'
+    )
+    yield _text(0.5 * WIDTH + _REACH + 8.0, middle + 4.0, "x", "start")
+    yield _text(0.5 * WIDTH, middle - _REACH - 6.0, "y")
+
+
+def _text(x: float, y: float, text: str, anchor: str = "middle") -> str:
+    x = min(max(x, 24.0), WIDTH - 24.0) if anchor == "middle" else x
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
+
+
+def _told(value: float, unit: str) -> str:
+    if unit in ("m", "N", "Pa"):
+        return units.quantity(value, unit)
+    mark = "\N{DEGREE SIGN}" if unit == "deg" else f" {unit}" if unit else ""
+    return f"{value:.4g}{mark}"

@@ -1,0 +1,103 @@
+"""Every answer says five things of itself, keeps what was asked, and can be kept and copied."""
+
+import copy
+import inspect
+import json
+import pickle
+import pkgutil
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import LoadCase, Model, limits
+from drystone.answer import Answer, Role
+from drystone.models import arch, tower
+
+
+def kinds() -> set[type[Answer]]:
+    """Every public class of answers."""
+    found = set()
+    for info in pkgutil.iter_modules(drystone.__path__, "drystone."):
+        if info.name.rpartition(".")[2] in ("__main__", "cli", "mcp"):
+            continue
+        room = import_module(info.name)
+        for name in getattr(room, "__all__", ()):
+            thing = getattr(room, name)
+            if inspect.isclass(thing) and issubclass(thing, Answer):
+                found.add(thing)
+    return {one for one in found if not inspect.isabstract(one)}
+
+
+def answers() -> Iterator[Answer]:
+    """One of each."""
+    stack = Model.of(tower(3), friction=0.6)
+    yield drystone.check(stack)
+    yield drystone.diagnose(arch(0.2, 8), friction=0.2)
+    coarse = limits.LimitOptions(width=5.0, scan=1)
+    yield limits.limit_tilt(stack, options=coarse)
+    yield limits.tilt_sweep(stack, 2, options=coarse)
+    yield limits.imperfections(stack, limits.Imperfections(offset=0.01), draws=2)
+
+
+ANSWERS = {type(one): one for one in answers()}
+
+
+def test_every_public_kind_is_here() -> None:
+    assert kinds() == set(ANSWERS)
+
+
+@pytest.mark.parametrize("kind", ANSWERS, ids=lambda kind: kind.__name__)
+def test_an_answer_says_five_things_of_itself(kind: type[Answer]) -> None:
+    one = ANSWERS[kind]
+    assert one.title
+    first, *_ = one.sentences()
+    assert first.role in (Role.GOOD, Role.BAD, Role.UNSURE)
+    assert (one.code == 0) == (first.role is Role.GOOD)
+    keys = [table.key for table in one.tables()]
+    assert len(set(keys)) == len(keys)
+    assert set(keys).isdisjoint(one.numbers())
+    assert all(cells for table in one.tables() for cells in table.cells())
+    scene = one.layers()
+    assert scene.stages
+    assert scene.facts["Blocks"] == f"{len(one.assembly)}"
+    assert one.title.replace("<", "&lt;") in one._repr_html_()
+
+
+@pytest.mark.parametrize("kind", ANSWERS, ids=lambda kind: kind.__name__)
+def test_an_answer_is_plain_in_json_and_the_same_in_a_copy(kind: type[Answer]) -> None:
+    one = ANSWERS[kind]
+    told = json.dumps(one.to_dict(), allow_nan=False)
+    for again in (pickle.loads(pickle.dumps(one)), copy.copy(one), copy.deepcopy(one)):
+        assert json.dumps(again.to_dict(), allow_nan=False) == told
+    assert json.loads(told)["asked"]["version"] == drystone.__version__
+
+
+def test_an_answer_says_what_was_asked(tmp_path: Path) -> None:
+    drystone.write(tower(3), tmp_path / "tower.obj")
+    model = drystone.read(tmp_path / "tower.obj", supports="lowest", friction=0.7, units="cm")
+    push = LoadCase.point_load(model.assembly, "block-2", (1e-3, 0.0, 0.0), (0.0, 0.0, 0.02))
+    model = model.with_load(model.load + push)
+    asked = drystone.check(model, options=drystone.CheckOptions(samples=2)).asked
+    assert asked.file == str(tmp_path / "tower.obj")
+    assert len(asked.sha256) == 64
+    assert asked.reading == {"units": "cm", "supports": "lowest", "friction": "0.7"}
+    assert asked.supports == ("block-0",)
+    assert asked.friction == (0.7, 0.7)
+    np.testing.assert_allclose(asked.acceleration, (0.0, 0.0, -9.81))
+    (load,) = asked.loads
+    assert load["block"] == "block-2"
+    np.testing.assert_allclose(load["force"], (1e-3, 0.0, 0.0), atol=1e-12)
+    assert asked.load == "gravity + 0.001, 0, 0 N on 'block-2' at 0, 0, 0.02 m"
+    assert asked.options == {"samples": "2"}
+    assert "tower.obj" in asked.line()
+    assert "friction 0.7" in asked.line()
+
+
+def test_both_sides_of_a_limit_are_one_step_away() -> None:
+    found = ANSWERS[limits.Limit]
+    assert isinstance(found, limits.Limit)
+    assert (found.stands, found.falls) == (found.best.stands, found.best.falls)
