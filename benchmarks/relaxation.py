@@ -13,10 +13,12 @@ integrated at once.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -24,11 +26,12 @@ from scipy import sparse
 from benchmarks.settlement import limit_of
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.formulations.rest.compliance import respond
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.springs import BlockPositions, place_corners, respond, rotations
-from drystone.settlement.together import Union, joined
+from drystone.settlement.faces.corners import Ends
+from drystone.settlement.springs import BlockPositions, place_corners, rotations
 
 OVERLAP, TANGENTIAL = 1e-5, SettlementOptions().tangential
 """Those of both schemes. The overlap is ten times the default one: the number of explicit steps
@@ -199,8 +202,7 @@ class Relaxation:
                 of_b[:, :3] + cross(of_b[:, 3:], arm_b) - of_a[:, :3] - cross(of_a[:, 3:], arm_a)
             )
             moved = by_corner[:, None] * np.einsum("kij,kj->ki", placed.axes, velocity)
-            moved[:, 0] = 0.0
-            force = respond(bodies, placed.gap, friction, moved).force
+            force = respond(bodies.springs, placed.gap, moved[:, 1:], -friction).force
             friction = force[:, 1:]
             world = np.einsum("ki,kij->kj", force, placed.axes)
             on_b = np.concatenate([world, cross(arm_b, world)], axis=1)
@@ -252,6 +254,66 @@ class Relaxation:
             else:
                 on.append(number)
         self.number = np.array(on, dtype=np.intp)
+
+
+class Union(NamedTuple):
+    """Many models side by side as one, and which block and corner belongs to which.
+
+    Attributes
+    ----------
+    bodies
+    of_block, of_corner
+        The case of each.
+    of_free
+        The case of each free block.
+    """
+
+    bodies: Bodies
+    of_block: Ints
+    of_corner: Ints
+    of_free: Ints
+
+
+def joined(parts: Sequence[Bodies]) -> Union:
+    """The scaled bodies of many models as those of one."""
+    blocks = [len(one.centroid) for one in parts]
+    corners = [len(one.block_a) for one in parts]
+    frees = [len(one.free) for one in parts]
+    first, first_free = np.cumsum([0, *blocks])[:-1], np.cumsum([0, *frees])[:-1]
+    shifted = {
+        "free": [one.free + at for one, at in zip(parts, first, strict=True)],
+        "block_a": [one.block_a + at for one, at in zip(parts, first, strict=True)],
+        "block_b": [one.block_b + at for one, at in zip(parts, first, strict=True)],
+        "slot": [
+            np.where(one.slot >= 0, one.slot + at, -1)
+            for one, at in zip(parts, first_free, strict=True)
+        ],
+    }
+    same = {
+        field.name: np.concatenate(
+            shifted.get(field.name) or [getattr(one, field.name) for one in parts]
+        )
+        for field in dataclasses.fields(Bodies)
+        if field.name not in ("ends", "overlap", "length_unit", "force_unit")
+    }
+    ends = _joined_ends([one.ends for one in parts])
+    case = np.arange(len(parts))
+    return Union(
+        Bodies(**same, ends=ends, overlap=parts[0].overlap, length_unit=1.0, force_unit=1.0),
+        np.repeat(case, blocks),
+        np.repeat(case, corners),
+        np.repeat(case, frees),
+    )
+
+
+def _joined_ends(parts: Sequence[Ends]) -> Ends:
+    corners = np.cumsum([0, *(len(one.joint) for one in parts)])
+    joints = np.cumsum([0, *(int(one.joint.max(initial=-1)) + 1 for one in parts)])
+    shifted = [
+        one._replace(joint=one.joint + joint, after=one.after + corner)
+        for one, joint, corner in zip(parts, joints[:-1], corners[:-1], strict=True)
+    ]
+    return Ends(*(np.concatenate(arrays) for arrays in zip(*shifted, strict=True)))
 
 
 def _gather(slot: Ints, count: int) -> sparse.csr_matrix:

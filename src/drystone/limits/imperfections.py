@@ -26,8 +26,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.limits.limit_checks import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.settlement import Loading, Outcome, SettlementOptions, settle_many
-from drystone.settlement.settling import SMALL
+from drystone.settlement import Loading, Outcome, SettlementOptions, settle
 
 if TYPE_CHECKING:
     import pandas
@@ -38,9 +37,6 @@ _FOLLOWED: Mapping[Outcome, Verdict] = {
     Outcome.FALLS: Verdict.UNSTABLE,
 }
 """What following the blocks by steps says; everything else is undecided."""
-_SIDE_BY_SIDE = 16
-"""Draws of a small model that are followed together. Chosen: more are little faster, and a stop
-waits for them."""
 
 
 @dataclass(frozen=True)
@@ -289,16 +285,14 @@ def imperfections(
     model = as_model(given, **how)
     task = partial(_draws, model, kinds, check, orders)
     seeds = np.random.SeedSequence(seed).spawn(draws)
-    some = _SIDE_BY_SIDE if orders and len(model.assembly.free) <= SMALL else 1
-    work = [seeds[at : at + some] for at in range(0, draws, some)]
     clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
     friction: list[float] = []
     with WorkerPool(executor) as pool:
         late = lambda: bool(verdicts) and clock.late()  # noqa: E731
-        for answers, means in pool.answers(task, work, late):
+        for answers, mean in pool.answers(task, seeds, late):
             verdicts += answers
-            friction += means
+            friction.append(mean)
             if progress is not None:
                 progress("draws", len(friction), draws)
     empty = (0.0, 1.0)
@@ -330,20 +324,15 @@ def _draws(
     imperfections: Imperfections,
     check: Check,
     orders: tuple[Loading, ...],
-    seeds: Sequence[np.random.SeedSequence],
-) -> tuple[list[Verdict], list[float]]:
-    """The verdicts on some draws, draw by draw in every order, and the mean friction of each."""
-    drawn = [imperfect(model.contacts, imperfections, seed) for seed in seeds]
-    friction = [float(one.friction.mean()) if len(one) else 0.0 for one in drawn]
-    made = [model.with_contacts(one) for one in drawn]
+    seed: np.random.SeedSequence,
+) -> tuple[list[Verdict], float]:
+    """The verdicts on one draw, in every order of loading, and its mean friction."""
+    drawn = imperfect(model.contacts, imperfections, seed)
+    made, friction = model.with_contacts(drawn), float(drawn.friction.mean()) if len(drawn) else 0.0
     if not orders:
-        return [check(one).verdict for one in made], friction
-    ended = [
-        [one.outcome for one in settle_many(made, options=SettlementOptions(loading=order))]
-        for order in orders
-    ]
-    outcomes = [one for draw in zip(*ended, strict=True) for one in draw]
-    return [_FOLLOWED.get(one, Verdict.UNDECIDED) for one in outcomes], friction
+        return [check(made).verdict], friction
+    ended = [settle(made, options=SettlementOptions(loading=order)).outcome for order in orders]
+    return [_FOLLOWED.get(one, Verdict.UNDECIDED) for one in ended], friction
 
 
 def imperfect(

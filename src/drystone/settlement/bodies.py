@@ -16,6 +16,8 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.friction import FrictionBound, StickSlip
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.model import Model
 from drystone.settlement.faces.corners import Carrier, Ends, joint_ends
@@ -75,6 +77,11 @@ class Bodies:
     overlap: float
     length_unit: float
     force_unit: float
+
+    @cached_property
+    def springs(self) -> Compliance:
+        """The springs at the corners."""
+        return Compliance(self.normal, StickSlip(FrictionBound(self.friction), self.tangential))
 
     @cached_property
     def by_corner(self) -> tuple[Floats, Floats, Floats]:

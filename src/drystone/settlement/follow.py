@@ -15,28 +15,19 @@ same tilt with the load applied at once, in twenty parts, or rotated from uprigh
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
+from drystone.formulations.rest.compliance import ContactResponse, respond
 from drystone.settlement.bodies import Bodies
-from drystone.settlement.springs import (
-    BlockPositions,
-    Placed,
-    Response,
-    place_corners,
-    respond,
-)
-from drystone.settlement.steps.increments import (
-    EASY,
-    Increment,
-    Increments,
-    Place,
-    Steps,
-)
+from drystone.settlement.springs import BlockPositions, Placed
+from drystone.settlement.steps.increments import EASY, Increment, Increments, travelled
 from drystone.settlement.steps.soft_springs import SoftSprings
+from drystone.solvers.threads import one_blas_thread
 
 MANY = 5.0
 """Of many blocks: how much longer increments are, until they clearly move."""
@@ -87,15 +78,54 @@ FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
 
 
+class Ended(enum.Enum):
+    """How a run ends."""
+
+    RESTS = "rests"
+    FALLS = "falls"
+    LEAVES = "leaves"
+    """It moved as far as it was to be followed."""
+    SOFT = "soft"
+    """Forces far above the loads grew, so stiffer springs are to be tried."""
+    LOST = "lost"
+    """No increment could be solved."""
+    STOPPED = "stopped"
+    SPENT = "spent"
+    """The load that grows is needed no longer."""
+    HELD = "held"
+    """Nothing gives way to what is driven."""
+    REACHED = "reached"
+    """What is driven went as far as it was to go."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How far a run goes.
+
+    Attributes
+    ----------
+    fall
+        Displacement of a block relative to its size at which it falls.
+    pace
+        Length of the steps, 1 by default.
+    step_limit
+    left_at
+        Displacement of a block relative to its size at which the path ends.
+    """
+
+    fall: float
+    pace: float = 1.0
+    step_limit: int = 5000
+    left_at: float = np.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Track:
     """The motion of the blocks, scaled.
 
     Attributes
     ----------
-    ended : ``rests``, ``falls``, ``leaves``, ``soft``, ``lost`` or ``stopped``
-        ``soft``: forces far above the loads grew, so stiffer springs are to be tried. ``lost``: no
-        increment could be solved.
+    ended
     frames
         Poses from first to last.
     placed, response
@@ -108,10 +138,10 @@ class Track:
     steps, iterations
     """
 
-    ended: str
+    ended: Ended
     frames: tuple[BlockPositions, ...]
     placed: Placed
-    response: Response
+    response: ContactResponse
     travel: Floats
     share: float
     met: Bools
@@ -125,12 +155,7 @@ class Follower(Increments):
     Parameters
     ----------
     bodies
-    fall
-        Displacement of a block relative to its size at which it falls.
-    pace
-        Length of the steps, 1 by default.
-    left_at
-        Displacement of a block relative to its size at which the path ends.
+    bounds
     stop
         Called before every increment.
     tell
@@ -140,18 +165,14 @@ class Follower(Increments):
     def __init__(
         self,
         bodies: Bodies,
+        bounds: Bounds,
         *,
-        fall: float,
-        pace: float = 1.0,
-        left_at: float = np.inf,
-        step_limit: int = 5000,
         stop: Callable[[], bool] | None = None,
         tell: Callable[[float], None] | None = None,
     ) -> None:
         super().__init__(bodies)
         self.many = MANY if self.rough else 1.0
-        self.fall, self.pace, self.step_limit = fall, pace, step_limit
-        self.left_at = left_at
+        self.bounds, self.step_limit = bounds, bounds.step_limit
         self.stop, self.tell = stop, tell
         self.frames = [self.pose]
         self.stride, self.since = 1, 0
@@ -163,9 +184,8 @@ class Follower(Increments):
         self.soft = self._springs()
         self.guess: tuple[Floats, float] | None = None
         self.steps = self.beyond = 0
-        self.left_steps = step_limit
-        nothing = np.zeros((len(bodies.block_a), 3))
-        self.response = respond(bodies, self.placed.gap, self.friction, nothing)
+        self.left_steps = self.step_limit
+        self.response = respond(bodies.springs, self.placed.gap, self.friction)
         self.met = self.response.pressed
         self.share = 1.0
 
@@ -174,62 +194,57 @@ class Follower(Increments):
 
         It is not asked then whether the springs are too soft.
         """
-        self.pose, self.friction = pose, friction
-        self.placed = place_corners(self.bodies, pose)
-        self.maps.at(pose, self.placed)
+        self.friction = friction
+        self.place(pose)
         self.frames.append(pose)
         self.drag = NEAR * self.first
         self.soft.asked = True
 
+    @one_blas_thread()
     def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
         """Until they rest or fall; then, where they rest, with supports that move by (n, 6).
 
         ``earlier`` are loads (f, 6) under which they rest, more or less, before.
         """
-        return self.alone(self.whole_run(supports, earlier))
-
-    def whole_run(
-        self, supports: Floats | None = None, earlier: Sequence[Floats] = ()
-    ) -> Steps[Track]:
-        """As :meth:`run`."""
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
-        ended = yield from self._loaded(earlier)
-        if ended == "rests":
-            ended = yield from self._to_rest()
-        if supports is not None and ended == "rests":
-            ended = yield from self._supports(supports)
+        ended = self._loaded(earlier)
+        if ended is Ended.RESTS:
+            ended = self.to_rest()
+        if supports is not None and ended is Ended.RESTS:
+            ended = self._supports(supports)
         return self._track(ended)
 
-    def _loaded(self, earlier: Sequence[Floats]) -> Steps[str]:
+    def _loaded(self, earlier: Sequence[Floats]) -> Ended:
         """Rest under one load after another, and go on with the last one."""
         whole = self.bodies
         for load in earlier:
             self.bodies = replace(whole, load=load)
-            ended = yield from self._to_rest(roughly=True)
+            ended = self.to_rest(roughly=True)
             self.drag, self.guess = self.first, None
-            if ended != "rests":
+            if ended is not Ended.RESTS:
                 return ended
         self.bodies = whole
-        return "rests"
+        return Ended.RESTS
 
-    def _to_rest(self, *, roughly: bool = False) -> Steps[str]:
+    def to_rest(self, *, roughly: bool = False) -> Ended:
+        """Increments until the blocks rest or fall."""
         bodies = self.bodies
         refused = 0
         while True:
             if self._late():
-                return "stopped"
+                return Ended.STOPPED
             guess = None
             if self.guess is not None and refused < 2:
                 guess = self.guess[0] * (self.guess[1] / self.drag)
-            found = yield from self._increment(guess)
+            found, steps = self.increment(guess)
             longest = np.inf if found is None else float(np.abs(found.motion).max(initial=0.0))
             if found is None or longest > self._longest():
                 refused += 1
                 self.drag *= SLOWER
                 self.stretch = 1.0
                 if self.drag > MOST_DRAG * self.first:
-                    return "lost"
+                    return Ended.LOST
                 continue
             swerve = 1.0
             if guess is not None and longest > 0.0:
@@ -241,81 +256,74 @@ class Follower(Increments):
                 continue
             refused = 0
             self.guess = found.motion, self.drag
-            self.share = self._carried(found.motion)
-            yield from self._accept(found)
+            self.share = self.carried(found.motion)
+            self.accept(found)
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
-                return "rests"
+                return Ended.RESTS
             if self.soft.told(self.alone_by, self.placed.gap):
-                return "soft"
-            if self.alone_by > self.fall:
-                return "falls"
-            if self.farthest > self.left_at:
-                return "leaves"
+                return Ended.SOFT
+            if self.alone_by > self.bounds.fall:
+                return Ended.FALLS
+            if self.farthest > self.bounds.left_at:
+                return Ended.LEAVES
             longer = STRETCH if swerve < STEADY else 1.0 / STRETCH
             self.stretch = min(max(longer * self.stretch, 1.0), STRETCHED)
-            if found.iterations < EASY:
+            if steps < EASY:
                 # nearly at rest: small steps are not needed
                 quick = longest < bodies.overlap and self.share < 1e-3
                 least = longest / (0.9 * self._longest())
-                self.drag *= 0.1 if quick else max(FASTER ** (self.pace * self.many), least)
+                self.drag *= 0.1 if quick else max(FASTER ** (self.bounds.pace * self.many), least)
 
-    def _supports(self, motion: Floats) -> Steps[str]:
+    def _supports(self, motion: Floats) -> Ended:
         """Move the supports in small steps, with approximate rest after each."""
         each = np.linalg.norm(motion[:, :3], axis=1) + np.linalg.norm(motion[:, 3:], axis=1)
         reach = float(each.max(initial=0.0))
-        parts = max(int(np.ceil(reach / (SUPPORT_STEP * self.pace))), 1)
+        parts = max(int(np.ceil(reach / (SUPPORT_STEP * self.bounds.pace))), 1)
         done, part = 0.0, 1.0 / parts
         before: Floats | None = None
         while done < 1.0 - 1e-12:
             if self._late():
-                return "stopped"
+                return Ended.STOPPED
             part = min(part, 1.0 - done)
             guess = None if before is None else part * before
-            found = yield from self._follow(part * motion, part * reach, guess)
+            found = self._follow(part * motion, part * reach, guess)
             if found is None:
                 part *= 0.5
                 if part * parts < 1e-6:
-                    return "lost"
+                    return Ended.LOST
                 continue
             before = found.motion / part
-            yield from self._accept(found, part * motion)
+            self.accept(found, part * motion)
             self.followed, self.soft = self.travel, self._springs()
             done += part
             part = min(2.0 * part, 1.0 / parts)
-            ended = yield from self._to_rest(roughly=done < 1.0 - 1e-12)
-            if ended != "rests":
+            ended = self.to_rest(roughly=done < 1.0 - 1e-12)
+            if ended is not Ended.RESTS:
                 return ended
-        return "rests"
+        return Ended.RESTS
 
-    def _follow(
-        self, motion: Floats, reach: float, guess: Floats | None
-    ) -> Steps[Increment | None]:
+    def _follow(self, motion: Floats, reach: float, guess: Floats | None) -> Increment | None:
         """One increment with supports that move by (n, 6), at most by ``reach``; None: too long."""
         self.drag, self.guess = 1.0, None
-        share, falling = self._carried(np.array([[reach]])), NEAR * self.first
+        share, falling = self.carried(np.array([[reach]])), NEAR * self.first
         self.drag = min(falling, DRAGGED / share) if share > 0.0 else falling
         found = None
         if guess is not None:
-            found = yield from self._increment(guess, motion)
+            found, _ = self.increment(guess, motion)
         if found is None:
-            found = yield from self._increment(None, motion)
+            found, _ = self.increment(None, motion)
         if found is None or self.drag == falling:
             return found
         far = float(np.abs(found.motion).max(initial=0.0))
         return found if far <= max(self._longest(), FOLLOWS * reach) else None
 
-    def _accept(self, found: Increment, moving: Floats | None = None) -> Steps[None]:
-        bodies = self.bodies
-        if moving is not None:
-            fixed = np.flatnonzero(bodies.slot < 0)
-            part = moving[fixed].copy()
-            part[:, 3:] /= bodies.radius[fixed, None]
-            self.pose = self.pose.moved(fixed, part)
-        self.friction = found.response.force[:, 1:]
+    def accept(self, found: Increment, moving: Floats | None = None) -> None:
+        """Go on to where an increment leads, with supports that move by (n, 6)."""
         self.response = found.response
         self.met = self.met | found.response.pressed
-        self.pose, self.placed, self.travel = yield Place(self.pose, found.motion)
+        self.move(found, moving)
+        self.travel = self.way()
         self.farthest = float(self.travel.max(initial=0.0))
         self.alone_by = float((self.travel - self.followed).max(initial=0.0))
         self.soft.pass_by(self.alone_by, self.placed.gap, self.share)
@@ -331,15 +339,23 @@ class Follower(Increments):
         if self.tell is not None:
             self.tell(self.farthest)
 
+    def way(self) -> Floats:
+        """Displacement (f,) of each free block relative to its size."""
+        bodies, free = self.bodies, self.bodies.free
+        gone = self.pose.place[free] - bodies.centroid[free]
+        return travelled(gone, self.pose.turn[free], bodies.radius[free], bodies.size[free])
+
     def _springs(self) -> SoftSprings:
         """Asked of a motion that begins here."""
-        return SoftSprings(self.bodies, self.rough > 0.0, min(self.fall, self.left_at))
+        return SoftSprings(
+            self.bodies, self.rough > 0.0, min(self.bounds.fall, self.bounds.left_at)
+        )
 
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
         clear = self.share > CLEAR or self.farthest > FAR
         stretched = min(self.stretch * (LONG_STEP if clear else self.many * STEP), LONGEST)
-        return self.pace * self.smallest * stretched
+        return self.bounds.pace * self.smallest * stretched
 
     def _late(self) -> bool:
         if self.steps >= self.step_limit or self.iterations >= NEWTON_EACH * self.step_limit:
@@ -352,9 +368,9 @@ class Follower(Increments):
         """Whether blocks on supports at rest move on, but too slowly to be followed to a fall."""
         if self.steps < SLOW_STEPS or self.share < CLEAR or self.left_steps == self.step_limit:
             return False
-        return self.farthest * self.step_limit < self.fall * self.steps
+        return self.farthest * self.step_limit < self.bounds.fall * self.steps
 
-    def _track(self, ended: str) -> Track:
+    def _track(self, ended: Ended) -> Track:
         frames = self.frames if self.frames[-1] is self.pose else [*self.frames, self.pose]
         return Track(
             ended,

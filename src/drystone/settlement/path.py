@@ -17,7 +17,7 @@ from drystone.settlement.bodies import Bodies, build_bodies, numbered_axes, numb
 from drystone.settlement.faces.both_carriers import ends_alike
 from drystone.settlement.faces.corners import Carrier, flush_ends
 from drystone.settlement.faces.meeting import Apart, followed_model, model_with_met
-from drystone.settlement.follow import Follower, Track
+from drystone.settlement.follow import Bounds, Ended, Follower, Track
 from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.maps import DENSE
 from drystone.settlement.proof import PROVEN, rest_residuals
@@ -107,7 +107,7 @@ def path_of(
             None if motion is None else scaled_motion(bodies, motion),
             earlier_loads(bodies, chosen.loading),
         )
-        if track.ended == "soft":
+        if track.ended is Ended.SOFT:
             overlap *= STIFFER
         elif motion is None and overlap == chosen.overlap and _moved_much(bodies, track):
             overlap *= FIRMER
@@ -132,18 +132,18 @@ def rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
     do. On stiffer springs it moves less in proportion.
     """
     few = len(bodies.free) <= DENSE and bodies.overlap > STIFFEST
-    return few and track.ended == "rests" and float(track.travel.max()) > chosen.rest_within
+    return few and track.ended is Ended.RESTS and float(track.travel.max()) > chosen.rest_within
 
 
 def _rests_nearer(track: Track, before: Track) -> bool:
     """Whether blocks rest after less than half of their way on softer springs."""
-    return track.ended == "rests" and 2.0 * track.travel.max() < before.travel.max()
+    return track.ended is Ended.RESTS and 2.0 * track.travel.max() < before.travel.max()
 
 
 def _moved_much(bodies: Bodies, track: Track) -> bool:
     """Whether springs of many blocks may have moved them to where they rest."""
     many = len(bodies.free) > DENSE and bodies.overlap > STIFFEST
-    return many and track.ended == "rests" and float(track.travel.max()) > TOO_FAR
+    return many and track.ended is Ended.RESTS and float(track.travel.max()) > TOO_FAR
 
 
 def _from_rest(
@@ -170,7 +170,7 @@ def _from_rest(
     follower.begin_at(pose, friction)
     follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
     track = follower.run()
-    if track.ended != "rests":
+    if track.ended is not Ended.RESTS:
         return None
     path, _ = path_after(model, apart, carrier, False, False, chosen, clock, bodies, track)
     return path if path.outcome is Outcome.RESTS else None
@@ -189,15 +189,8 @@ def follower_of(
     """A run that has not begun."""
     part, gap = followed_model(model, apart)
     bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
-    return Follower(
-        bodies,
-        fall=chosen.fall,
-        pace=chosen.pace,
-        step_limit=chosen.step_limit,
-        stop=clock.late,
-        tell=tell,
-        left_at=left_at,
-    )
+    bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, left_at)
+    return Follower(bodies, bounds, stop=clock.late, tell=tell)
 
 
 def path_after(
@@ -230,7 +223,7 @@ def _with_outcome(
     path: SettlementPath, track: Track, moving: bool, chosen: SettlementOptions, clock: Clock
 ) -> SettlementPath:
     travel = float(track.travel.max(initial=0.0))
-    if track.ended != "rests":
+    if track.ended is not Ended.RESTS:
         # out of steps: where a block is beyond what stands and still moves, it does not stand
         moved_on = not moving and not clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
@@ -268,10 +261,9 @@ def _physical(
     gap[corners] = track.placed.gap[kept] * bodies.length_unit
     travel = np.zeros(len(model.assembly))
     travel[bodies.free] = track.travel
-    ends = {"falls": Outcome.FALLS}
     return SettlementPath(
         carrier,
-        ends.get(track.ended, Outcome.UNKNOWN),
+        Outcome.FALLS if track.ended is Ended.FALLS else Outcome.UNKNOWN,
         model,
         positions,
         travel,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -22,17 +22,11 @@ from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import Apart, faces_apart
-from drystone.settlement.follow import Follower
-from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.maps import DENSE
 from drystone.settlement.outcomes import outcome_of
 from drystone.settlement.path import (
-    STIFFER,
     carriers_of,
-    follower_of,
-    path_after,
     path_of,
-    rests_far,
     support_motion,
 )
 from drystone.settlement.settlement_types import (
@@ -41,10 +35,6 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.together import tracks_of
-
-SMALL, AT_ONCE = 8, 32
-"""Free blocks up to which models are computed together, and models at once: from timings."""
 
 
 @checked_call
@@ -131,8 +121,9 @@ def _carried(
     left_at: float = np.inf,
 ) -> Settlement:
     """The paths of all carriers; those after one that is unknown are left out."""
+    began = clock.elapsed_s
     if not len(model.assembly.free):
-        return _nothing_free(model, moving, chosen, clock.elapsed_s)
+        return _nothing_free(model, moving, chosen)
     carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
     tries = [(one, one is not carriers[-1]) for one in carriers]
@@ -161,7 +152,9 @@ def _carried(
             # the springs of the first run were too soft as well
             path, _ = task(tries[0], progress=progress, overlap=second.overlap, other=second)
             paths = path, second
-    return _told(paths, chosen, clock, clock.elapsed_s)
+    outcome, message = outcome_of(paths, clock)
+    spent = {"solve": clock.elapsed_s - began}
+    return Settlement(outcome, message, paths, clock.reason, chosen, spent)
 
 
 @checked_call
@@ -175,9 +168,7 @@ def settle_many(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> tuple[Settlement, ...]:
-    """:func:`settle` of many models; small ones with equal numbers of corners are computed at once.
-
-    64 runs of one block are four times as fast as one after another.
+    """:func:`settle` of many models, one after the other or by the workers of an executor.
 
     Parameters
     ----------
@@ -201,18 +192,17 @@ def settle_many(
     >>> [one.outcome.value for one in settle_many([block.with_load(tilt) for tilt in tilts])]
     ['comes to rest', 'falls']
     """
-    one = isinstance(models, str | bytes | PathLike | Assembly | Model)
-    if one or not isinstance(models, Iterable):
+    single = isinstance(models, str | bytes | PathLike | Assembly | Model)
+    if single or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     chosen = SettlementOptions.of(options)
     clock = Clock(time_limit_s, stop)
     ready = [_ready(one, how) for one in models]
-    groups = [ready[at : at + AT_ONCE] for at in range(0, len(ready), AT_ONCE)]
     found: list[Settlement] = []
     with WorkerPool(executor) as pool:
-        for some in pool.answers(partial(_settled, chosen, clock), groups):
-            found += some
+        for one in pool.answers(partial(_settled, chosen, clock), ready):
+            found.append(one)
             if progress is not None:
                 progress("models", len(found), len(ready))
     return tuple(found)
@@ -226,80 +216,13 @@ def _ready(given: Given, how: How) -> tuple[Model, Floats | None]:
 
 
 def _settled(
-    chosen: SettlementOptions, clock: Clock, models: Sequence[tuple[Model, Floats | None]]
-) -> list[Settlement]:
-    """The settlements of some models; runs of one shape are computed together."""
-    began = clock.elapsed_s
-    paths: dict[tuple[int, Carrier], SettlementPath] = {}
-    few = [0 < len(model.assembly.free) <= DENSE for model, _ in models]
-    carriers = [
-        carriers_of(model, chosen) if some else ()
-        for (model, _), some in zip(models, few, strict=True)
-    ]
-    asked = [number for number, some in enumerate(carriers) if some]
-    for turn in range(2):
-        asked = [number for number in asked if len(carriers[number]) > turn]
-        tries = [(*models[i], carriers[i][turn], turn + 1 < len(carriers[i])) for i in asked]
-        found = _side_by_side(chosen, clock, tries)
-        paths |= {(i, carriers[i][turn]): path for i, (path, _) in zip(asked, found, strict=True)}
-        asked = [i for i, (_, last) in zip(asked, found, strict=True) if not last]
-    each = (clock.elapsed_s - began) / max(len(models), 1)
-    told = []
-    for number, (model, motion) in enumerate(models):
-        mine = tuple(paths[number, one] for one in Carrier if (number, one) in paths)
-        told.append(
-            _told(mine, chosen, clock, each)
-            if mine
-            else _carried(model, motion, chosen, clock, None, None)
-        )
-    return told
-
-
-def _side_by_side(
-    chosen: SettlementOptions,
-    clock: Clock,
-    models: Sequence[tuple[Model, Floats | None, Carrier, bool]],
-) -> list[tuple[SettlementPath, bool]]:
-    """As :func:`path_of` of each; runs of one shape are computed together."""
-    runs: list[tuple[int, Apart, Follower]] = []
-    paths: dict[int, tuple[SettlementPath, bool]] = {}
-    for number, (model, motion, carrier, first) in enumerate(models):
-        apart = faces_apart(model, chosen.fall)
-        if motion is None and len(model.assembly.free) <= SMALL:
-            runs.append(
-                (number, apart, follower_of(model, apart, carrier, chosen, clock, chosen.overlap))
-            )
-        else:
-            paths[number] = path_of(model, apart, carrier, first, motion, chosen, clock)
-    tracks = tracks_of(
-        [(one, one.whole_run(None, earlier_loads(one.bodies, chosen.loading))) for *_, one in runs]
-    )
-    for (number, apart, one), track in zip(runs, tracks, strict=True):
-        model, _, carrier, first = models[number]
-        soft = track.ended == "soft"
-        if soft or rests_far(one.bodies, track, chosen):
-            again = STIFFER * chosen.overlap if soft else None
-            paths[number] = path_of(
-                model, apart, carrier, first, None, chosen, clock, overlap=again
-            )
-        else:
-            bodies = one.bodies
-            paths[number] = path_after(
-                model, apart, carrier, first, False, chosen, clock, bodies, track
-            )
-    return [paths[number] for number in range(len(models))]
-
-
-def _told(
-    paths: tuple[SettlementPath, ...], chosen: SettlementOptions, clock: Clock, spent_s: float
+    chosen: SettlementOptions, clock: Clock, given: tuple[Model, Floats | None]
 ) -> Settlement:
-    outcome, message = outcome_of(paths, clock)
-    return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": spent_s})
+    model, motion = given
+    return _carried(model, motion, chosen, clock, None, None)
 
 
-def _nothing_free(
-    model: Model, moving: Floats | None, chosen: SettlementOptions, spent_s: float
-) -> Settlement:
+def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions) -> Settlement:
     """Every block is a support."""
     contacts, count = model.contacts, len(model.assembly)
     corners = contacts.corner_count
@@ -321,8 +244,7 @@ def _nothing_free(
         0,
         0,
     )
-    said = {"solve": spent_s}
-    return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, said)
+    return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, {"solve": 0.0})
 
 
 def _tried(

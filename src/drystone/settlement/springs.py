@@ -1,14 +1,14 @@
-"""The corner springs at one position of the blocks: gaps, directions, forces and tangents."""
+"""The corners at one position of the blocks: where they are, their directions and gaps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import slid
 
@@ -131,77 +131,3 @@ def rotations(vectors: Floats) -> Floats:
 def rotation_vectors(turn: Floats) -> Floats:
     """(n, 3) of rotation matrices (n, 3, 3)."""
     return np.asarray(Rotation.from_matrix(turn).as_rotvec())
-
-
-class Response(NamedTuple):
-    """Forces of the corners after an increment of motion.
-
-    Attributes
-    ----------
-    force : (k, 3) local n, u, v, on block b
-    pressed, sliding : (k,)
-    direction : (k, 2) of the friction
-    softening : (k,) friction limit by trial friction, where it slides
-    """
-
-    force: Floats
-    pressed: Bools
-    sliding: Bools
-    direction: Floats
-    softening: Floats
-
-
-class Springs(Protocol):
-    """What the forces of k corners depend on, (k,) each."""
-
-    @property
-    def normal(self) -> Floats:
-        """Stiffness."""
-
-    @property
-    def tangential(self) -> Floats:
-        """Stiffness."""
-
-    @property
-    def friction(self) -> Floats:
-        """Coefficient."""
-
-
-def respond(bodies: Springs, gap: Floats, friction: Floats, moved: Floats) -> Response:
-    """Coulomb friction from increments of slide.
-
-    Parameters
-    ----------
-    gap : (k,) before the increment
-    friction : (k, 2) before the increment
-    moved : (k, 3) of block b over block a, local
-    """
-    opening = gap + moved[:, 0]
-    pressed = opening < 0.0
-    normal = np.where(pressed, -bodies.normal * opening, 0.0)
-    trial = np.where(pressed[:, None], friction - bodies.tangential[:, None] * moved[:, 1:], 0.0)
-    size = np.sqrt(trial[:, 0] ** 2 + trial[:, 1] ** 2)
-    limit = bodies.friction * normal
-    sliding = size > limit
-    safe = np.where(size > 0.0, size, 1.0)
-    ratio = np.where(sliding, limit / safe, 1.0)
-    force = np.concatenate([normal[:, None], ratio[:, None] * trial], axis=1)
-    return Response(force, pressed, sliding & pressed, trial / safe[:, None], ratio)
-
-
-def tangents(bodies: Springs, response: Response) -> Floats:
-    """Tangent stiffness (k, 3, 3) of each corner."""
-    out = np.zeros((len(response.pressed), 3, 3))
-    pressed, sliding, along = response.pressed, response.sliding, response.direction
-    normal = np.where(pressed, bodies.normal, 0.0)
-    out[:, 0, 0] = normal
-    stiffness = np.where(pressed, bodies.tangential * response.softening, 0.0)
-    lost = np.where(sliding, stiffness, 0.0)
-    x, y = along[:, 0], along[:, 1]
-    out[:, 1, 1] = stiffness - lost * x * x
-    out[:, 2, 2] = stiffness - lost * y * y
-    out[:, 1, 2] = out[:, 2, 1] = -lost * x * y
-    coupling = np.where(sliding, bodies.friction * normal, 0.0)
-    out[:, 1, 0] = coupling * x
-    out[:, 2, 0] = coupling * y
-    return out

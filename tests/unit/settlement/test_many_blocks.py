@@ -8,6 +8,7 @@ import pytest
 
 from drystone import LoadCase, Model, settle
 from drystone.base.progress import Clock
+from drystone.formulations.rest.compliance import respond
 from drystone.models import arch
 from drystone.settlement import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.bodies import Bodies, build_bodies
@@ -15,7 +16,7 @@ from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import Apart, faces_apart
 from drystone.settlement.maps import DenseMaps, SparseMaps
 from drystone.settlement.path import path_of
-from drystone.settlement.springs import BlockPositions, place_corners, respond, tangents
+from drystone.settlement.springs import BlockPositions, place_corners
 
 
 def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
@@ -39,9 +40,9 @@ def test_the_maps_of_many_blocks_are_those_of_few() -> None:
     force = rng.normal(size=(len(bodies.block_a), 3))
     np.testing.assert_allclose(many.moved(motion), dense.moved(motion), atol=1e-12)
     np.testing.assert_allclose(many.wrench(force), dense.wrench(force), atol=1e-12)
-    pressed = respond(bodies, -1e-6 * rng.random(len(force)), force[:, 1:], 0.0 * force)
+    pressed = respond(bodies.springs, -1e-6 * rng.random(len(force)), force[:, 1:])
     weight = np.full((len(bodies.free), 6), 1e3)
-    tangent = tangents(bodies, pressed)
+    tangent = pressed.tangent
     np.testing.assert_allclose(
         many.factorise(tangent, weight)(motion),
         dense.factorise(tangent, weight)(motion),

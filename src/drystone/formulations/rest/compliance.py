@@ -8,10 +8,11 @@ from itertools import groupby
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.formulations.rest.friction import (
     FrictionBound,
     FrictionLaw,
+    FrictionResponse,
     SideBySide,
     SlipLength,
     StickSlip,
@@ -55,6 +56,13 @@ class Compliance:
         share = self.tension / np.where(size > 0.0, size, 1.0)
         return elastic * share, self.normal * share**3
 
+    def resisted(self, bearing: Floats, slide: Floats, before: Floats | None) -> FrictionResponse:
+        """Friction at normal forces (k,). Only stick and slip remembers what was before."""
+        law = self.friction
+        if before is None or not isinstance(law, StickSlip):
+            return law(bearing, slide)
+        return law(bearing, slide, before)
+
     @classmethod
     def stacked(cls, several: Sequence[Compliance]) -> Compliance:
         """Springs of one model side by side: arrays (s, k)."""
@@ -66,6 +74,64 @@ class Compliance:
 
 
 _NOTHING = np.zeros(1)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactResponse:
+    """Forces at corners, or at those of several states (s, k).
+
+    Attributes
+    ----------
+    force : (k, 3) local n, u, v, on block b
+    pressed : (k,)
+    tension : (k,) pull of the glue
+    """
+
+    force: Floats
+    pressed: Bools
+    tension: Floats
+    _friction: FrictionResponse
+    _press: Floats
+    _pull: Floats
+    _glue: Floats
+
+    @property
+    def tangent(self) -> Floats:
+        """(k, 3, 3) minus the derivative of the force by the displacement of b over a."""
+        bearing = np.where(self.pressed, self._press, self._pull)
+        out = np.empty((*bearing.shape, 3, 3))
+        out[..., 0, 0] = np.where(self.pressed, self._press, self._glue + self._pull)
+        out[..., 0, 1:] = 0.0
+        out[..., 1:, 0] = -self._friction.by_normal * bearing[..., None]
+        out[..., 1:, 1:] = self._friction.by_slide
+        return out
+
+
+def respond(
+    springs: Compliance, gap: Floats, slide: Floats, before: Floats | None = None
+) -> ContactResponse:
+    """The contact law: ``fn = kn max(0, -g)``, less what pulls; friction against the slide.
+
+    Parameters
+    ----------
+    springs
+    gap : (k,) g, negative where blocks overlap
+    slide : (k, 2) of block b over block a
+    before : (k, 2)
+        Friction T0 with which the slide began, against it; zero if left out.
+    """
+    pressed = gap < 0.0
+    bearing = np.where(pressed, -springs.normal * gap, 0.0)
+    pull = glue = _NOTHING
+    tension = _NOTHING
+    if springs.tension is not None or springs.glue:
+        opening = np.maximum(0.0, gap)
+        held, pull = springs.pull(opening)
+        glue = springs.glue * springs.normal
+        bearing, tension = bearing - held, glue * opening
+    friction = springs.resisted(bearing, slide, before)
+    force = np.concatenate([(bearing - tension)[..., None], -friction.force], axis=-1)
+    return ContactResponse(force, pressed, tension, friction, springs.normal, pull, glue)
 
 
 def _stacked(laws: Sequence[FrictionLaw]) -> SlipLength | StickSlip:
@@ -148,6 +214,8 @@ def is_even(statics: Statics, springs: Compliance) -> bool:
 
 
 def _bound(statics: Statics) -> FrictionBound:
+    if statics.dry:
+        return FrictionBound(statics.friction)
     return FrictionBound(statics.friction, statics.cohesion, statics.shear)
 
 

@@ -66,6 +66,7 @@ class FrictionBound:
     friction : (k,) mu
     cohesion : (k,) c
     shear : (k,) s
+        Both left out: a dry joint, which never pulls.
     """
 
     friction: Floats
@@ -74,11 +75,15 @@ class FrictionBound:
 
     def __call__(self, normal: Floats) -> Floats:
         """B (k,), for normal forces that are negative where the joint pulls."""
+        if isinstance(self.cohesion, float):
+            return self.friction * normal
         bound = self.friction * normal + self.cohesion
         return np.minimum(np.maximum(bound, 0.0), self.shear)
 
     def growth(self, normal: Floats) -> Floats:
         """Its derivative (k,) by the normal force."""
+        if isinstance(self.cohesion, float):
+            return np.where(normal > 0.0, self.friction, 0.0)
         bound = self.friction * normal + self.cohesion
         return np.where((bound > 0.0) & (bound < self.shear), self.friction, 0.0)
 
@@ -123,9 +128,10 @@ class SlipLength:
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
-    """``T = kt dt`` while that is within the bound, else ``b dt / |dt|``: elastic, then Coulomb.
+    """``T = T0 + kt dt`` within the bound, else as far along it: elastic, then Coulomb.
 
-    The law of discrete-element programs (Cundall 1971).
+    The law of discrete-element programs (Cundall 1971). T0 is what was resisted before; dt is the
+    slide since then.
 
     Attributes
     ----------
@@ -136,22 +142,27 @@ class StickSlip:
     bound: FrictionBound
     stiffness: Floats
 
-    def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
-        """Response to normal forces (k,) and slides (k, 2)."""
-        length = np.sqrt(slide[..., 0] ** 2 + slide[..., 1] ** 2)
+    def __call__(
+        self, normal: Floats, slide: Floats, before: Floats | None = None
+    ) -> FrictionResponse:
+        """Response to normal forces (k,) and slides (k, 2) after T0 (k, 2), zero if left out."""
+        trial = self.stiffness[..., None] * slide
+        if before is not None:
+            trial += before
+        size = np.sqrt(trial[..., 0] ** 2 + trial[..., 1] ** 2)
         bound = self.bound(normal)
-        slips = self.stiffness * length > bound
-        safe = np.where(length > 0.0, length, 1.0)
-        secant = np.where(slips, bound / safe, self.stiffness)
+        slips = size > bound
+        safe = np.where(size > 0.0, size, 1.0)
+        ratio = np.where(slips, bound / safe, 1.0)
 
         def slope() -> tuple[Floats, Floats]:
-            direction = slide / safe[..., None]
+            direction, secant = trial / safe[..., None], self.stiffness * ratio
             return (
                 _across(secant, secant * slips, direction),
                 (slips * self.bound.growth(normal))[..., None] * direction,
             )
 
-        return FrictionResponse(secant[..., None] * slide, slope)
+        return FrictionResponse(ratio[..., None] * trial, slope)
 
     def slide_of(self, normal: Floats, force: Floats, slide: Floats) -> Floats:
         """The slides (k, 2) at which normal forces (k,) are resisted by forces (k, 2).

@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
-from drystone.formulations.rest.compliance import Compliance, wrench_size
+from drystone.formulations.rest.compliance import Compliance, respond, wrench_size
 from drystone.formulations.rest.rest_state import (
     RestOptions,
     RestState,
@@ -103,9 +103,7 @@ def _descend_together(
     stop: Callable[[], bool] | None,
 ) -> tuple[list[RestState | None], int]:
     statics, kn = system.statics, compliance.normal
-    glue = compliance.glue * kn
     weight = options.ground * statics.mass_matrix
-    tangent = np.zeros((*kn.shape, 3, 3))
     motion = start.copy()
     count = len(motion)
     found: list[RestState | None] = [None] * count
@@ -117,19 +115,21 @@ def _descend_together(
     moved = statics.displacement(motion)
     while left and not (stop is not None and stop()):
         gap = moved[..., 0] + compliance.overlap
-        normal = kn * np.maximum(0.0, -gap)
-        held, slope = compliance.pull(np.maximum(0.0, gap))
-        bearing = normal - held
-        pull = glue * np.maximum(0.0, gap)
-        friction = compliance.friction(bearing, moved[..., 1:])
-        force = np.concatenate([(bearing - pull)[..., None], -friction.force], axis=-1)
+        response = respond(compliance, gap, moved[..., 1:])
+        force, pull = response.force, np.broadcast_to(response.tension, gap.shape)
         ground = weight * motion
         rest = statics.wrench(force) + statics.load - ground
         shares = wrench_size(rest) / block_scale(statics, force)
         for i in tuple(left):
             share = float(shares[i].max(initial=0.0))
             if share <= options.tolerance:
-                state = motion[i].copy(), normal[i], force[i], pull[i], ground[i]
+                state = (
+                    motion[i].copy(),
+                    np.maximum(0.0, -kn[i] * gap[i]),
+                    force[i],
+                    pull[i],
+                    ground[i],
+                )
                 found[i] = RestState(*state, share, True, steps)
             # the first step often makes it worse: progress counts from there
             since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
@@ -145,10 +145,7 @@ def _descend_together(
         if not left:
             break
         if any(solve[i] is None for i in left):
-            pressed = gap < 0.0
-            tangent[..., 0, 0] = np.where(pressed, kn, glue + slope)
-            tangent[..., 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[..., None]
-            tangent[..., 1:, 1:] = friction.by_slide
+            tangent = response.tangent
         for i in tuple(left):
             try:
                 factors = solve[i] or system.factorise(tangent[i], weight, rough=rough[i])

@@ -8,7 +8,6 @@ by a block's motion.
 
 from __future__ import annotations
 
-import copy
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,20 +20,12 @@ from drystone.model import Model
 from drystone.settlement.bodies import build_bodies
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import FARTHEST, faces_apart, followed_model
-from drystone.settlement.large.driven import DrivenState, Driver
+from drystone.settlement.follow import Bounds
+from drystone.settlement.large.driven import Driver
 from drystone.settlement.large.large_states import large_state
 from drystone.settlement.large.large_types import LargeState
 from drystone.settlement.path import scaled_motion
 from drystone.settlement.settlement_types import SettlementOptions
-
-_DRAGS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7)
-"""Drag in turn, by the first of a block that is followed; the last one carries less than a
-thousandth of the load. Chosen: a vault of 97 blocks rests in 0.05 s, one of 399 in 0.5 s."""
-SHORTER, LONGER = 0.25, 2.0
-"""Factors on the length of the next increment: after one that was not found, and after one that
-was."""
-_SHORTEST = 1e-6
-"""Share of the motion below which increments are not made shorter."""
 
 
 class _Place(NamedTuple):
@@ -72,16 +63,10 @@ class CoarseSteps:
 
     def _rested(self, chosen: SettlementOptions, stop: Callable[[], bool] | None) -> _Place | None:
         """The blocks at rest; None where none was found."""
-        driver = Driver(self.bodies, fall=chosen.fall, step_limit=chosen.step_limit, stop=stop)
-        found = None
-        for share in _DRAGS:
-            driver.drag = share * driver.first
-            guess = None if found is None else found.motion
-            found = driver.alone(driver._increment(guess))
-            if found is None:
-                return None
-        if found is not None:
-            driver.alone(driver._accept(found))
+        bounds = Bounds(chosen.fall, step_limit=chosen.step_limit)
+        driver = Driver(self.bodies, bounds, stop=stop)
+        if not driver.rest_at_once():
+            return None
         return _Place(driver, np.zeros((len(self.model), 6)))
 
     def moved(self, motion: Floats, seconds: float) -> tuple[LargeState, float] | None:
@@ -100,26 +85,12 @@ class CoarseSteps:
         wanted = scaled_motion(self.bodies, motion)
         nearer = np.linalg.norm(wanted - self.last.motion) < np.linalg.norm(wanted)
         begin = self.last if nearer else self.rest
-        driver = copy.copy(begin.driver)
-        driver.frames = [driver.pose]
-        driver.maps.at(driver.pose, driver.placed)  # all places share the maps
-        driver.guess, driver.drag = None, _DRAGS[-1] * driver.first
-        way = wanted - begin.motion
-        done, step, end = 0.0, 1.0, time.monotonic() + seconds
-        while done < 1.0 - 1e-12 and step > _SHORTEST:
-            step = min(step, 1.0 - done)
-            found = driver.alone(driver._increment(None, step * way))
-            if found is None:
-                step *= SHORTER
-            else:
-                driver.alone(driver._accept(found, step * way))
-                done += step
-                step *= LONGER
-            if time.monotonic() > end:
-                break
+        driver, way = begin.driver.again(), wanted - begin.motion
+        end = time.monotonic() + seconds
+        done = driver.shift_at_once(way, lambda: time.monotonic() > end)
         reached = begin.motion + done * way
         self.last = _Place(driver, reached)
         length = float(np.linalg.norm(reached[:, :3], axis=1).max()) * self.bodies.length_unit
-        moment = DrivenState(1.0, 0.0, driver.pose, driver.placed, driver.response)
+        moment = driver.now()._replace(displacement=1.0, load=0.0)
         state = large_state(self.model, self.apart, self.bodies, moment, driver.met, length, 1.0)
         return state, done

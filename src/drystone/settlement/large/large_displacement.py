@@ -24,7 +24,8 @@ from drystone.settlement.faces.meeting import (
     followed_model,
     model_with_met,
 )
-from drystone.settlement.large.driven import DrivenState, Driver
+from drystone.settlement.follow import Bounds, Ended
+from drystone.settlement.large.driven import Driver
 from drystone.settlement.large.large_states import large_state, state_of
 from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.path import STIFFER, scaled_motion, support_motion
@@ -43,14 +44,6 @@ ROUNDING = 1e-6
 the motion, the drag leaves as much."""
 WATCHED = 0.3
 """[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
-ENDS = {
-    "spent": End.SPENT,
-    "falls": End.FALLS,
-    "held": End.HELD,
-    "reached": End.REACHED,
-    "stopped": End.STOPPED,
-    "lost": End.LOST,
-}
 
 
 @checked_call
@@ -122,7 +115,7 @@ def push(
     if far is not None and far <= 0.0:
         raise InputError(f"to is {far:g}", remedy="give a length in m above zero")
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         wrench = case.wrench[free]
         grown = np.concatenate(
             [wrench[:, :3], wrench[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
@@ -188,7 +181,7 @@ def move_supports(
     clock = Clock(time_limit_s, stop)
     watched = 0.0
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         def told(share: float) -> None:
             nonlocal watched
             tell(share)
@@ -222,7 +215,7 @@ def reduce_friction(
     del executor  # one chain of increments
     model = as_model(given, **how)
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         return driver.slacken(tell), bodies.length_unit, 1.0
 
     return _driven(model, Drive.FRICTION, run, options, progress, Clock(time_limit_s, stop))
@@ -231,7 +224,7 @@ def reduce_friction(
 def _driven(
     model: Model,
     drive: Drive,
-    run: Callable[[Bodies, Driver, Tell], tuple[str, float, float]],
+    run: Callable[[Bodies, Driver, Tell], tuple[Ended, float, float]],
     options: SettlementOptions | None,
     progress: Progress | None,
     clock: Clock,
@@ -258,20 +251,15 @@ def _driven(
     overlap = chosen.overlap
     while True:
         bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
-        driver = Driver(
-            bodies,
-            fall=chosen.fall,
-            pace=chosen.pace,
-            step_limit=chosen.step_limit,
-            stop=clock.late,
-        )
+        bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit)
+        driver = Driver(bodies, bounds, stop=clock.late)
         ended = driver.rest()
         length = load = 1.0
-        if ended == "rests":
+        if ended is Ended.RESTS:
             ended, length, load = run(bodies, driver, tell)
         else:
             driver.note()
-        if ended != "soft":
+        if ended is not Ended.SOFT:
             break
         overlap *= STIFFER
     if progress is not None:
@@ -279,14 +267,13 @@ def _driven(
     curve = np.array(driver.curve) * (length, load)
     model, mine, kept = model_with_met(model, apart, driver.met)
     states = tuple(state_of(model, bodies, one, mine, kept, length, load) for one in driver.kept())
-    end = ENDS[ended]
+    end = End[ended.name]
     stopped = ""
     if end is End.STOPPED:
         stopped = clock.reason or f"{chosen.step_limit} steps were made"
     fallen = None
     if end is End.FALLS:
-        now = DrivenState(*driver.measure(), driver.pose, driver.placed, driver.response)
-        fallen = state_of(model, bodies, now, mine, kept, length, load)
+        fallen = state_of(model, bodies, driver.now(), mine, kept, length, load)
     found = LargeDisplacement(
         drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
         fallen, stopped, chosen, {"solve": clock.elapsed_s},

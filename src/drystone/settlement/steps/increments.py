@@ -1,22 +1,23 @@
-"""One implicit step of the blocks, by Newton's method, and what its calculation asks for.
+"""One implicit step of the blocks, by Newton's method.
 
-The step solves ``A f(q) + p - c M q = 0`` for the motion q of the free blocks, see
-:mod:`drystone.settlement.follow`.
+The step solves ``A f(q) + p + s g - c M q = 0`` for the motion q of the free blocks, see
+:mod:`drystone.settlement.follow`. Where a load g grows, its factor s is one more unknown, and the
+displacement ``w . q = d`` with ``w = g / |g|`` is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import SolverError
+from drystone.formulations.rest.compliance import ContactResponse, respond
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.maps import SparseMaps, imposed, maps_of
-from drystone.settlement.springs import BlockPositions, Response, place_corners, respond, tangents
-from drystone.solvers.threads import one_blas_thread
+from drystone.settlement.springs import BlockPositions, place_corners
+from drystone.solvers.newton import Equation, Steps, newton
 
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""
@@ -37,55 +38,31 @@ increment, above which Newton's method has left the path, and the increment coun
 the Armadillo vault this ends a refused increment after 4 Newton steps in place of 8."""
 EASY = 12
 """Newton steps up to which the next increment may be longer."""
+SHORTEST = 0.02
+"""Share of a Newton step that is taken whatever it leaves."""
 
 
 class Increment(NamedTuple):
-    """The motion (f, 6) of one increment, the forces after it, and its Newton steps."""
-
-    motion: Floats
-    response: Response
-    iterations: int
-
-
-class ResponseAsked(NamedTuple):
-    """Asks for the forces after a motion (f, 6), and for what is not balanced.
+    """One increment.
 
     Attributes
     ----------
-    motion
-    load : (f, 6)
-    drag
-    shift : (k, 3) local motion of the corners by moving supports, or None
+    motion : (f, 6)
+    response
+        Of the corners after it.
+    left : (f, 6)
+        What is not balanced.
+    size
+        Its share of the load.
+    factor
+        Of the load that grows.
     """
 
     motion: Floats
-    load: Floats
-    drag: float
-    shift: Floats | None
-
-
-class StepAsked(NamedTuple):
-    """Asks for the Newton step against what is ``left`` (f, 6).
-
-    With the tangents of ``response``; without one, with the last tangents again.
-    """
-
+    response: ContactResponse
     left: Floats
-    response: Response | None
-    drag: float
-
-
-class Place(NamedTuple):
-    """Asks for the pose after a motion (f, 6) of the free blocks, for its corners and travel."""
-
-    pose: BlockPositions
-    motion: Floats
-
-
-Asked: TypeAlias = ResponseAsked | StepAsked | Place
-Found = TypeVar("Found")
-Steps: TypeAlias = Generator[Asked, Any, Found]
-"""Work that asks for what takes time. So several runs can be computed side by side."""
+    size: float
+    factor: float
 
 
 class Increments:
@@ -106,6 +83,10 @@ class Increments:
     rough
         Unbalanced share of the load, by the share that the drag carries, at which an increment has
         converged.
+    grown : (f, 6)
+        The load that grows; None where none does.
+    factor
+        Of it, so far.
     iterations
         Newton steps so far.
     """
@@ -120,101 +101,113 @@ class Increments:
         self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
         self.drag = self.first
+        self.grown: Floats | None = None
+        self.factor = 0.0
         self.iterations = 0
-        self.solve: Callable[[Floats], Floats] | None = None
         self.placed = place_corners(bodies, self.pose)
         self.maps.at(self.pose, self.placed)
 
-    @one_blas_thread()
-    def alone(self, work: Steps[Found], given: Any = None) -> Found:
-        """Do work with what it asks for; ``given`` is what it asked for last."""
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while True:
-                try:
-                    asked = work.send(given)
-                except StopIteration as end:
-                    found: Found = end.value
-                    return found
-                given = self.evaluate(asked)
+    def increment(
+        self,
+        guess: Floats | None = None,
+        moving: Floats | None = None,
+        *,
+        distance: float = 0.0,
+    ) -> tuple[Increment | None, int]:
+        """One increment, and its Newton steps; None if it is too long.
 
-    def evaluate(self, asked: Asked) -> Any:
-        """What work asks for.
-
-        Forces, what is left and its share of the load; a step, None if the tangent is singular;
-        a pose, its corners and the travel (f,).
+        Parameters
+        ----------
+        guess : (f, 6)
+        moving : (n, 6)
+            Motion of the supports.
+        distance
+            Displacement of the load that grows.
         """
-        bodies, maps = self.bodies, self.maps
-        if isinstance(asked, ResponseAsked):
-            moved = maps.moved(asked.motion)
-            if asked.shift is not None:
-                moved = moved + asked.shift
-            response = respond(bodies, self.placed.gap, self.friction, moved)
-            drag = asked.drag * bodies.mass[:, None]
-            left = maps.wrench(response.force) + asked.load - drag * asked.motion
-            return response, left, _length(left) / self.load_size
-        if isinstance(asked, StepAsked):
-            try:
-                if asked.response is not None:
-                    weight = np.repeat(asked.drag * bodies.mass[:, None], 6, axis=1)
-                    self.solve = maps.factorise(tangents(bodies, asked.response), weight)
-            except SolverError:
-                return None
-            return None if self.solve is None else self.solve(asked.left)
-        step = asked.motion.copy()
-        step[:, 3:] /= bodies.radius[bodies.free, None]
-        pose = asked.pose.moved(bodies.free, step)
-        placed = place_corners(bodies, pose)
-        maps.at(pose, placed)
-        return pose, placed, self._travel(pose)
-
-    def _increment(
-        self, guess: Floats | None, moving: Floats | None = None
-    ) -> Steps[Increment | None]:
-        """The motion (f, 6) of one increment, by Newton's method; None if it is too long."""
-        bodies, drag = self.bodies, self.drag
-        shift = None if moving is None else imposed(bodies, self.pose, self.placed, moving)
+        bodies = self.bodies
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
-        response, left, size = yield ResponseAsked(motion, bodies.load, drag, shift)
-        recent = [size]
-        begun = False
-        patient = STUCK if self.rough else EASY
-        for number in range(NEWTON):
-            if size < max(BALANCED, self.rough * self._carried(motion)):
-                return Increment(motion, response, number)
-            stuck = number > patient and min(recent[-STUCK:]) > 0.5 * min(recent[:-STUCK])
-            if stuck or (self.rough and size > LOST * max(recent[0], self._carried(motion))):
-                return None
-            self.iterations += 1
-            # convergence is quadratic in the end: the last factors then do for one step more
-            renew = not begun or size**2 > BALANCED * recent[-2]
-            begun = True
-            step = yield StepAsked(left, response if renew else None, drag)
-            if step is None:
-                return None
-            length, allowed = 1.0, max(recent[-4:])
-            while True:
-                trial = motion + length * step
-                response, left, size = yield ResponseAsked(trial, bodies.load, drag, shift)
-                if size < (1.0 - 1e-3 * length) * allowed or length < 0.03:
-                    break
-                if self.rough and number < STUCK and size < 1.0:
-                    break
-                length *= 0.5
-            if not np.isfinite(size):
-                return None
-            motion = trial
-            recent.append(size)
-        return None
+        equation = _Balance(self, moving, distance)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            begin = equation.at(motion, self.factor)
+            if self.grown is not None:  # the first step makes its displacement the given one
+                begin = begin._replace(size=np.inf)
+            bold = STUCK if self.rough else 0
+            chords = 1 if self.grown is None else 0
+            found, solved, steps = newton(
+                equation, begin, Steps(NEWTON, SHORTEST, bold=bold, chords=chords)
+            )
+        self.iterations += steps
+        return found if solved else None, steps
 
-    def _travel(self, pose: BlockPositions) -> Floats:
-        """Displacement (f,) of each free block relative to its size."""
-        bodies, free = self.bodies, self.bodies.free
-        gone = pose.place[free] - bodies.centroid[free]
-        return travelled(gone, pose.turn[free], bodies.radius[free], bodies.size[free])
-
-    def _carried(self, motion: Floats) -> float:
+    def carried(self, motion: Floats) -> float:
         """Share of the load that the drag carries while blocks move by (f, 6)."""
         return self.drag * _length(self.bodies.mass[:, None] * motion) / self.load_size
+
+    def move(self, found: Increment, moving: Floats | None = None) -> None:
+        """Go on to where an increment leads, with supports that move by (n, 6)."""
+        bodies, pose = self.bodies, self.pose
+        if moving is not None:
+            fixed = np.flatnonzero(bodies.slot < 0)
+            pose = pose.moved(fixed, _turned(moving[fixed], bodies.radius[fixed]))
+        step = _turned(found.motion, bodies.radius[bodies.free])
+        self.friction, self.factor = found.response.force[:, 1:], found.factor
+        self.place(pose.moved(bodies.free, step))
+
+    def place(self, pose: BlockPositions) -> None:
+        """Put the blocks somewhere."""
+        self.pose, self.placed = pose, place_corners(self.bodies, pose)
+        self.maps.at(pose, self.placed)
+
+
+class _Balance(Equation[Increment, tuple[Floats, float]]):
+    """The balance of one increment."""
+
+    def __init__(self, blocks: Increments, moving: Floats | None, distance: float) -> None:
+        self.blocks, self.maps, self.distance = blocks, blocks.maps, distance
+        bodies = blocks.bodies
+        self.springs, self.gap, self.before = bodies.springs, blocks.placed.gap, -blocks.friction
+        self.weight = np.repeat(blocks.drag * bodies.mass[:, None], 6, axis=1)
+        self.shift: Floats | None = None
+        if moving is not None:
+            self.shift = imposed(bodies, blocks.pose, blocks.placed, moving)
+        self.solve: Callable[[Floats], Floats] | None = None
+
+    def at(self, motion: Floats, factor: float) -> Increment:
+        """The forces after a motion (f, 6), and what is not balanced."""
+        blocks, moved = self.blocks, self.maps.moved(motion)
+        if self.shift is not None:
+            moved = moved + self.shift
+        response = respond(self.springs, self.gap + moved[:, 0], moved[:, 1:], self.before)
+        left = self.maps.wrench(response.force) + blocks.bodies.load - self.weight * motion
+        if blocks.grown is not None:
+            left = left + factor * blocks.grown
+        return Increment(motion, response, left, _length(left) / blocks.load_size, factor)
+
+    def tolerance(self, point: Increment) -> float:
+        rough = self.blocks.rough
+        return max(BALANCED, rough * self.blocks.carried(point.motion)) if rough else BALANCED
+
+    def lost(self, sizes: Sequence[float], point: Increment) -> bool:
+        blocks = self.blocks
+        if blocks.rough and sizes[-1] > LOST * max(sizes[0], blocks.carried(point.motion)):
+            return True
+        patient = STUCK if blocks.rough else EASY
+        return len(sizes) > patient + 1 and min(sizes[-STUCK:]) > 0.5 * min(sizes[:-STUCK])
+
+    def step(self, point: Increment, renew: bool) -> tuple[Floats, float]:
+        if renew or self.solve is None:
+            self.solve = self.maps.factorise(point.response.tangent, self.weight)
+        step, grown = self.solve(point.left), self.blocks.grown
+        if grown is None:
+            return step, 0.0
+        along, grows = grown / np.linalg.norm(grown), self.solve(grown)
+        missing = self.distance - float((along * (point.motion + step)).sum())
+        change = missing / float((along * grows).sum())
+        return step + change * grows, change
+
+    def after(self, point: Increment, step: tuple[Floats, float], length: float) -> Increment:
+        motion, change = step
+        return self.at(point.motion + length * motion, point.factor + length * change)
 
 
 def longest_way(motion: Floats) -> float:
@@ -237,22 +230,17 @@ def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Float
     return travel
 
 
+def _turned(motion: Floats, radius: Floats) -> Floats:
+    """Motions (f, 6) with rotation vectors, from those with rotations by radius."""
+    out = motion.copy()
+    out[:, 3:] /= radius[:, None]
+    return out
+
+
 def _length(values: Floats) -> float:
     """Root of the sum of squares; a quarter of the time of the general norm."""
     flat = values.ravel()
     return float(np.sqrt(flat @ flat))
 
 
-__all__ = [
-    "BALANCED",
-    "EASY",
-    "Asked",
-    "Increment",
-    "Increments",
-    "Place",
-    "ResponseAsked",
-    "StepAsked",
-    "Steps",
-    "longest_way",
-    "travelled",
-]
+__all__ = ["BALANCED", "EASY", "Increment", "Increments", "longest_way", "travelled"]
