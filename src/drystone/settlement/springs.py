@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Floats, Ints
 from drystone.settlement.bodies import Bodies
@@ -130,4 +129,6 @@ def rotations(vectors: Floats) -> Floats:
 
 def rotation_vectors(turn: Floats) -> Floats:
     """(n, 3) of rotation matrices (n, 3, 3)."""
+    from scipy.spatial.transform import Rotation  # slow to import
+
     return np.asarray(Rotation.from_matrix(turn).as_rotvec())
