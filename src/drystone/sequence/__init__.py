@@ -1,8 +1,8 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
-from drystone.sequence.directions import Freedom, freedom
 from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.freedom import Freedom, Obstacle, freedom
 from drystone.sequence.friction_sweeps import (
     FrictionSweep,
     least_buildable_friction,
@@ -17,13 +17,12 @@ from drystone.sequence.interlocking import (
     gravity_region,
     interlocking,
 )
-from drystone.sequence.joint_cones import Obstacle
 from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
 from drystone.sequence.path_search import find_path
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
-from drystone.sequence.robots import Robot
+from drystone.sequence.robots import Robot, Turn, Turns, take_turns
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.scaffold_items import (
     Centring,
@@ -40,7 +39,6 @@ from drystone.sequence.stage_checks import check_both, check_once, check_thoroug
 from drystone.sequence.stages import Stage, StageAnswer
 from drystone.sequence.structure import Structure
 from drystone.sequence.sweeps import Pose
-from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [
     "Centring",

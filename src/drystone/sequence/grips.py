@@ -10,7 +10,7 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.sequence.joint_cones import Joints, face_at
+from drystone.sequence.freedom import Joints, face_at
 
 COVERED = 0.01
 """Largest share of a face that joints may cover while it counts as free to grip. Chosen: a

@@ -24,8 +24,8 @@ from drystone.base.files import PathLike, write_bytes
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
+from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
-from drystone.sequence.joint_cones import Joints
 from drystone.sequence.path_search import PathFinder
 from drystone.sequence.plans import Plan, placed_before
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath

@@ -12,13 +12,20 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
-from drystone.sequence.directions import Freedom, freedom
-from drystone.sequence.joint_cones import Joints, in_words, obstacles
+from drystone.sequence.freedom import (
+    TOLERANCE,
+    Freedom,
+    Joints,
+    free_twists,
+    freedom,
+    in_words,
+    obstacles,
+    twist_rows,
+)
 from drystone.sequence.path_search import PathFinder
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.stages import members
 from drystone.sequence.structure import Structure
-from drystone.sequence.twists import TOLERANCE, free_twists, twist_rows
 
 EFFORT = 1500
 """Number of swept volumes that are tested before a block counts as blocked during planning.
@@ -32,7 +39,7 @@ class RemovalTest(OneLine):
     ----------
     model
     tolerance
-        See ``drystone.sequence.twists.TOLERANCE``.
+        See ``drystone.sequence.freedom.TOLERANCE``.
     """
 
     def __init__(self, model: Structure, tolerance: float = TOLERANCE) -> None:

@@ -31,8 +31,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.joint_cones import Joints
-from drystone.sequence.twists import free_twists, twist_rows
+from drystone.sequence.freedom import Joints, free_twists, twist_rows
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
 from drystone.stability import RBEOptions, check, solve_rbe

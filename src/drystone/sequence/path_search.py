@@ -19,14 +19,17 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.model import Model
-from drystone.sequence.directions import freedom
-from drystone.sequence.joint_cones import (
+from drystone.sequence.freedom import (
     NAMED,
     Joints,
     Obstacle,
     face_at,
+    free_twists,
+    freedom,
     in_words,
     obstacles,
+    opens,
+    twist_rows,
 )
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.sweeps import (
@@ -38,7 +41,6 @@ from drystone.sequence.sweeps import (
     Surroundings,
     moved_along,
 )
-from drystone.sequence.twists import free_twists, opens, twist_rows
 
 STEP = 0.1
 """Longest straight step along a path with rotation, relative to the size of the block. Chosen."""

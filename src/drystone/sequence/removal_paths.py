@@ -9,7 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.sequence.joint_cones import Obstacle
+from drystone.sequence.freedom import Obstacle
 from drystone.sequence.sweeps import PLAY, Pose
 
 

@@ -7,8 +7,8 @@ from drystone import Assembly, InputError, Model, plan
 from drystone.geometry.convex_pieces import convex_pieces, solid_of
 from drystone.models import bayonet, box, burr, dovetail, hooked_bar, stool, tower
 from drystone.sequence import NoPath, PathOptions, RemovalPath, find_path
+from drystone.sequence.freedom import free_twists, twist_rows
 from drystone.sequence.sweeps import moved_along
-from drystone.sequence.twists import free_twists, twist_rows
 
 STRAIGHT = PathOptions(turning=False)
 

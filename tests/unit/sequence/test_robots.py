@@ -9,8 +9,8 @@ import pytest
 from drystone import InputError, Model, plan
 from drystone.models import arch, bayonet, bridge, tower
 from drystone.sequence import PlanOptions, Robot, Rules, handling, take_turns
+from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import grip_faces
-from drystone.sequence.joint_cones import Joints
 
 LEFT, RIGHT = Robot("left", (-2.0, 0.0, 0.0), 3.0), Robot("right", (2.0, 0.0, 0.0), 3.0)
 

@@ -10,8 +10,7 @@ from drystone.answer.scene import Layer, Scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.contacts import Contacts
-from drystone.sequence.directions import freedom
-from drystone.sequence.twists import TOLERANCE
+from drystone.sequence.freedom import TOLERANCE, freedom
 
 _MOST_CONES = 400
 """Largest number of blocks whose free directions are searched. Chosen: it takes a third of a
