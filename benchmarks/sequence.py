@@ -145,7 +145,7 @@ def checked_stages(model: Model, options: PlanOptions, structure: Structure) -> 
 def stage_of(structure: Structure, stage: Stage) -> Assembly:
     """The blocks of a stage, held ones fixed, and the supports that they touch."""
     placed, held = list(members(stage.placed)), list(members(stage.held))
-    ground = sorted({one for block in placed for one in structure.grounds[block]})
+    ground = sorted({one for block in placed for one in members(structure.grounds[block])})
     return structure.assembly.with_fixed([*ground, *held]).subset(sorted([*ground, *placed]))
 
 

@@ -25,7 +25,7 @@ from drystone.design.buildable import (
 )
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 from drystone.sequence.rules import courses
-from drystone.sequence.stage_checks import check_both
+from drystone.sequence.stages import check_both
 from drystone.sequence.structure import Structure
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 

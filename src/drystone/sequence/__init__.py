@@ -35,8 +35,7 @@ from drystone.sequence.scaffold_items import (
 )
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffolding import Scaffolding, compare_scaffolding, scaffolding
-from drystone.sequence.stage_checks import check_both, check_once, check_thoroughly
-from drystone.sequence.stages import Stage, StageAnswer
+from drystone.sequence.stages import Stage, StageAnswer, check_both, check_once, check_thoroughly
 from drystone.sequence.structure import Structure
 from drystone.sequence.sweeps import Pose
 

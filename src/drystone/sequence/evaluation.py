@@ -19,8 +19,8 @@ from drystone.base.files import PathLike, as_path
 from drystone.base.progress import Stopped
 from drystone.base.workers import LOST_WORKER, ExecutorFactory
 from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
-from drystone.sequence.stage_checks import Check
-from drystone.sequence.stages import Stage, StageAnswer, members
+from drystone.sequence.solving import PartSolver, combined
+from drystone.sequence.stages import Check, Stage, StageAnswer, members
 from drystone.sequence.structure import Structure
 from drystone.stability.attempts import Candidate
 from drystone.stability.stiffness_samples import NONE_FOUND
@@ -74,6 +74,7 @@ class Evaluator(OneLine):
         late: Callable[[], bool] = bool,
     ) -> None:
         self.model = model
+        self.solver = PartSolver(model)
         self.late = late
         self.solved = 0
         self.asked = 0
@@ -94,7 +95,7 @@ class Evaluator(OneLine):
 
     @functools.cached_property
     def _payload(self) -> bytes:
-        return pickle.dumps(self.model)
+        return pickle.dumps(self.solver)
 
     @property
     def batch(self) -> int:
@@ -178,15 +179,15 @@ class Evaluator(OneLine):
                     self.save()
             self.solve_s += time.perf_counter() - began
         return [
-            self.model.combine(
-                stage, [one for part in some if (one := self._find(part)) is not None]
+            combined(
+                self.model, stage, [one for part in some if (one := self._find(part)) is not None]
             )
             for stage, some in zip(stages, parts, strict=True)
         ]
 
     def settled(self, stage: Stage, check: Check) -> StageAnswer:
         """A stage by another check, which is kept where it stands."""
-        other = replace(self.model, check=check)
+        other = PartSolver(replace(self.model, check=check))
         for part in self.model.parts(stage):
             if not self.answer(part).stands:
                 found = other.solve(part)
@@ -201,7 +202,7 @@ class Evaluator(OneLine):
         for part in self.model.parts(stage):
             if self.answer(part, forces=True, checked=True).settled == SETTLES_ALIKE:
                 near = {n: rest for n, rest in self._rests_near(part).items() if n != FOLLOWED}
-                self._known[part._replace(near=None)] = self.model.solve(part, near)
+                self._known[part._replace(near=None)] = self.solver.solve(part, near)
                 self.solved += 1
         return self.answer(stage, forces=True, checked=True)
 
@@ -231,7 +232,7 @@ class Evaluator(OneLine):
                 if found is None or not found.stands:
                     continue
                 if not found.rests:  # from a checkpoint
-                    rests = self.model.solve(other._replace(quick=True)).rests
+                    rests = self.solver.solve(other._replace(quick=True)).rests
                     found = self._known[other] = replace(found, rests=rests)
                 for number, motion in found.rests.items():
                     whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
@@ -263,7 +264,7 @@ class Evaluator(OneLine):
             except LOST_WORKER as error:
                 self._revive(error)
         for part in left:
-            yield part, self.model.solve(part, self._rests_near(part), self._screened(part))
+            yield part, self.solver.solve(part, self._rests_near(part), self._screened(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
@@ -296,16 +297,13 @@ class Evaluator(OneLine):
 def solve_remote(
     payload: bytes, part: Stage, known: Mapping[int, Floats], rest: Candidate | None
 ) -> StageAnswer:
-    """The verdict on one part, computed in a worker that unpacks the model once."""
+    """The verdict on one part, computed in a worker that unpacks the solver once."""
     return _unpacked(payload).solve(Stage(*part), known, rest)
 
 
 @functools.lru_cache(maxsize=2)
-def _unpacked(payload: bytes) -> Structure:
-    model = pickle.loads(payload)
-    if not isinstance(model, Structure):
-        raise TypeError(f"a worker was sent a {type(model).__name__}")
-    return model
-
-
-__all__ = ["Evaluator", "solve_remote"]
+def _unpacked(payload: bytes) -> PartSolver:
+    solver = pickle.loads(payload)
+    if not isinstance(solver, PartSolver):
+        raise TypeError(f"a worker was sent a {type(solver).__name__}")
+    return solver

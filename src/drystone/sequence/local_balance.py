@@ -12,8 +12,8 @@ from scipy.optimize import nnls
 
 from drystone.base.arrays import Floats
 from drystone.results import Verdict
-from drystone.sequence.stage_checks import balance
-from drystone.sequence.stages import Stage, members
+from drystone.sequence.solving import PartSolver
+from drystone.sequence.stages import Stage, balance, members
 from drystone.sequence.structure import Structure
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
@@ -34,7 +34,8 @@ class LocalBalance:
     """Equilibrium of single blocks between held neighbours, with a cache."""
 
     def __init__(self, model: Structure) -> None:
-        self.model = Structure(model.model, balance)
+        self.model = model
+        self._solver = PartSolver(Structure(model.model, balance))
         self._known: dict[tuple[int, int], bool] = {}
 
     def holds(self, block: int, placed: int) -> bool:
@@ -90,7 +91,7 @@ class LocalBalance:
         return as_b.astype(np.float64) - as_a
 
     def _balanced(self, block: int, around: int) -> bool:
-        answer = self.model.solve(Stage(around | 1 << block, around))
+        answer = self._solver.solve(Stage(around | 1 << block, around))
         return answer.verdict is not Verdict.UNSTABLE
 
     def _rests(self, block: int, around: int) -> bool:

@@ -24,8 +24,14 @@ from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.search import NO_HELP, Node, OrderSearch
-from drystone.sequence.stage_checks import Check, check_both, check_thoroughly
-from drystone.sequence.stages import Stage, StageAnswer, members
+from drystone.sequence.stages import (
+    Check,
+    Stage,
+    StageAnswer,
+    check_both,
+    check_thoroughly,
+    members,
+)
 from drystone.sequence.structure import Structure
 from drystone.stability.screening import stage_screening
 

@@ -24,8 +24,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import STANDARD_GRAVITY
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.stage_checks import Check, check_both
-from drystone.sequence.stages import Stage, StageAnswer, mask_of
+from drystone.sequence.stages import Check, Stage, StageAnswer, check_both, mask_of
 from drystone.sequence.structure import Structure
 
 

@@ -12,8 +12,7 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, with_scaffold
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support, items_of
-from drystone.sequence.stage_checks import Check, check_once
-from drystone.sequence.stages import StageAnswer, mask_of, members
+from drystone.sequence.stages import Check, StageAnswer, check_once, mask_of, members
 
 
 class ScaffoldedStages:

@@ -29,8 +29,7 @@ from drystone.sequence.rules import Order
 from drystone.sequence.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
-from drystone.sequence.stage_checks import Check, check_once
-from drystone.sequence.stages import mask_of
+from drystone.sequence.stages import Check, check_once, mask_of
 
 FEWEST = "fewest-props"
 """The order with the fewest props, by a search without limit. It may cost more than another one."""

@@ -1,4 +1,4 @@
-"""The complete structure, and the verdict on its stages.
+"""The complete structure: which blocks touch, which are connected, and how high they are.
 
 Blocks that are not connected through free blocks do not influence each other. So a stage is divided
 into connected parts. Each part is checked and cached separately: after the removal of a block only
@@ -7,53 +7,23 @@ its part is checked again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.checks import unbalanced_wrench
-from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
-from drystone.results import Result, Verdict
-from drystone.sequence.stage_checks import Check, check_both, check_both_near
-from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
-from drystone.stability import PATIENT, Screening, try_rest
-from drystone.stability.attempts import Candidate
-from drystone.stability.problem import Problem
-from drystone.stability.verdict.following import SETTLES_ALIKE
-
-LOADED = 1e-6
-"""Corners with less than this share of the largest force of their part are ignored in the required
-friction."""
-
-KEPT = 20_000
-"""Corners of all parts that are kept with their matrices: about 50 MB."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """Blocks of a connected part and its supports, the interfaces (m,) among them, its problem."""
-
-    blocks: Ints
-    chosen: Bools
-    problem: Problem
-
-    @property
-    def corners(self) -> int:
-        return self.problem.model.contacts.corner_count
+from drystone.sequence.stages import Check, Stage, check_both, mask_of, members
+from drystone.stability import Screening
 
 
 @dataclass(frozen=True, eq=False)
 class Structure(OfModel, OneLine):
-    """The complete model, and the checks of its stages.
+    """The complete model, and how its stages are checked.
 
     Attributes
     ----------
@@ -84,30 +54,25 @@ class Structure(OfModel, OneLine):
         return mask_of(self.assembly.free.tolist())
 
     @cached_property
+    def _touching(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Per block the sets of free blocks and of supports that touch it."""
+        free, grounds = [0] * len(self.assembly), [0] * len(self.assembly)
+        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
+        fixed = self.assembly.fixed.tolist()
+        for a, b in pairs:
+            (grounds if fixed[b] else free)[a] |= 1 << b
+            (grounds if fixed[a] else free)[b] |= 1 << a
+        return tuple(free), tuple(grounds)
+
+    @property
     def neighbours(self) -> tuple[int, ...]:
         """Per block the set of free blocks that touch it."""
-        out = [0] * len(self.assembly)
-        fixed = self.assembly.fixed
-        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
-        for a, b in pairs:
-            if not fixed[b]:
-                out[a] |= 1 << b
-            if not fixed[a]:
-                out[b] |= 1 << a
-        return tuple(out)
+        return self._touching[0]
 
-    @cached_property
-    def grounds(self) -> tuple[tuple[int, ...], ...]:
-        """Per block the supports that it touches."""
-        out: list[set[int]] = [set() for _ in range(len(self.assembly))]
-        fixed = self.assembly.fixed
-        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
-        for a, b in pairs:
-            if fixed[b]:
-                out[a].add(b)
-            if fixed[a]:
-                out[b].add(a)
-        return tuple(tuple(sorted(one)) for one in out)
+    @property
+    def grounds(self) -> tuple[int, ...]:
+        """Per block the set of supports that touch it."""
+        return self._touching[1]
 
     @cached_property
     def up(self) -> Floats:
@@ -167,173 +132,3 @@ class Structure(OfModel, OneLine):
     def grounded(self) -> int:
         """Free blocks that touch a support."""
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
-
-    def solve(
-        self,
-        part: Stage,
-        known: Mapping[int, Floats] | None = None,
-        rest: Candidate | None = None,
-    ) -> StageAnswer:
-        """The answer of one connected part. Stages are checked and screened only here.
-
-        Parameters
-        ----------
-        part
-        known : (n, 6) [m, rad] each
-            Displacements of all blocks in rest states to start from, by the number of the contact
-            stiffness; empty where none was found.
-        rest
-            The rest state with uniform stiffness that a quick look at this part found.
-        """
-        found = self._part(part.placed, part.held)
-        if found is None:
-            moving = tuple(members(part.placed & ~part.held))
-            return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
-        blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
-        some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
-        near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
-        rests: Mapping[int, Floats] = {}
-        uniform = None
-        if part.quick:
-            level = PATIENT if self.quick is None else self.quick
-            result = try_rest(found.problem, screening=level, start=near.get(0))
-            uniform = _rest_of(result)
-        elif self.check is check_both:
-            within = self.joints[chosen], int(self.joints[-1]) + 1
-            result, rests = check_both_near(found.problem, near, within, rest)
-        else:
-            result = self.check(stage)
-        if not rests and result.displacement is not None:
-            rests = {0: result.displacement}
-        falling = tuple(int(blocks[i]) for i in result.falling)
-        settled = "" if result.settlement is None else result.settlement.message
-        if result.message.startswith(SETTLES_ALIKE):
-            settled = SETTLES_ALIKE
-        if not result.stable or result.force is None:
-            return StageAnswer(result.verdict, result.message, falling, settled=settled)
-        reaction = {}
-        if held:
-            unloaded = stage.with_load(LoadCase(np.zeros_like(stage.load.wrench)))
-            pressing, _ = unbalanced_wrench(unloaded, result.force)
-            pressing[:, 3:] *= some.size[:, None]
-            place = np.searchsorted(blocks, held)
-            reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
-        used = _friction_used(contacts, result.force)
-        corner = np.flatnonzero(chosen[self.contacts.interface])
-        force = np.array(result.force)
-        moved = {n: motion[~some.fixed] if len(motion) else motion for n, motion in rests.items()}
-        return StageAnswer(
-            result.verdict,
-            result.message,
-            (),
-            reaction,
-            used,
-            corner,
-            force,
-            moved,
-            settled,
-            uniform,
-        )
-
-    @cached_property
-    def joints(self) -> Ints:
-        """Number (m,) of each interface among those that do not join two fixed blocks."""
-        return np.cumsum(self.model.active) - 1
-
-    def _part(self, placed: int, held: int) -> _Part | None:
-        """A connected part as a problem; None if nothing supports it.
-
-        The last ones are kept: a part is screened, then checked.
-        """
-        key, kept = (placed, held), self._kept
-        found = kept.pop(key, None) or self._made(placed, held)
-        if found is not None:
-            kept[key] = found
-            # a copy at once: threads of an executor may share the structure
-            before = list(kept.items())
-            corners = np.cumsum([one.corners for _, one in before[::-1]])[::-1]
-            for (old, _), behind in zip(before[:-1], corners[:-1].tolist(), strict=True):
-                if behind > KEPT:
-                    kept.pop(old, None)
-        return found
-
-    def _made(self, placed: int, held: int) -> _Part | None:
-        moving = list(members(placed & ~held))
-        ground = sorted({g for block in moving for g in self.grounds[block]})
-        if not held and not ground:
-            return None
-        fixed = [*members(held), *ground]
-        blocks = np.array(sorted([*moving, *fixed]), dtype=np.intp)
-        resting = self.assembly.fixed[blocks] | np.isin(blocks, fixed)
-        some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
-        contacts, chosen = self._contacts_of(blocks, resting)
-        load = LoadCase(self.load.wrench[blocks], self.load.name)
-        return _Part(blocks, chosen, Problem.build(Model(some, contacts, load)))
-
-    @cached_property
-    def _kept(self) -> dict[tuple[int, int], _Part]:
-        """The parts that were used last, the latest at the end."""
-        return {}
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What travels to another process: without the parts that are kept."""
-        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
-
-    def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
-        """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""
-        n = len(self.assembly)
-        new = np.full(n, -1, dtype=np.intp)
-        new[blocks] = np.arange(len(blocks))
-        still = np.ones(n, dtype=bool)
-        still[blocks] = resting
-        a, b = self.contacts.block_a, self.contacts.block_b
-        chosen = (new[a] >= 0) & (new[b] >= 0) & ~(still[a] & still[b])
-        return self.contacts.select(chosen, new), chosen
-
-    def combine(self, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
-        """The answer of a stage from those of its parts."""
-        found = list(parts)
-        reaction = {b: -self.load.wrench[b] for b in members(stage.held)}
-        for one in found:
-            for block, wrench in one.reaction.items():
-                reaction[block] = reaction[block] + wrench
-        bad = [one for one in found if not one.stands]
-        falling = tuple(sorted({b for one in bad for b in one.falling}))
-        if bad:
-            undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
-            worst = bad[0] if undecided is None else undecided
-            return StageAnswer(
-                worst.verdict, worst.message, falling, reaction, settled=worst.settled
-            )
-        return StageAnswer(
-            Verdict.STABLE,
-            "",
-            (),
-            reaction,
-            max((one.used for one in found), default=0.0),
-            np.concatenate([np.zeros(0, dtype=np.intp), *(one.corner for one in found)]),
-            np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
-            settled="; ".join(one.settled for one in found if one.settled),
-        )
-
-
-def _rest_of(result: Result) -> Candidate | None:
-    """The rest state of a result that stands."""
-    force, displacement, residuals = result.force, result.displacement, result.residuals
-    if not result.stable or force is None or displacement is None or residuals is None:
-        return None
-    return Candidate(force, displacement, residuals)
-
-
-def _friction_used(contacts: Contacts, force: Floats) -> float:
-    """Largest share of the friction coefficient used by a loaded corner, beside its cohesion."""
-    normal = force[:, 0]
-    loaded = normal > LOADED * float(normal.max(initial=0.0))
-    friction = contacts.friction[contacts.interface]
-    cohesion = contacts.corner_capacity[1]
-    sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
-    counted = loaded & (friction > 0.0)
-    return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
-
-
-__all__ = ["Structure"]

@@ -148,15 +148,15 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     model, kept, page = (tmp_path / name for name in ("stack.json", "kept", "plan.html"))
     io.write(tower(5), model)
     code = (
-        "from drystone.sequence import structure\n"
-        "asked, once = [], structure.Structure.solve\n"
+        "from drystone.sequence import solving\n"
+        "asked, once = [], solving.PartSolver.solve\n"
         "@functools.wraps(once)\n"
         "def slow(*model, **more):\n"
         "    asked.append(1)\n"
         "    if len(asked) == 3:\n"
         "        tell('third'); wait()\n"
         "    return once(*model, **more)\n"
-        "structure.Structure.solve = slow"
+        "solving.PartSolver.solve = slow"
     )
     arguments = ["plan", str(model), "--checkpoint", str(kept)]
     exit_code, out, err = interrupt(child(code, *arguments, "--html", str(page)), "third")

@@ -3,7 +3,6 @@
 import functools
 import json
 import os
-import pickle
 import subprocess
 import sys
 import time
@@ -20,15 +19,16 @@ from drystone.models import arch
 from drystone.results import Result
 from drystone.sequence import (
     DaskWorkers,
+    Evaluator,
     LocalWorkers,
     Plan,
     PlanOptions,
     Rules,
+    Stage,
+    Structure,
     check_once,
     plan,
 )
-from drystone.sequence.stages import Stage
-from drystone.sequence.structure import Structure
 from drystone.stability.problem import Problem
 
 
@@ -80,21 +80,16 @@ def planned_in_haste(**options: object) -> Plan:
     return plan(Model(assembly, contacts), options=PlanOptions(patience=8.0), **options)  # type: ignore[arg-type]
 
 
-def test_a_part_is_built_once_and_does_not_travel(monkeypatch):
+def test_a_part_is_built_once_for_a_quick_look_and_its_check(monkeypatch):
     structure = Structure(Model.of(arch(0.3, 7), friction=0.6))
     built = []
     build = Problem.build
     monkeypatch.setattr(Problem, "build", lambda model: built.append(model) or build(model))
     whole = Stage(structure.everything)
-    assert structure.solve(whole._replace(quick=True)).stands
-    assert structure.solve(whole).stands
+    with Evaluator(structure) as evaluator:
+        assert evaluator.answer(whole._replace(quick=True)).stands
+        assert evaluator.answer(whole, checked=True).stands
     assert len(built) == 1
-    assert pickle.loads(pickle.dumps(structure)).solve(whole).stands
-    assert len(built) == 2
-    monkeypatch.setattr("drystone.sequence.structure.KEPT", 0)
-    for block in structure.assembly.free.tolist()[-2:]:
-        structure.solve(Stage(structure.everything, 1 << block))
-    assert len(structure._kept) == 1
 
 
 def test_what_workers_look_at_in_vain_does_not_cost_patience():

@@ -9,8 +9,7 @@ from drystone.base.progress import Clock
 from drystone.formulations.rest.compliance import samples, uniform
 from drystone.model import Model
 from drystone.models import bridge, leaning_column
-from drystone.sequence.stage_checks import BOTH
-from drystone.sequence.stages import Stage, mask_of
+from drystone.sequence.stages import BOTH, Stage, mask_of
 from drystone.sequence.structure import Structure
 from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest

@@ -1,0 +1,217 @@
+"""The verdict on connected parts of stages.
+
+A part becomes a model of its blocks and the supports that they touch, held blocks fixed. It is
+built once for the quick look and the check that may follow.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.checks import unbalanced_wrench
+from drystone.contacts import Contacts
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.sequence.stages import Stage, StageAnswer, check_both, check_both_near, members
+from drystone.sequence.structure import Structure
+from drystone.stability import PATIENT, try_rest
+from drystone.stability.attempts import Candidate
+from drystone.stability.problem import Problem
+from drystone.stability.verdict.following import SETTLES_ALIKE
+
+LOADED = 1e-6
+"""Corners with less than this share of the largest force of their part are ignored in the required
+friction."""
+
+KEPT = 20_000
+"""Corners of all parts that are kept with their matrices: about 50 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Blocks of a connected part and its supports, the interfaces (m,) among them, its problem."""
+
+    blocks: Ints
+    chosen: Bools
+    problem: Problem
+
+    @property
+    def corners(self) -> int:
+        return self.problem.model.contacts.corner_count
+
+
+class PartSolver:
+    """Checks connected parts of the stages of one structure.
+
+    The parts that were used last are kept as problems; they do not travel to other processes.
+    """
+
+    def __init__(self, structure: Structure) -> None:
+        self.structure = structure
+        # number (m,) of each interface among those that do not join two fixed blocks
+        self._joints = np.cumsum(structure.model.active) - 1
+        self._kept: dict[tuple[int, int], _Part] = {}
+        self._lock = threading.Lock()  # threads of an executor may share it
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return PartSolver, (self.structure,)
+
+    def solve(
+        self,
+        part: Stage,
+        known: Mapping[int, Floats] | None = None,
+        rest: Candidate | None = None,
+    ) -> StageAnswer:
+        """The answer of one connected part. Stages are checked, and looked at, only here.
+
+        Parameters
+        ----------
+        part
+        known : (n, 6) [m, rad] each
+            Displacements of all blocks in rest states to start from, by the number of the contact
+            stiffness; empty where none was found.
+        rest
+            The rest state with uniform stiffness that a quick look at this part found.
+        """
+        found = self._part(part.placed, part.held)
+        if found is None:
+            moving = tuple(members(part.placed & ~part.held))
+            return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
+        blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
+        some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
+        near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
+        rests: Mapping[int, Floats] = {}
+        uniform = None
+        if part.quick:
+            level = PATIENT if self.structure.quick is None else self.structure.quick
+            result = try_rest(found.problem, screening=level, start=near.get(0))
+            uniform = _rest_of(result)
+        elif self.structure.check is check_both:
+            within = self._joints[chosen], int(self._joints[-1]) + 1
+            result, rests = check_both_near(found.problem, near, within, rest)
+        else:
+            result = self.structure.check(stage)
+        if not rests and result.displacement is not None:
+            rests = {0: result.displacement}
+        falling = tuple(int(blocks[i]) for i in result.falling)
+        settled = "" if result.settlement is None else result.settlement.message
+        if result.message.startswith(SETTLES_ALIKE):
+            settled = SETTLES_ALIKE
+        if not result.stable or result.force is None:
+            return StageAnswer(result.verdict, result.message, falling, settled=settled)
+        reaction = {}
+        if held:
+            unloaded = stage.with_load(LoadCase(np.zeros_like(stage.load.wrench)))
+            pressing, _ = unbalanced_wrench(unloaded, result.force)
+            pressing[:, 3:] *= some.size[:, None]
+            place = np.searchsorted(blocks, held)
+            reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
+        used = _friction_used(contacts, result.force)
+        corner = np.flatnonzero(chosen[self.structure.contacts.interface])
+        force = np.array(result.force)
+        moved = {n: motion[~some.fixed] if len(motion) else motion for n, motion in rests.items()}
+        return StageAnswer(
+            result.verdict,
+            result.message,
+            (),
+            reaction,
+            used,
+            corner,
+            force,
+            moved,
+            settled,
+            uniform,
+        )
+
+    def _part(self, placed: int, held: int) -> _Part | None:
+        """A connected part as a problem; None if nothing supports it."""
+        key = (placed, held)
+        with self._lock:
+            found = self._kept.pop(key, None)
+        found = found or self._made(placed, held)
+        if found is not None:
+            with self._lock:
+                self._kept[key] = found
+                corners = sum(one.corners for one in self._kept.values())
+                while len(self._kept) > 1 and corners > KEPT:
+                    corners -= self._kept.pop(next(iter(self._kept))).corners
+        return found
+
+    def _made(self, placed: int, held: int) -> _Part | None:
+        moving = list(members(placed & ~held))
+        grounds = 0
+        for block in moving:
+            grounds |= self.structure.grounds[block]
+        ground = list(members(grounds))
+        if not held and not ground:
+            return None
+        fixed = [*members(held), *ground]
+        blocks = np.array(sorted([*moving, *fixed]), dtype=np.intp)
+        resting = self.structure.assembly.fixed[blocks] | np.isin(blocks, fixed)
+        some = Assembly(tuple(self.structure.assembly.blocks[b] for b in blocks.tolist()), resting)
+        contacts, chosen = self._contacts_of(blocks, resting)
+        load = LoadCase(self.structure.load.wrench[blocks], self.structure.load.name)
+        return _Part(blocks, chosen, Problem.build(Model(some, contacts, load)))
+
+    def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
+        """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""
+        n = len(self.structure.assembly)
+        new = np.full(n, -1, dtype=np.intp)
+        new[blocks] = np.arange(len(blocks))
+        still = np.ones(n, dtype=bool)
+        still[blocks] = resting
+        a, b = self.structure.contacts.block_a, self.structure.contacts.block_b
+        chosen = (new[a] >= 0) & (new[b] >= 0) & ~(still[a] & still[b])
+        return self.structure.contacts.select(chosen, new), chosen
+
+
+def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
+    """The answer of a stage from those of its parts."""
+    found = list(parts)
+    reaction = {b: -structure.load.wrench[b] for b in members(stage.held)}
+    for one in found:
+        for block, wrench in one.reaction.items():
+            reaction[block] = reaction[block] + wrench
+    bad = [one for one in found if not one.stands]
+    falling = tuple(sorted({b for one in bad for b in one.falling}))
+    if bad:
+        undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
+        worst = bad[0] if undecided is None else undecided
+        return StageAnswer(worst.verdict, worst.message, falling, reaction, settled=worst.settled)
+    return StageAnswer(
+        Verdict.STABLE,
+        "",
+        (),
+        reaction,
+        max((one.used for one in found), default=0.0),
+        np.concatenate([np.zeros(0, dtype=np.intp), *(one.corner for one in found)]),
+        np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
+        settled="; ".join(one.settled for one in found if one.settled),
+    )
+
+
+def _rest_of(result: Result) -> Candidate | None:
+    """The rest state of a result that stands."""
+    force, displacement, residuals = result.force, result.displacement, result.residuals
+    if not result.stable or force is None or displacement is None or residuals is None:
+        return None
+    return Candidate(force, displacement, residuals)
+
+
+def _friction_used(contacts: Contacts, force: Floats) -> float:
+    """Largest share of the friction coefficient used by a loaded corner, beside its cohesion."""
+    normal = force[:, 0]
+    loaded = normal > LOADED * float(normal.max(initial=0.0))
+    friction = contacts.friction[contacts.interface]
+    cohesion = contacts.corner_capacity[1]
+    sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
+    counted = loaded & (friction > 0.0)
+    return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
