@@ -20,7 +20,7 @@ from drystone.detection.report.reasons import Missed
 from drystone.detection.report.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
-from drystone.supports import UP, Joints, remarks, select, up_of
+from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
 
 _REPRESENTED = (1e-100, 1e100)
 """[N, N m], and by mass [m/s2], chosen: far from anything that is built, and products of forces, or
@@ -175,7 +175,7 @@ class Model(Card):
         cls,
         assembly: Assembly,
         *,
-        supports: str | Sequence[int | str] | None = None,
+        supports: str | Sequence[int | str] | GroundPlane | None = None,
         friction: float | None = None,
         density: float | None = None,
         load: Any = None,
@@ -189,7 +189,8 @@ class Model(Card):
         assembly
         supports
             Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or positions and
-            names of blocks. Left out, those of the assembly.
+            names of blocks. ``ground``, ``ground:Z`` and :class:`drystone.supports.GroundPlane`
+            add a fixed block below the others. Left out, those of the assembly.
         friction
             Coefficient of every interface. Left out, what the blocks bring in their metadata, else
             0.6.
@@ -211,6 +212,8 @@ class Model(Card):
         of_type(anyway, bool, "anyway")
         if density is not None:
             assembly = assembly.with_density(density)
+        up = up_of_load(load)
+        assembly, chosen = ground_of(assembly, supports, up)
         found = find_contacts(
             assembly,
             friction=DEFAULT_FRICTION if friction is None else friction,
@@ -226,7 +229,7 @@ class Model(Card):
         notes += tuple(inexact_lines(assembly.names, report.inexact))
         notes += tuple(overlap_lines(assembly.names, report.overlaps_left))
         model = cls(assembly, contacts, load, report, notes, unjoined=report.unjoined)
-        return model if supports is None else model.with_supports(supports, up_of_load(load))
+        return model if chosen is None else model.with_supports(chosen, up)
 
     def with_load(self, load: Any) -> Model:
         """The same model under another load; see :class:`Model`."""
@@ -274,7 +277,7 @@ class Model(Card):
         """The same model with exactly these blocks fixed; see :meth:`of`.
 
         ``lowest`` and ``below:`` look along ``up`` (3,). What is odd about them is added to the
-        notes.
+        notes. A plane of ground is not laid here: the contacts with it would be missing.
         """
         if not isinstance(supports, str):
             return replace(self, assembly=self.assembly.with_fixed(supports))

@@ -10,12 +10,16 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.base.arrays import Floats, frozen_points
 from drystone.base.errors import InputError, counted
 from drystone.geometry import coincidence
+from drystone.geometry.backing import backed
 from drystone.geometry.parts import separate_parts
 from drystone.geometry.polyhedron import Loop
 
 _MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of
 single precision."""
+_BACKING = 0.25
+"""Thickness behind an open surface, by the size of the median block. Chosen: tolerances, which are
+relative to the thinner of two blocks, stay those of the blocks."""
 
 
 def mended_block(
@@ -79,6 +83,57 @@ def mended_block(
     return Block(points, tuple(kept), name, density, repairs=tuple(notes))
 
 
+def support_from_surface(
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    blocks: Sequence[Block],
+    name: str = "support",
+    density: float = DEFAULT_DENSITY,
+) -> Block:
+    """A block that stands still, from an open surface: a face, a terrain, a frame.
+
+    A mesh with holes gets them closed where that makes a body. The side of any other surface on
+    which most of the blocks are stays as it is. Behind it the block is a quarter as
+    thick as the median block is large.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices, in any orientation.
+    blocks
+        Those that rest on it.
+    name
+    density : [kg/m3]
+
+    Returns
+    -------
+    Block
+        With a note in ``repairs``.
+
+    Raises
+    ------
+    InputError
+        More than two faces meet at an edge, or no block fits behind the surface.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> floor = np.array([[-1.0, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]])
+    >>> support_from_surface(floor, [(0, 1, 2, 3)], [box((1.0, 1.0, 1.0))]).repairs
+    ('an open surface backed by 0.433 m',)
+    """
+    points = frozen_points(vertices, (None, 3), "vertices")
+    loops = [tuple(map(int, face)) for face in faces]
+    if any(not 0 <= min(loop) <= max(loop) < len(points) for loop in loops if loop):
+        raise InputError("a face names no vertex", where=f"block '{name}'")
+    size = float(np.median([block.size for block in blocks])) if blocks else np.ptp(points)
+    middle = np.array([block.centroid for block in blocks]).reshape(-1, 3)
+    (corner, body), done = backed(points, loops, middle, _BACKING * float(size))
+    made = Block(corner, tuple(body), name, density)
+    return Block(corner, made.faces, name, density, repairs=tuple(done))
+
+
 def split_components(assembly: Assembly) -> Assembly:
     """The assembly with every block that consists of separate parts split into blocks.
 
@@ -122,4 +177,4 @@ def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ..
     )
 
 
-__all__ = ["mended_block", "split_components"]
+__all__ = ["mended_block", "split_components", "support_from_surface"]

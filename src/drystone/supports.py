@@ -1,14 +1,15 @@
-"""Which blocks are fixed: those that stand lowest, names and patterns, or all below a height."""
+"""Which blocks are fixed: by place, names or patterns; or a plane of ground below them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TypeAlias
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, meant
@@ -28,8 +29,99 @@ UP = (0.0, 0.0, 1.0)
 _NAMED = 4
 """Names told in one remark."""
 
+_THICK = 0.5
+"""Thickness of the ground, by the largest block, and how far it reaches beyond the model, by its
+width. Chosen: tolerances are relative to the smaller of two blocks, which the ground never is."""
+_GROUND = "ground"
+
 Joints: TypeAlias = tuple[Ints, Ints, Floats]
 """Blocks a (m,) and b (m,), and normals (m, 3) from a to b, of all interfaces."""
+
+
+@dataclass(frozen=True)
+class GroundPlane:
+    """A plane of ground below a model: a fixed block that every other one may rest on.
+
+    Parameters
+    ----------
+    height : [m], along the upward axis
+        The lowest corner of the model when left out.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> laid = GroundPlane().under(tower(2).with_fixed(()))
+    >>> laid.names, laid.fixed.tolist()
+    (('block-0', 'block-1', 'ground'), [False, False, True])
+    """
+
+    height: float | None = None
+
+    def under(self, assembly: Assembly, up: Sequence[float] = UP) -> Assembly:
+        """The assembly with the ground as its last block, the only one that is fixed."""
+        axis = int(np.argmax(np.abs(up)))
+        sign = 1.0 if up[axis] > 0.0 else -1.0
+        bottom, _ = heights(assembly, up)
+        level = sign * (float(bottom.min()) if self.height is None else self.height)
+        low, high = assembly.bounds[:, 0].min(axis=0), assembly.bounds[:, 1].max(axis=0)
+        reach = _THICK * float((high - low).max())
+        low, high = low - reach, high + reach
+        below = level - sign * _THICK * max(block.size for block in assembly.blocks)
+        low[axis], high[axis] = min(level, below), max(level, below)
+        name = _GROUND if _GROUND not in assembly.names else f"{_GROUND}-plane"
+        corner = [(i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
+        vertices = np.where(np.array(corner, dtype=bool), high, low)
+        return Assembly(
+            (*assembly.blocks, Block(vertices, _BOX, name)),
+            np.append(np.zeros(len(assembly), dtype=bool), True),
+        )
+
+
+_BOX = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+
+
+def ground_of(
+    assembly: Assembly,
+    supports: str | Sequence[int | str] | GroundPlane | None,
+    up: Sequence[float] = UP,
+) -> tuple[Assembly, str | Sequence[int | str] | None]:
+    """The assembly with the ground that ``supports`` asks for, and the supports by name.
+
+    ``ground`` is the name of a block where one is called so. What asks for no ground is returned
+    as it is.
+    """
+    if isinstance(supports, GroundPlane):
+        laid = supports.under(assembly, up)
+        return laid, [len(assembly)]
+    if not isinstance(supports, str) or supports in assembly.names:
+        return assembly, supports
+    parts = [part.strip() for part in supports.split(",")]
+    asked = [
+        part
+        for part in parts
+        if part.startswith(f"{_GROUND}:") or (part == _GROUND and part not in assembly.names)
+    ]
+    if not asked:
+        return assembly, supports
+    if len(asked) > 1:
+        raise InputError("the ground is asked for twice", where="supports")
+    height = asked[0].removeprefix(_GROUND).removeprefix(":")
+    laid = GroundPlane(length(height, "height") if height else None).under(assembly, up)
+    named_so = [laid.names[-1] if part == asked[0] else part for part in parts]
+    return laid, ",".join(named_so)
+
+
+def may_hold(spec: str, names: Sequence[str], bottom: Floats, top: Floats) -> Bools:
+    """Mask (n,) of the shapes that a spec would fix, by their names and heights alone [m]."""
+    found = np.zeros(len(names), dtype=bool)
+    for part in [spec] if spec in names else [part.strip() for part in spec.split(",")]:
+        if part == "lowest":
+            found |= _lowest_of(bottom, top)
+        elif part.startswith("below:"):
+            found |= bottom <= length(part.removeprefix("below:"), "height")
+        else:
+            found |= np.array([name == part or fnmatchcase(name, part) for name in names])
+    return found
 
 
 def select(
@@ -43,8 +135,9 @@ def select(
     spec
         Any of these, separated by commas: ``lowest``; ``below:Z``, the blocks whose lowest corner
         is at or below Z (metres, or with a unit: ``below:150mm``); block names and patterns
-        (``*``, ``?``, ``[...]``). A name that holds a comma is understood when it stands alone; a
-        block called ``lowest`` is reached by the pattern ``[l]owest``.
+        (``*``, ``?``, ``[...]``). For ``ground`` see :func:`ground_of`. A name that holds a comma
+        is understood when it stands alone; a block called ``lowest`` is reached by
+        the pattern ``[l]owest``.
     up : (3,)
         Unit vector; heights are along it.
     joints
@@ -76,7 +169,10 @@ def select(
 
 def lowest(assembly: Assembly, up: Sequence[float] = UP) -> Bools:
     """Mask (n,) of the lowest blocks; see :data:`_LOWEST`."""
-    bottom, top = heights(assembly, up)
+    return _lowest_of(*heights(assembly, up))
+
+
+def _lowest_of(bottom: Floats, top: Floats) -> Bools:
     out: Bools = bottom <= bottom.min() + _LOWEST * np.median(top - bottom)
     return out
 
@@ -163,7 +259,8 @@ def advice(assembly: Assembly, up: Sequence[float] = UP, joints: Joints | None =
     level = bottom.min() + _LOWEST * (top.max() - bottom.min())
     return (
         f"'lowest' would fix {_list(assembly, low)}; 'below:{level:.3g}' "
-        f"{counted(int((bottom <= level).sum()), 'block')}; or give names"
+        f"{counted(int((bottom <= level).sum()), 'block')}; 'ground' lays a plane below; or give"
+        " names"
     )
 
 

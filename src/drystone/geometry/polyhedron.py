@@ -243,8 +243,8 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
 
     Notes
     -----
-    Assumes a closed 2-manifold (:func:`edge_defects`). A surface that cannot be oriented keeps
-    inconsistent edges: :func:`edge_defects` of the result finds them.
+    At an edge of one face, or of more than two, nothing is compared. A surface that cannot be
+    oriented keeps inconsistent edges: :func:`edge_defects` of the result finds them.
     """
     users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
     for f, loop in enumerate(faces):
@@ -252,6 +252,8 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
             users[min(a, b), max(a, b)].append((f, a < b))
     neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
     for pair in users.values():
+        if len(pair) != 2:
+            continue
         (f, forward_f), (g, forward_g) = pair
         agree = forward_f != forward_g
         neighbours[f].append((g, agree))

@@ -95,7 +95,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
             f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], _SHOWN)}",
-            remedy="close the holes or merge coincident vertices",
+            remedy="close the holes or merge coincident vertices; only a support may be open",
             kind=DefectKind.OPEN,
         )
     if not consistent:
@@ -140,7 +140,9 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
             )
     if len(loops) < 4:
         raise InputError(
-            f"has {counted(len(loops), 'face')}", remedy="a closed block has four or more"
+            f"has {counted(len(loops), 'face')}",
+            remedy="a closed block has four or more; only a support may be open",
+            kind=DefectKind.OPEN,
         )
 
 

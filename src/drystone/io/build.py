@@ -11,13 +11,15 @@ from pathlib import Path
 import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry import coincidence, polyhedron, selfcontact
 from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Contents, Draft, DraftBlock
+from drystone.repair import support_from_surface
+from drystone.supports import may_hold
 
 _LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
@@ -89,15 +91,18 @@ def build(
     *,
     split: bool = False,
     skip_defects: bool = False,
+    supports: str | None = None,
 ) -> Contents:
     """The model of a draft; with ``skip_defects`` without the blocks that cannot be used.
+
+    The other options are those of :func:`try_blocks`.
 
     Raises
     ------
     InputError
         The first defect, with the number of others; or no block can be used.
     """
-    built = try_blocks(draft, path, units, split=split)
+    built = try_blocks(draft, path, units, split=split, supports=supports)
     assembly = built.assembly
     if assembly is None and skip_defects and built.usable is not None:
         left = len(built.blocks) - len(built.usable)
@@ -116,10 +121,18 @@ def build(
     return Contents(assembly, contacts, loads, results, built.notes)
 
 
-def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Built:
+def try_blocks(
+    draft: Draft,
+    path: Path,
+    units: str | None = None,
+    *,
+    split: bool = False,
+    supports: str | None = None,
+) -> Built:
     """Every block that can be made of a draft, and all defects of the others.
 
-    With ``split``, the separate parts of a block become separate blocks.
+    With ``split``, the separate parts of a block become separate blocks. An open surface that is
+    fixed, in the file or by ``supports``, gets a body behind it.
     """
     if units is not None and draft.units is not None and units != draft.units:
         if draft.finish is not None:
@@ -145,7 +158,8 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     defects: list[InputError] = []
     remarks: list[str] = []
     bare: list[Floats] = []
-    for shape, plain in zip(draft.shapes, _plain(draft.shapes, scale), strict=True):
+    every = _on_surfaces(draft.shapes, _plain(draft.shapes, scale), scale, supports)
+    for shape, plain in zip(draft.shapes, every, strict=True):
         try:
             if isinstance(plain, InputError):
                 raise plain
@@ -231,6 +245,52 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
             except InputError as error:
                 made[i] = error
     return made
+
+
+def _on_surfaces(
+    shapes: Sequence[DraftBlock],
+    made: list[Block | InputError],
+    scale: float,
+    supports: str | None,
+) -> list[Block | InputError]:
+    """The same blocks, and one for each open surface that is fixed."""
+    bare = [i for i, one in enumerate(made) if _is_open(one)]
+    if not bare:
+        return made
+    held = np.array([shape.fixed for shape in shapes])
+    if supports is not None:
+        held = _chosen(shapes, made, scale, supports)
+    free = [
+        one for one, fixed in zip(made, held, strict=True) if isinstance(one, Block) and not fixed
+    ]
+    for i in bare:
+        if held[i]:
+            shape = shapes[i]
+            points = _scaled(shape, scale)
+            try:
+                block = support_from_surface(points, shape.faces, free, shape.name, shape.density)
+            except InputError:  # the first error says more
+                continue
+            notes = (*shape.repairs, *block.repairs)
+            made[i] = replace_block(block, metadata=shape.metadata, repairs=notes)
+    return made
+
+
+def _is_open(one: Block | InputError) -> bool:
+    return isinstance(one, InputError) and one.kind is DefectKind.OPEN
+
+
+def _chosen(
+    shapes: Sequence[DraftBlock], made: Sequence[Block | InputError], scale: float, supports: str
+) -> Bools:
+    """Mask of the shapes that ``supports`` would fix; those that cannot be placed are left out."""
+    place = [i for i, one in enumerate(made) if isinstance(one, Block) or _is_open(one)]
+    points = [_scaled(shapes[i], scale) for i in place]
+    bottom = np.array([point[:, 2].min() for point in points])
+    top = np.array([point[:, 2].max() for point in points])
+    chosen = np.zeros(len(shapes), dtype=bool)
+    chosen[place] = may_hold(supports, [shapes[i].name for i in place], bottom, top)
+    return chosen
 
 
 def _faces_at_holes(shape: DraftBlock, scale: float) -> list[Floats]:

@@ -19,8 +19,9 @@ from drystone.base.settings import checked_call
 from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.io.registry import read_file
+from drystone.loads import LoadCase
 from drystone.model import Model, Origin, up_of_load
-from drystone.supports import require_supports
+from drystone.supports import GroundPlane, ground_of, require_supports
 
 UP = {
     "z": np.eye(3),
@@ -35,7 +36,7 @@ Given: TypeAlias = Model | Assembly | PathLike
 class How(TypedDict, total=False):
     """How a model is made of an assembly or a file; see :func:`read`."""
 
-    supports: str | Sequence[int | str] | None
+    supports: str | Sequence[int | str] | GroundPlane | None
     friction: float | None
     density: float | None
     load: Any
@@ -59,7 +60,7 @@ _FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidde
 def read(
     path: PathLike,
     *,
-    supports: str | Sequence[int | str] | None = None,
+    supports: str | Sequence[int | str] | GroundPlane | None = None,
     friction: float | None = None,
     density: float | None = None,
     load: Any = None,
@@ -82,9 +83,10 @@ def read(
     path
         Its suffix determines the format.
     supports
-        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns; see
-        ``drystone.supports.select``. Heights are along z; if ``load`` is an acceleration, along
-        the axis nearest to its opposite. When left out: the blocks that the file marks as fixed.
+        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or a plane of
+        ``ground``; see ``drystone.supports.select``. Their surfaces may be open. Heights are
+        along z; if ``load`` is an acceleration, along the axis nearest to its opposite. When left
+        out: the blocks that the file marks as fixed.
     friction
         Coefficient of every interface. When left out: that of the file, else 0.6.
     density : [kg/m3]
@@ -150,6 +152,7 @@ def read(
         layers=layers,
         hidden=hidden,
         max_size=max_size,
+        supports=supports if isinstance(supports, str) else None,
     )
     assembly, contacts, notes = contents.assembly, contents.contacts, list(contents.notes)
     if up != "z" and (contacts is not None or contents.loads):
@@ -160,8 +163,19 @@ def read(
         )
     if up != "z":
         assembly = assembly.transformed(UP[up])
-    case = load is None and density is None and bool(contents.loads)
-    load = contents.loads[0] if case else load
+    cases = contents.loads
+    asked = supports
+    laid, supports = ground_of(assembly, supports, up_of_load(load))
+    if laid is not assembly:
+        if contacts is not None and not search:
+            raise InputError(
+                "the contacts of the file have none with the ground",
+                where="supports",
+                remedy="search contacts too: --find-contacts (search=True in Python)",
+            )
+        assembly, cases = laid, tuple(_with_one_more(case) for case in cases)
+    case = load is None and density is None and bool(cases)
+    load = cases[0] if case else load
     if contacts is None or search:
         if progress is not None:
             progress("contacts", 1, 2)
@@ -188,9 +202,9 @@ def read(
             model = model.with_supports(supports, up_of_load(load))
     notes += model.notes
     if case:
-        notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
+        notes.append(f"the load case '{cases[0].name}' of the file is used")
     given = {
-        "units": units, "up": None if up == "z" else up, "supports": supports,
+        "units": units, "up": None if up == "z" else up, "supports": asked,
         "friction": friction, "density": density, "split": split, "search": search,
         "anyway": anyway, "skip_defects": skip_defects, "layers": layers, "hidden": hidden,
         **({} if detection is None else differing(detection)),
@@ -198,11 +212,18 @@ def read(
     chosen = {name: one for name, one in given.items() if one is not None and one is not False}
     reading = {name: _told(one) for name, one in chosen.items() if one != ()}
     origin = Origin(str(path), digest(path), reading)
-    return replace(model, notes=tuple(notes), cases=contents.loads, origin=origin)
+    return replace(model, notes=tuple(notes), cases=cases, origin=origin)
 
 
 def _told(value: Any) -> str:
     return "yes" if value is True else shortened(str(value), 60)
+
+
+def _with_one_more(case: LoadCase) -> LoadCase:
+    """The load case of an assembly with one more block, on which nothing acts."""
+    none = np.zeros((1, 6))
+    motion = None if case.motion is None else np.concatenate([case.motion, none])
+    return replace(case, wrench=np.concatenate([case.wrench, none]), motion=motion)
 
 
 def as_model(given: Given, **how: Unpack[How]) -> Model:

@@ -156,6 +156,7 @@ def read_file(
     layers: Sequence[str] = (),
     hidden: bool = False,
     max_size: float | None = None,
+    supports: str | None = None,
 ) -> Contents:
     """Read the content of a file, with its contacts if it has some.
 
@@ -167,6 +168,9 @@ def read_file(
         As in :func:`drystone.read`.
     max_size : [MiB]
         Refuse larger files, before they are read; 64 when left out.
+    supports
+        Which blocks will be fixed, as text: only these may be open surfaces. When left out, those
+        that the file marks as fixed.
 
     Raises
     ------
@@ -189,7 +193,9 @@ def read_file(
     """
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
-        return build(draft, Path(path), units, split=split, skip_defects=skip_defects)
+        return build(
+            draft, Path(path), units, split=split, skip_defects=skip_defects, supports=supports
+        )
 
 
 def inspect(
@@ -200,11 +206,12 @@ def inspect(
     layers: Sequence[str] = (),
     hidden: bool = False,
     max_size: float | None = None,
+    supports: str | None = None,
 ) -> Built:
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
-        return try_blocks(draft, Path(path), units, split=split)
+        return try_blocks(draft, Path(path), units, split=split, supports=supports)
 
 
 def _draft(

@@ -123,4 +123,7 @@ def test_heights_are_along_the_axis_against_gravity(axis: int, sense: float) -> 
 
 def test_advice_counts_what_would_be_fixed() -> None:
     told = advice(tower(5))
-    assert told == "'lowest' would fix 1 block (block-0); 'below:0.5' 1 block; or give names"
+    assert told == (
+        "'lowest' would fix 1 block (block-0); 'below:0.5' 1 block; 'ground' lays a plane below;"
+        " or give names"
+    )

@@ -62,7 +62,7 @@ def convert(
             remedy="name another file, or add --overwrite",
         )
     waiting.stage("read", f"reading {model}")
-    read = io.read_file(model, skip_defects=skip_defects, **source.how())
+    read = io.read_file(model, skip_defects=skip_defects, supports=supports, **source.how())
     notes = list(read.notes)
     if supports is not None:
         read = replace(read, assembly=select(read.assembly, supports), results=(), loads=())

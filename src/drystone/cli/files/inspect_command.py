@@ -44,7 +44,7 @@ def inspect(
     from drystone.detection import find_contacts
 
     waiting.stage("read", f"reading {source.model}")
-    built = io.inspect(source.model, **source.how())
+    built = io.inspect(source.model, supports=supports, **source.how())
     assembly, notes = _usable(built, supports)
     detection = swept = None
     if assembly is not None:
@@ -109,11 +109,12 @@ def _content(
 
 def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[str]]:
     """The blocks that can be used, with their supports, and notes."""
-    from drystone.supports import select
+    from drystone.supports import ground_of, select
 
     assembly, notes = built.assembly, list(built.notes)
     if assembly is not None:
-        return assembly if supports is None else select(assembly, supports), notes
+        assembly, chosen = ground_of(assembly, supports)
+        return assembly if supports is None else select(assembly, str(chosen)), notes
     assembly = built.usable
     if assembly is None:
         notes.append("contacts are found, and drawn, once the defects are mended")

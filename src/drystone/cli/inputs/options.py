@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 Supports: TypeAlias = Annotated[
     str | None,
     Option(
-        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, separated by commas (those "
-        "marked in the file).",
+        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, separated by commas; 'ground' "
+        "or 'ground:Z' lays a plane below (those marked in the file).",
         MODEL,
     ),
 ]
