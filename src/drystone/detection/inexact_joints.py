@@ -20,13 +20,13 @@ from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.mortar_joints import join_by_mortar
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.inexact import Error, Inexact
-from drystone.detection.report.misses import compare_with_tolerances, missed_of
+from drystone.detection.report.misses import EXPLAINED, NOTABLE, compare_with_tolerances, missed_of
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import Pairs, facing_patches, fits
 from drystone.detection.search.edgecontacts import edge_contacts
 from drystone.detection.search.face_overlaps import negligible, overlaps, within
 from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.search.nearest import uncovered
+from drystone.detection.search.nearest import EXACT, uncovered
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import planes_between
 from drystone.detection.warped_joints import join_warped
@@ -37,29 +37,12 @@ leg of 40 mm that is 3 mm deep in the floor."""
 NOISE = 3.0
 """Gaps up to the largest error times this are closed. Measured (benchmarks/perturbed.py): with 2
 one drawing in 30 keeps a gap that its exact model does not have, with 3 one in 100."""
-EXACT = 1e-4
-"""Joints that are less than this share of the block size off are exact. Chosen: above the rounding
-of files with six digits."""
-HARDLY_ANY = 0.5
-"""Where more than this share of the joints is off, the drawing is, and gaps are closed up to the
-largest error times :data:`NOISE`. Chosen: of an arch with three open hinges most are exact."""
 MEANT = 0.5
 """[deg] Faces with a larger angle may be meant so. Chosen: two blocks that are each turned by 0.2
 degrees are within."""
-OVERLAPS = 0.25
-"""Blocks that are deeper in each other than this share of the tolerance overlap. Chosen: above the
-rounding of coordinates."""
-COVERED = 0.9
-"""A face with more than this share of its area in contact has no other contact across a gap."""
-THINNEST_FACES = 16
-"""The largest faces of a block, along which its thinnest dimension is measured. Chosen: a brick has
-six, and those of a finely meshed block do not matter."""
 ALIKE = 0.9
 """Edges and corners of one pair are joined when the cosine between their normals is larger. Chosen:
 where two edges have passed each other it is zero, and nobody can say which face is meant."""
-NARROWEST = 0.02
-"""Shared areas narrower than this share of the block size are no joints. Chosen, as for near
-misses."""
 
 
 @dataclass(frozen=True)
@@ -142,12 +125,11 @@ def _join_near(
     return joined([found, lines]), inexact, partly
 
 
-def thinnest(assembly: Assembly, patches: Patches, block: int) -> float:
-    """The least dimension of a block [m] along the normals of its largest faces, or 6 V / A."""
-    first, last = patches.first_patch[block : block + 2]
-    chosen = first + np.argsort(-patches.area[first:last], kind="stable")[:THINNEST_FACES]
-    along = assembly.blocks[block].vertices @ patches.normal[chosen].T
-    return float(min(np.ptp(along, axis=0).min(), patches.size[block]))
+def thinnest(assembly: Assembly, patches: Patches) -> Floats:
+    """The thinnest dimension (n,) [m] of each block: volume by largest face, or 6 V / A if less."""
+    largest = patches.of_block.max(patches.area)
+    thin: Floats = np.minimum(assembly.volume / largest, patches.size)
+    return thin
 
 
 def _keys(found: Interfaces, count: int) -> Ints:
@@ -180,16 +162,16 @@ def _faces(
     gap = planes.gap_at(shared.corner, shared.corner_row)
     least, most, mean = corners.min(gap), corners.max(gap), corners.mean(gap)
     good = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
-    good &= shared.width > NARROWEST * planes.size[row]
+    good &= shared.width > NOTABLE * planes.size[row]
     convex = patches.block_convex
     deep = good & (least < -checked.tolerance[row]) & (mean >= -limit[row])
     deep &= shared.width > -2.0 * mean  # of two faces that a corner has passed, the wider counts
     solid = np.isin(pair, deep_pairs)
     solid |= convex[patches.owner[planes.f]] & convex[patches.owner[planes.g]]
     doubtful = np.unique(pair[row[deep & ~solid[row]]])  # thin parts may lie behind each other
-    solid |= np.isin(pair, _sharing_volume(assembly, patches, doubtful, options))
+    solid |= np.isin(pair, _sharing_volume(assembly, patches, doubtful))
     deep &= solid[row]
-    bare = _covered(patches, found, keys) < COVERED * patches.area
+    bare = _covered(patches, found, keys) < EXPLAINED * patches.area
     depth = -mean - checked.slack[row]
     off = max(float(depth[deep].max(initial=0.0)), _overlap_within(patches, found))
     open_ones = good & (bare[planes.f] & bare[planes.g])[row]
@@ -235,11 +217,8 @@ def _faces(
 def _limits(assembly: Assembly, patches: Patches, keys: Ints) -> Floats:
     """How deep (p,) [m] the blocks of each pair may be in each other."""
     a, b = np.divmod(keys, len(patches.size))
-    blocks = np.unique(np.concatenate([a, b]))
-    thin = np.array([thinnest(assembly, patches, int(block)) for block in blocks])
-    limit: Floats = DEEPEST * np.minimum(
-        thin[np.searchsorted(blocks, a)], thin[np.searchsorted(blocks, b)]
-    )
+    thin = thinnest(assembly, patches)
+    limit: Floats = DEEPEST * np.minimum(thin[a], thin[b])
     return limit
 
 
@@ -281,18 +260,16 @@ def _error_of_all(
     inexact = plane & (np.maximum(off, found.warp) > EXACT * found.size) & (found.angle < MEANT)
     others = plane & ~np.isin(_keys(found, len(patches.size)), keys)
     shown = np.count_nonzero(inexact & others) + np.count_nonzero(tilted)
-    if shown <= HARDLY_ANY * (np.count_nonzero(others) + len(tilted)):
+    if 2 * shown <= np.count_nonzero(others) + len(tilted):
         return 0.0
     slack = patches.warp[f] + patches.warp[g]
     return float(max((off - slack)[inexact].max(initial=0.0), spread[tilted].max(initial=0.0)))
 
 
-def _sharing_volume(
-    assembly: Assembly, patches: Patches, keys: Ints, options: DetectionOptions
-) -> Ints:
+def _sharing_volume(assembly: Assembly, patches: Patches, keys: Ints) -> Ints:
     """Those of some pairs that overlap."""
     a, b = np.divmod(keys, len(patches.size))
-    least = OVERLAPS * options.gap * np.minimum(patches.size[a], patches.size[b])
+    least = EXACT * np.minimum(patches.size[a], patches.size[b])
     nothing = np.zeros(0, dtype=np.intp)
     deep = block_overlaps(assembly, patches, (a, b), nothing, least)
     count = len(patches.size)

@@ -13,7 +13,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.inexact import Error, Inexact
-from drystone.detection.report.misses import compare_with_tolerances
+from drystone.detection.report.misses import NOTABLE, compare_with_tolerances
 from drystone.detection.search.candidates import facing_patches, near_blocks
 from drystone.detection.search.face_overlaps import negligible, overlaps, projections
 from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
@@ -30,11 +30,6 @@ ALIKE = 0.2
 """Thicknesses within this share of their median are the same. Chosen: 10 mm, give or take 2."""
 NEARLY_ALL = 0.9
 """Share of the pairs that have to show it, chosen."""
-HALF = 0.5
-"""Share of all pairs, those that touch among them, that have to be apart. Chosen: of a wall with
-mortar in its beds only, two thirds are."""
-NARROWEST = 0.02
-"""Shared areas narrower than this share of the block size are no joints, as for near misses."""
 
 
 def join_by_mortar(
@@ -60,7 +55,7 @@ def join_by_mortar(
     checked = compare_with_tolerances(patches, planes, shared, options)
     gap = Ragged(shared.start).mean(planes.gap_at(shared.corner, shared.corner_row))
     keep = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
-    keep &= (shared.width > NARROWEST * planes.size[shared.row]) & (gap > 0.0)
+    keep &= (shared.width > NOTABLE * planes.size[shared.row]) & (gap > 0.0)
     keep &= gap <= THICKEST * planes.size[shared.row]
     pieces, _ = uncovered(patches, planes, shared.select(keep))
     gap = Ragged(pieces.start).mean(planes.gap_at(pieces.corner, pieces.corner_row))
@@ -109,7 +104,7 @@ def _one_thickness(pair: Ints, gap: Floats, touching: int) -> Bools:
     least = np.full(len(keys), np.inf)
     np.minimum.at(least, place, gap)
     none = np.zeros(len(gap), dtype=bool)
-    if len(keys) < max(FEWEST, HALF * (len(keys) + touching)):
+    if len(keys) < max(FEWEST, touching):
         return none
     typical = float(np.median(least))
     same = np.abs(least - typical) <= ALIKE * typical

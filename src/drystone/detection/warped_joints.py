@@ -18,12 +18,9 @@ from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.report.inexact import Error, Inexact
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import near_blocks
+from drystone.detection.search.coplanar import PLANAR
 from drystone.detection.search.interfaces import Interfaces, joined
 from drystone.detection.search.patches import Patches, patches_of
-
-FLAT = 1e-4
-"""Faces within this share of the block size of a plane stay whole. Chosen: as flat as those that
-are parts of one polygon."""
 
 
 def join_warped(
@@ -45,7 +42,7 @@ def join_warped(
     blocks, faces = [], []
     for block in chosen.tolist():
         mine = slice(patches.first_patch[block], patches.first_patch[block + 1])
-        warped = patches.warp[mine] > FLAT * patches.size[block]
+        warped = patches.warp[mine] > PLANAR * patches.size[block]
         made, face = _fanned(assembly.blocks[block], set(patches.face[mine][warped].tolist()))
         blocks.append(made)
         faces.append(face)

@@ -146,3 +146,15 @@ def test_an_opened_joint_of_an_exact_drawing_stays_open() -> None:
     assert not found.report.inexact
     assert found.report.clipped.tolist() == [False, False, True]
     assert check(Assembly(tuple(blocks)).with_fixed([0])).verdict is not Verdict.UNSTABLE
+
+
+def test_cubes_stand_as_a_simulator_leaves_them() -> None:
+    """Six cubes of 50 mm, each 0.68 mm deep in the one below and hardly turned."""
+    blocks = [FLOOR]
+    for i in range(6):
+        turn = rotation_about(np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0), 0.01 * (i - 2))
+        cube = box((0.05, 0.05, 0.05), (-0.025, -0.025, 0.0), name=f"cube {i}")
+        blocks.append(cube.transformed(turn, (1e-4 * i, -5e-5 * i, i * 0.05 - 6.8e-4 * (i + 1))))
+    model = Model.of(Assembly(tuple(blocks)).with_fixed(["floor"]))
+    assert check(model).verdict is Verdict.STABLE
+    assert model.contacts.count == 6

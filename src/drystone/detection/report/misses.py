@@ -18,10 +18,10 @@ from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
 
-_EXPLAINED = 0.9
+EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""
 
-_NOTABLE = 0.02
+NOTABLE = 0.02
 """Missed overlaps narrower than this share of the block size are not reported. Chosen."""
 
 
@@ -112,13 +112,13 @@ def misses(
     options: DetectionOptions,
 ) -> list[Missed]:
     """Near misses: overlaps just beyond a tolerance, of faces without other contact."""
-    refused = ~checked.accepted & (shared.width > _NOTABLE * planes.size[shared.row])
+    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
     if not refused.any():
         return []
     covered = np.zeros(patches.count)
     np.add.at(covered, planes.f[found.row], found.area)
     np.add.at(covered, planes.g[found.row], found.area)
-    explained = covered >= _EXPLAINED * patches.area
+    explained = covered >= EXPLAINED * patches.area
     row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]
     near = np.abs(gaps(planes, shared)) - checked.slack[row]

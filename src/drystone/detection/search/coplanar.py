@@ -13,7 +13,7 @@ from drystone.geometry.polyhedron import Faces
 _FLAT = np.deg2rad(0.1)
 """[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the
 noise of coordinates stored in single precision."""
-_PLANAR = 1e-4
+PLANAR = 1e-4
 """They are one polygon when no corner lies farther from its plane than this share of the block
 size. Chosen: a finely meshed curve is not flattened."""
 STRAIGHT = 1e-9
@@ -38,7 +38,7 @@ def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) 
     height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
     worst = np.zeros(len(share))
     np.maximum.at(worst, corner_group, height)
-    keep = many & (worst[group] <= _PLANAR * size[faces.owner])
+    keep = many & (worst[group] <= PLANAR * size[faces.owner])
     apart = np.where(keep, group, len(share) + np.arange(faces.count))
     _, first, label = np.unique(apart, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.intp)

@@ -11,7 +11,7 @@ from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy
 from drystone.geometry import planar
 
-_EXACT = 1e-4
+EXACT = 1e-4
 """Gaps below this share of the block size have no block between them. Chosen: thinner than any
 block."""
 _BEHIND = 0.01
@@ -29,7 +29,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     """
     hidden = np.zeros(len(planes.f), dtype=bool)
     gap = np.abs(gaps(planes, pieces))
-    loose = gap > _EXACT * planes.size[pieces.row]
+    loose = gap > EXACT * planes.size[pieces.row]
     if not loose.any():
         return pieces, hidden
     behind, front = _sharing(planes, pieces, loose, gap)

@@ -11,9 +11,6 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability.proofs import moving_blocks
 
-UNKNOWN_FRICTION = 1.0
-"""Friction of a near pair where no other joint tells one, chosen: more than that of stone."""
-
 
 def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> Result:
     """The result as it is, or UNDECIDED where blocks fall only because near pairs do not touch.
@@ -34,8 +31,8 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
     near = [m for m in model.unjoined if m.block_a in moving or m.block_b in moving]
     if not near:
         return found
-    friction = float(model.contacts.friction.max(initial=0.0)) or UNKNOWN_FRICTION
-    more = contacts_if_joined(near, friction)
+    most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
+    more = contacts_if_joined(near, most)
     if more is not None and model.contacts.dry.all():
         touching = replace(
             model, contacts=joined_contacts(model.contacts, more), unjoined=(), report=None
