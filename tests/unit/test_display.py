@@ -156,7 +156,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (*FORMATS, read_file(folder / "vault.json"))
     yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
     yield from (sequence.MarginOptions(), limits.LimitOptions(), limits.Imperfections())
-    yield from (shells.FormOptions(), shells.ShellBody(), shells.Layout(), DetectionOptions())
+    yield from (shells.ShellBody(), shells.Layout(), DetectionOptions())
 
 
 class Reached:

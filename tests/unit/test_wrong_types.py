@@ -27,7 +27,7 @@ from drystone import (
 )
 from drystone.base.settings import Options
 from drystone.models import tower
-from drystone.shells import FormOptions, Layout, ShellBody
+from drystone.shells import Layout, ShellBody
 from drystone.stability import RBEOptions
 
 TOWER = tower(2)
@@ -155,7 +155,6 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: sequence.Rules(hands=1.5), "hands is 1.5; give a whole number"),
         (lambda: Layout(staggered=1), "staggered is 1; give True or False"),
         (lambda: ShellBody(ground="sand"), "ground is 'sand'; give one of 'blocks', 'springers'"),
-        (lambda: FormOptions(rows="x"), "rows is 'x'; give a whole number"),
     ],
 )
 def test_an_option_of_the_wrong_type_is_named(make: Callable[[], object], words: str) -> None:

@@ -11,7 +11,7 @@ from drystone.shells.fabrication import (
 from drystone.shells.formfinding import FormFound, find_form
 from drystone.shells.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.patch import Patch, Side
-from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.planarise import PlanarReport, planarise
 from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
 from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
@@ -25,7 +25,7 @@ from drystone.shells.shell_families import (
     tri_dome,
 )
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
+from drystone.shells.shell_options import Ground, Intrados, Layout, ShellBody
 from drystone.shells.sources import (
     curve_through,
     patch_from_curves,
@@ -40,13 +40,11 @@ __all__ = [
     "Edge",
     "FlatFace",
     "FormFound",
-    "FormOptions",
     "Ground",
     "Intrados",
     "Layout",
     "MeshFit",
     "Patch",
-    "PlanarOptions",
     "PlanarReport",
     "ScheduleRow",
     "Seam",

@@ -10,7 +10,7 @@ from drystone.base.errors import InputError, counted
 from drystone.geometry import boxes
 from drystone.geometry.convexity import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
-from drystone.shells.tessellation import Tessellation
+from drystone.shells.pattern import Tessellation
 
 _TOLERANCE = 1e-6
 """Largest overlap of two blocks, relative to the width of a block."""

@@ -16,8 +16,8 @@ from drystone.geometry import polygon
 from drystone.shells.lengths import numbers
 from drystone.shells.materialise import flat_loops, vertex_means
 from drystone.shells.patch import curvatures
+from drystone.shells.pattern import Tessellation
 from drystone.shells.shape import Shape
-from drystone.shells.tessellation import Tessellation
 
 SAMPLES = 48
 """Samples along u and v for volumes. Chosen: the error for a dome is 1e-4."""

@@ -17,7 +17,8 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.assembly import DEFAULT_DENSITY
+from drystone.base.arrays import Bools, Floats, Ints, number, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
@@ -25,7 +26,6 @@ from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Side
 from drystone.shells.shape import Shape
-from drystone.shells.shell_options import FormOptions
 from drystone.shells.sources import patch_from_grid
 
 _ROUNDS = 60
@@ -107,7 +107,10 @@ def find_form(
     *,
     height: float,
     thickness: float | None = None,
-    options: FormOptions | None = None,
+    rows: int = 25,
+    columns: int = 25,
+    edge_density: float = 8.0,
+    density: float = DEFAULT_DENSITY,
 ) -> FormFound:
     """The form over a plan that carries its weight in compression only.
 
@@ -120,12 +123,17 @@ def find_form(
         Of the highest node above the lowest support.
     thickness : [m]
         Its weight is the load; that of the plan when left out.
-    options
+    rows, columns
+        Nodes of the net along u and v of each patch; 4 or more.
+    edge_density
+        Force density of bars on free edges, relative to that of the others. With a high value free
+        edges are nearly straight in plan.
+    density : [kg/m3]
 
     Raises
     ------
     InputError
-        No support, supports on one line, or a height or thickness that is not positive.
+        No support, supports on one line, too few nodes, or a number that is not above zero.
 
     Examples
     --------
@@ -135,16 +143,17 @@ def find_form(
     >>> round(form.height, 6), form.residual < 1e-8
     (2.0, True)
     """
-    options = FormOptions.of(options)
+    for name, value in (("edge density", edge_density), ("density", density)):
+        if not 0.0 < number(value, f"the {name} of a net") < np.inf:
+            raise InputError(f"the {name} of a net is {value!r}", remedy="give a number above zero")
+    nodes = whole(rows, "rows", least=4), whole(columns, "columns", least=4)
     thickness = thickness if thickness is not None else plan.default_thickness
     refuse_unless_positive(height=height, thickness=thickness)
     if not plan.supports:
         raise InputError("the plan has no support", remedy="name the sides that it stands on")
-    if options.rows < 4 or options.columns < 4:
-        raise InputError("a net needs four or more rows and columns")
-    net = _net(plan, options)
+    net = _net(plan, nodes, edge_density)
     _refuse_line(plan, net)
-    point, load, scale, rounds = _balance(net, height, thickness, options)
+    point, load, scale, rounds = _balance(net, height, thickness * density)
     force_density = net.density * scale
     spread = point[net.bar[:, 1]] - point[net.bar[:, 0]]
     push = force_density[:, None] * spread
@@ -155,7 +164,7 @@ def find_form(
     reaction = np.where(net.fixed[:, None], -unbalanced, 0.0)
     residual = np.linalg.norm(unbalanced[~net.fixed], axis=1).max() / load.mean()
     return FormFound(
-        shape=_shape(plan, net, point, thickness, options),
+        shape=_shape(plan, net, point, thickness),
         thickness=thickness,
         point=point,
         bar=net.bar,
@@ -179,17 +188,17 @@ def _refuse_line(plan: Shape, net: _Net) -> None:
         )
 
 
-def _net(plan: Shape, options: FormOptions) -> _Net:
-    u, v = (np.linspace(0.0, 1.0, count) for count in (options.rows, options.columns))
+def _net(plan: Shape, nodes: tuple[int, int], edge_density: float) -> _Net:
+    u, v = (np.linspace(0.0, 1.0, count) for count in nodes)
     grids = [patch.point(u[:, None], v[None, :]) for patch in plan.patches]
     every = np.concatenate([grid.reshape(-1, 3) for grid in grids])
     size = float(np.linalg.norm(np.ptp(every, axis=0)))
     kept, node = distinct(every, 1e-6 * size)
-    nodes = tuple(node.reshape(len(grids), options.rows, options.columns))
+    grid_nodes = tuple(node.reshape(len(grids), *nodes))
     quad = np.concatenate(
         [
             np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], axis=2).reshape(-1, 4)
-            for n in nodes
+            for n in grid_nodes
         ]
     )
     ends = np.sort(np.stack([quad, np.roll(quad, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
@@ -198,18 +207,19 @@ def _net(plan: Shape, options: FormOptions) -> _Net:
     for edge in plan.supports:
         across = edge.side in (Side.BOTTOM, Side.TOP)
         along = v if across else u
-        grid = nodes[edge.patch]
+        grid = grid_nodes[edge.patch]
         last = 0 if edge.side in (Side.BOTTOM, Side.LEFT) else -1
         run = grid[last] if across else grid[:, last]
         fixed[run[(along >= edge.low - 1e-9) & (along <= edge.high + 1e-9)]] = True
-    density = np.where(quads == 1, options.edge_density, 1.0)
-    return _Net(every[kept], nodes, quad, bar.astype(np.intp), density, fixed)
+    density = np.where(quads == 1, edge_density, 1.0)
+    return _Net(every[kept], grid_nodes, quad, bar.astype(np.intp), density, fixed)
 
 
-def _balance(
-    net: _Net, height: float, thickness: float, options: FormOptions
-) -> tuple[Floats, Floats, float, int]:
-    """Nodes in equilibrium, loads [N], force density of an inner bar [N/m], iterations."""
+def _balance(net: _Net, height: float, mass: float) -> tuple[Floats, Floats, float, int]:
+    """Nodes in equilibrium, loads [N], force density of an inner bar [N/m], iterations.
+
+    The ``mass`` of the shell is per area [kg/m2].
+    """
     count, free, fixed = len(net.point), np.flatnonzero(~net.fixed), np.flatnonzero(net.fixed)
     incidence = sparse.csr_matrix(
         (
@@ -223,7 +233,7 @@ def _balance(
     base = net.point.copy()
     base[free] = factor.solve(-(stiffness[free][:, fixed] @ net.point[fixed]))
     target = height + float(net.point[fixed, 2].min())
-    weight = thickness * options.density * STANDARD_GRAVITY
+    weight = mass * STANDARD_GRAVITY
     point, scale = base, 1.0
     for done in range(_ROUNDS):
         load = weight * _node_areas(point, net.quad)
@@ -253,10 +263,10 @@ def _node_areas(point: Floats, quad: Ints) -> Floats:
     return shares
 
 
-def _shape(plan: Shape, net: _Net, point: Floats, thickness: float, options: FormOptions) -> Shape:
+def _shape(plan: Shape, net: _Net, point: Floats, thickness: float) -> Shape:
     patches = []
     for patch, nodes in zip(plan.patches, net.node, strict=True):
-        columns = [at * (options.columns - 1) for at in patch.breaks]
+        columns = [at * (nodes.shape[1] - 1) for at in patch.breaks]
         if any(abs(c - round(c)) > 1e-9 for c in columns):
             raise InputError(
                 f"no column of the net stands at the corner of patch '{patch.name}'",

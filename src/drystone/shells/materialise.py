@@ -19,7 +19,7 @@ from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import loop_edges
 from drystone.geometry.triangulate import triangulate
-from drystone.shells.tessellation import Tessellation
+from drystone.shells.pattern import Tessellation
 
 _LEAST_COSINE = 0.5
 """Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60

@@ -1,4 +1,4 @@
-"""The pattern on a patch: cells with shared vertices, staggered and wedged.
+"""Cells with shared vertices, staggered and wedged: on one patch, and of all patches in space.
 
 A cell is the outline of one block on the surface. The head joints of both neighbouring courses end
 on a bed line. Every cell that touches such an end has it as a vertex, so neighbours share whole
@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.shells.courses import Courses
@@ -48,7 +49,7 @@ class Pattern:
     position: Ints
     centre: Floats
     heads: Ints
-    inner: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    inner: Bools
     borders: dict[Side, tuple[Ints, Floats]]
 
 
@@ -222,3 +223,44 @@ def _refuse_inside_out(pattern: Pattern) -> None:
             where=f"block '{name}'",
             remedy="use a smaller wedge or fewer partial courses",
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Tessellation(OneLine):
+    """Cells that share vertices, in space.
+
+    Attributes
+    ----------
+    point : (p, 3) [m]
+    normal : (p, 3) unit, outwards; at a seam the mean of both sides
+    up : (p, 3) unit tangent across the courses
+    inner : (p,) whether the vertex is on a bed line between two courses of one patch
+    cells
+        Loops of vertices, counter-clockwise seen from outside.
+    names
+    course, position : (c,)
+    of_patch : (c,)
+        -1 for a keystone, which closes several patches.
+    crest : (c, 3) [m] point of the surface over the middle of each cell; NaN for a keystone
+    heads
+        Pairs of vertices, lower number first, at the ends of the head joints.
+    supported
+        Edges on which the shell is supported, directed as in their cell.
+    """
+
+    point: Floats
+    normal: Floats
+    up: Floats
+    inner: Bools
+    cells: tuple[tuple[int, ...], ...]
+    names: tuple[str, ...]
+    course: Ints
+    position: Ints
+    of_patch: Ints
+    crest: Floats
+    heads: frozenset[tuple[int, int]]
+    supported: tuple[tuple[int, int], ...]
+
+    def name_at(self, vertex: int) -> str:
+        """Name of the first cell that has a vertex."""
+        return next(n for n, c in zip(self.names, self.cells, strict=True) if vertex in c)

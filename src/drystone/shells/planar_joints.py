@@ -19,10 +19,10 @@ from drystone.shells.materialise import (
     raise_pins,
 )
 from drystone.shells.patch import Side
+from drystone.shells.pattern import Tessellation
 from drystone.shells.planarise import PlanarReport, planarise
 from drystone.shells.shape import Shape
 from drystone.shells.shell_options import Intrados, ShellBody
-from drystone.shells.tessellation import Tessellation
 
 _LARGE_DRIFT = 0.25
 """Drift, relative to the width of a block, above which a shell has a note. Chosen: the lap of head
@@ -73,9 +73,7 @@ def planar_pins(
         polygons = joint_polygons(mesh, pins)
         if body.intrados is Intrados.STRAIGHT:
             polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
-        point, report = planarise(
-            pins.point, polygons, scale=width, options=body.planar, progress=progress
-        )
+        point, report = planarise(pins.point, polygons, scale=width, progress=progress)
         return Pins(point, pins.start), report
 
     tilted, first = planar(raised)
@@ -138,9 +136,9 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: ShellBody) -> None:
     Raises
     ------
     InputError
-        They are not planar, unless the options of planarisation allow more.
+        They are not planar.
     """
-    if made.report.warp_after > max(_LARGEST_WARP, body.planar.tolerance):
+    if made.report.warp_after > _LARGEST_WARP:
         what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
             f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",
@@ -180,8 +178,7 @@ def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:
         notes.append(f"joints are up to {report.warp_after:.1e} of a block from planar")
     if report.drift > _LARGE_DRIFT:
         notes.append(
-            f"the surface twists at block '{mesh.name_at(made.worst)}': its joints lean, and a"
-            f" "
+            f"the surface twists at block '{mesh.name_at(made.worst)}': its joints lean, and a "
             f"corner moved by {report.drift:.2f} of a block's width "
             f"(noted above {_LARGE_DRIFT})"
         )

@@ -21,7 +21,6 @@ from scipy.sparse.linalg import splu
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import SolverError
 from drystone.base.progress import Progress
-from drystone.base.settings import Options
 
 _TOLERANCE = 1e-10
 """Largest distance of a corner from its polygon's plane, relative to the length scale: far below
@@ -32,30 +31,6 @@ _STAY = 0.05
 
 _REGULAR = 1e-12
 """Added to the diagonal of the Newton system, relative: conditions may depend on each other."""
-
-
-@dataclass(frozen=True)
-class PlanarOptions(Options):
-    """Options of the planarisation.
-
-    Attributes
-    ----------
-    tolerance
-        Largest warp in the end, relative to the length scale.
-    projections
-        Rounds of local/global projection.
-    newton
-        Newton steps at most.
-    """
-
-    tolerance: float = _TOLERANCE
-    projections: int = 10
-    newton: int = 30
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("tolerance")
-        self._refuse_below(0, "projections", "newton")
 
 
 @dataclass(frozen=True)
@@ -87,8 +62,9 @@ def planarise(
     polygons: list[tuple[int, ...]],
     *,
     scale: float,
-    hold: Floats | None = None,
-    options: PlanarOptions | None = None,
+    tolerance: float = _TOLERANCE,
+    projections: int = 10,
+    newton: int = 30,
     progress: Progress | None = None,
 ) -> tuple[Floats, PlanarReport]:
     """Points near the given ones that make every polygon planar.
@@ -100,9 +76,10 @@ def planarise(
         Loops of points; triangles are planar already.
     scale : [m]
         Length to which warp and drift are related, such as the size of a block.
-    hold : (p,), optional
-        Relative weight of keeping each point in place; 1 when left out.
-    options
+    tolerance
+        Largest warp in the end, relative to the length scale.
+    projections, newton
+        Rounds of local/global projection, and Newton steps, at most.
     progress
 
     Returns
@@ -118,19 +95,17 @@ def planarise(
     >>> report.reached, round(report.drift, 3)
     (True, 0.025)
     """
-    options = PlanarOptions.of(options)
     groups = _groups(polygons)
-    mass = np.ones(len(points)) if hold is None else np.asarray(hold, dtype=np.float64)
     start = np.asarray(points, dtype=np.float64)
     x = start.copy()
     before = _warp(x, groups)
     warp, rounds, steps = before, 0, 0
-    goal = options.tolerance * scale
-    if warp > goal and options.projections > 0:
-        x, rounds = _project(x, groups, mass, goal, options.projections)
+    goal = tolerance * scale
+    if warp > goal and projections > 0:
+        x, rounds = _project(x, groups, goal, projections)
         warp = _warp(x, groups)
-    while warp > goal and steps < options.newton:
-        move = _newton_move(x, groups, mass, scale)
+    while warp > goal and steps < newton:
+        move = _newton_move(x, groups, scale)
         trial = x + move
         new = _warp(trial, groups)
         length = 1.0
@@ -143,7 +118,7 @@ def planarise(
             break
         x, warp = trial, new
         if progress is not None:
-            progress("planarise", steps, options.newton)
+            progress("planarise", steps, newton)
     drift = float(np.linalg.norm(x - start, axis=1).max(initial=0.0))
     report = PlanarReport(
         float(before / scale), float(warp / scale), drift / scale, rounds, steps, bool(warp <= goal)
@@ -175,13 +150,10 @@ def _warp(x: Floats, groups: list[Ints]) -> float:
     return largest
 
 
-def _project(
-    x: Floats, groups: list[Ints], mass: Floats, goal: float, rounds: int
-) -> tuple[Floats, int]:
+def _project(x: Floats, groups: list[Ints], goal: float, rounds: int) -> tuple[Floats, int]:
     """Rounds of local/global projection, near the starting points."""
     centring = sparse.vstack([_centring(g, len(x)) for g in groups]).tocsr()
-    stay = _STAY * mass
-    system = (centring.T @ centring + sparse.diags(stay)).tocsc()
+    system = (centring.T @ centring + _STAY * sparse.eye(len(x))).tocsc()
     try:
         factor = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     except RuntimeError as error:
@@ -193,7 +165,7 @@ def _project(
             centred, normal = _planes(x[group])
             off = np.einsum("mki,mi->mk", centred, normal)
             flat.append((centred - off[..., None] * normal[:, None]).reshape(-1, 3))
-        x = factor.solve(centring.T @ np.concatenate(flat) + stay[:, None] * start)
+        x = factor.solve(centring.T @ np.concatenate(flat) + _STAY * start)
         if _warp(x, groups) <= goal:
             return x, done + 1
     return x, rounds
@@ -208,11 +180,11 @@ def _centring(corner: Ints, count: int) -> sparse.csr_matrix:
     return sparse.csr_matrix((np.tile(block, (m, 1)).ravel(), (rows, columns)), (m * k, count))
 
 
-def _newton_move(x: Floats, groups: list[Ints], mass: Floats, scale: float) -> Floats:
+def _newton_move(x: Floats, groups: list[Ints], scale: float) -> Floats:
     """The smallest move that satisfies the linearised conditions.
 
     One condition per corner beyond three, c = (x_j - x_0) . n with n the unit normal of a triangle
-    of the polygon: minimise ``sum mass |move|^2`` subject to ``J move = -c``.
+    of the polygon: minimise ``sum |move|^2`` subject to ``J move = -c``.
     """
     rows, columns, values, residual = [], [], [], []
     offset = 0
@@ -239,8 +211,7 @@ def _newton_move(x: Floats, groups: list[Ints], mass: Floats, scale: float) -> F
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
         (offset, 3 * len(x)),
     )
-    inverse = sparse.diags(np.repeat(1.0 / mass, 3))
-    normal_matrix = (J @ inverse @ J.T).tocsc()
+    normal_matrix = (J @ J.T).tocsc()
     normal_matrix = normal_matrix + _REGULAR * float(normal_matrix.diagonal().mean()) * sparse.eye(
         offset, format="csc"
     )
@@ -251,5 +222,5 @@ def _newton_move(x: Floats, groups: list[Ints], mass: Floats, scale: float) -> F
         options={"SymmetricMode": True},
     )
     multiplier = factor.solve(-np.concatenate(residual))
-    move: Floats = (inverse @ (J.T @ multiplier)).reshape(-1, 3)
+    move: Floats = (J.T @ multiplier).reshape(-1, 3)
     return move

@@ -27,7 +27,7 @@ from drystone.shells.head_joints import lay_bond
 from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.materialise import Pins, cell_faces, make_blocks
 from drystone.shells.patch import Side
-from drystone.shells.pattern import lay_pattern
+from drystone.shells.pattern import Tessellation, lay_pattern
 from drystone.shells.planar_joints import (
     PlanarPins,
     drift_notes,
@@ -41,7 +41,6 @@ from drystone.shells.planarise import PlanarReport
 from drystone.shells.shape import Shape
 from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.springers import add_ground, springers
-from drystone.shells.tessellation import Tessellation
 from drystone.shells.weld import weld
 
 

@@ -1,11 +1,10 @@
-"""Options of a shell: division of the surface, blocks, form finding."""
+"""Options of a shell: division of the surface, blocks."""
 
 from __future__ import annotations
 
 import enum
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from drystone.base.arrays import whole
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.shells.cell_sizes import Thickness
-from drystone.shells.planarise import PlanarOptions
 from drystone.shells.wedge import Wedge
 
 
@@ -100,7 +98,6 @@ class ShellBody(Options):
     ground
     ground_depth : [m]
         Depth of the ground blocks; the mean thickness when left out.
-    planar
 
     Raises
     ------
@@ -114,7 +111,6 @@ class ShellBody(Options):
     intrados: Intrados = Intrados.OFFSET
     ground: Ground = Ground.BLOCKS
     ground_depth: float | None = None
-    planar: PlanarOptions = field(default_factory=PlanarOptions)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -125,36 +121,3 @@ class ShellBody(Options):
                 remedy=f"give {LEAST_JOGGLE:g} to {LARGEST_JOGGLE:g}, the same below zero, "
                 "or 0 for none",
             )
-
-
-@dataclass(frozen=True)
-class FormOptions(Options):
-    """Options of form finding.
-
-    Attributes
-    ----------
-    rows, columns
-        Nodes of the net along u and v of each patch.
-    edge_density
-        Force density of bars on free edges, relative to that of the others. With a high value free
-        edges are nearly straight in plan.
-    density : [kg/m3]
-
-    Raises
-    ------
-    InputError
-        A density is not positive, or a number of nodes is not a whole number.
-    """
-
-    rows: int = 25
-    columns: int = 25
-    edge_density: float = 8.0
-    density: float = DEFAULT_DENSITY
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name, value in (("edge density", self.edge_density), ("density", self.density)):
-            if not 0.0 < value < math.inf:
-                raise InputError(
-                    f"the {name} of a net is {value!r}", remedy="give a number above zero"
-                )

@@ -9,7 +9,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats
 from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import Pins
-from drystone.shells.tessellation import Tessellation
+from drystone.shells.pattern import Tessellation
 
 
 def springers(mesh: Tessellation) -> Bools:

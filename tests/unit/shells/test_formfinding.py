@@ -4,7 +4,6 @@ import pytest
 from drystone import InputError
 from drystone.shells import (
     Edge,
-    FormOptions,
     Side,
     find_form,
     rectangular_plan,
@@ -42,8 +41,7 @@ def _area(patch):
 def test_a_barrel_becomes_a_catenary():
     """Far from its ends a long vault is a hanging chain turned over."""
     plan = rectangular_plan(40.0, 4.0, open_sides=())
-    options = FormOptions(rows=25, columns=161)
-    form = find_form(plan, height=1.0, thickness=0.1, options=options)
+    form = find_form(plan, height=1.0, thickness=0.1, columns=161)
     middle = form.shape.patches[0].point(np.linspace(0.0, 1.0, 25), 0.5)
     y, z = middle[:, 1] - 2.0, middle[:, 2]
     a = _catenary_parameter(2.0, 1.0)
@@ -65,9 +63,7 @@ def test_supports_keep_their_place_and_the_free_edge_moves_in():
 
 
 def test_a_stiffer_edge_stays_straighter():
-    stiff = find_form(
-        rectangular_plan(6.0, 5.0), height=1.8, options=FormOptions(edge_density=40.0)
-    )
+    stiff = find_form(rectangular_plan(6.0, 5.0), height=1.8, edge_density=40.0)
     assert stiff.shape.patches[0].point(1.0, 0.5)[1] > SHELL.shape.patches[0].point(1.0, 0.5)[1]
 
 
@@ -95,7 +91,7 @@ def test_stress_decides_the_thickness_within_its_limits():
     [
         ({"height": 0.0}, "height is 0.0"),
         ({"height": 1.0, "thickness": -1.0}, "thickness is -1.0"),
-        ({"height": 1.0, "options": FormOptions(rows=3)}, "four or more rows"),
+        ({"height": 1.0, "rows": 3}, "rows is 3"),
     ],
 )
 def test_impossible_forms_are_refused(arguments, message):
@@ -110,7 +106,7 @@ def test_a_plan_without_a_support_is_refused():
 
 def test_a_corner_of_the_plan_needs_a_column_of_the_net():
     with pytest.raises(InputError, match="odd number of columns"):
-        find_form(three_legged_plan(), height=1.0, options=FormOptions(columns=24))
+        find_form(three_legged_plan(), height=1.0, columns=24)
 
 
 @pytest.mark.parametrize(
@@ -124,7 +120,7 @@ def test_a_corner_of_the_plan_needs_a_column_of_the_net():
 )
 def test_a_net_has_densities_above_zero_and_enough_nodes(given, words):
     with pytest.raises(InputError, match=words):
-        FormOptions(**given)
+        find_form(rectangular_plan(2.0, 2.0), height=1.0, **given)
 
 
 def test_a_plan_held_on_one_side_carries_no_net():
