@@ -15,6 +15,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
@@ -48,7 +49,7 @@ class _Part:
         return self.problem.model.contacts.corner_count
 
 
-class PartSolver:
+class PartSolver(OneLine):
     """Checks connected parts of the stages of one structure.
 
     The parts that were used last are kept as problems; they do not travel to other processes.
@@ -63,6 +64,9 @@ class PartSolver:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return PartSolver, (self.structure,)
+
+    def _summary(self) -> str:
+        return repr(self.structure)
 
     def solve(
         self,
