@@ -90,10 +90,9 @@ class Answer(OfModel, OneLine, ABC):
         """Date and time at which it was made."""
         return dt.datetime.fromtimestamp(self.made).astimezone().strftime("%Y-%m-%d %H:%M")
 
-    @property
-    def plot(self) -> Chart | None:
-        """A chart that says more than a drawing of the blocks; a figure shows it instead."""
-        return None
+    def figure(self) -> Scene | Chart:
+        """What is drawn on paper: the same, unless something else says more."""
+        return self.layers()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON: the title, the numbers, the rows of each table, what was asked."""

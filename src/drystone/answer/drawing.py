@@ -36,11 +36,15 @@ def bare_scene(
     return Scene(assembly, found, (stage,), f"drystone: {count}", asked.facts())
 
 
+def enlargement(assembly: Assembly, motion: Floats) -> float:
+    """The factor by which a motion (n, 6) is scaled to be visible."""
+    largest = float(block_speed(assembly, motion).max(initial=0.0))
+    return PLAYED * float(np.median(assembly.size)) / largest if largest > 0.0 else 1.0
+
+
 def seen(assembly: Assembly, motion: Floats) -> Floats:
     """A motion (n, 6) whose size has no meaning, scaled to be visible."""
-    largest = float(block_speed(assembly, motion).max(initial=0.0))
-    size = float(np.median(assembly.size))
-    return motion * (PLAYED * size / largest) if largest > 0.0 else motion
+    return motion * enlargement(assembly, motion)
 
 
 def interface_layers(contacts: Contacts, shown: Bools | None = None) -> tuple[Layer, ...]:

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
+from drystone.answer.asked import directions
+from drystone.answer.drawing import state_of
 from drystone.base.arrays import Bools, Floats
-from drystone.base.display import OneLine
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.base.files import PathLike
 from drystone.base.settings import Options
 from drystone.base.table import Table
-from drystone.model import Model, OfModel
+from drystone.model import Model
 
 MOVED = 0.1
 """Travel of a block, by its size, from which on it has fallen. The contacts of the simulator
 are soft: what stands moves by a hundredth at most (docs/robots.md)."""
+
+_LISTED = 12
+"""Blocks that fell which are named."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,7 @@ class FallOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Film(OfModel, OneLine):
+class Film(Answer):
     """A simulated fall. It shows what may happen, and proves nothing.
 
     Attributes
@@ -107,29 +113,58 @@ class Film(OfModel, OneLine):
         why = f" ({self.stopped})" if self.stopped else ""
         return f"{counted(count, 'block')} fell in {seconds} {end}{why}"
 
+    @property
+    def title(self) -> str:
+        """What fell."""
+        return self.message[0].upper() + self.message[1:]
+
+    def sentences(self) -> Sequence[Sentence]:
+        """What fell, and that it proves nothing."""
+        names = [self.assembly.names[i] for i in np.flatnonzero(self.fell)]
+        said = [Sentence("FILM", Role.GOOD if self.lies else Role.UNSURE), Sentence(self.message)]
+        if names:
+            said.append(Sentence(f"fell: {named(names, _LISTED)}"))
+        return [*said, Sentence(f"simulated by {self.engine}; no verdict")]
+
+    def tables(self) -> Sequence[Table]:
+        """Where every block is at the end."""
+        return [self.table()]
+
     def table(self) -> Table:
         """Where every block is at the end."""
         last = self.positions[-1]
         columns: dict[str, Any] = {"block": list(self.assembly.names), "fell": self.fell}
-        columns |= {name: last[:, i] for i, name in enumerate(("dx", "dy", "dz"))}
-        columns |= {name: last[:, 3 + i] for i, name in enumerate(("rx", "ry", "rz"))}
-        units = dict.fromkeys(("dx", "dy", "dz"), "m") | dict.fromkeys(("rx", "ry", "rz"), "rad")
-        return Table("where the blocks lie", columns, units)
+        columns |= {"move": last[:, :3], "turn": last[:, 3:]}
+        return Table("blocks", columns, {"move": "m", "turn": "rad"})
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: what fell, and where it lies."""
-        names = self.assembly.names
+    def numbers(self) -> Mapping[str, Any]:
+        """How long it is, and what fell."""
         return {
             "message": self.message,
-            "seconds": float(self.time[-1]),
+            "seconds": self.time[-1],
             "frames": len(self.time),
             "lies": self.lies,
-            "fell": [names[i] for i in np.flatnonzero(self.fell).tolist()],
-            "blocks": self.table().to_dict()["rows"],
+            "fell": [self.assembly.names[i] for i in np.flatnonzero(self.fell)],
             "engine": self.engine,
             "stopped": self.stopped,
-            "time_s": dict(self.time_s),
+            "time_s": self.time_s,
         }
+
+    def layers(self) -> Scene:
+        """The film, in real time."""
+        state = state_of(self.assembly)
+        state[self.fell] = State.FALLING
+        _, gravity = directions(self.assembly, self.model.load)
+        message = "; ".join(["a simulated fall: no verdict", self.engine, *self.model.notes])
+        stage = SceneStage(
+            "film", self.title, message, state, motion=self.positions[-1], motion_name="Film",
+            path=self.positions if len(self) > 1 else None, seconds=float(self.time[-1]),
+            plays=True, up=-gravity, gravity=gravity,  # up across the ground on which they fall
+        )  # fmt: skip
+        return Scene(
+            self.assembly, self.contacts, (stage,), f"drystone: {self.message}",
+            self.asked.facts(), preset="solid",
+        )  # fmt: skip
 
     def save_glb(self, path: PathLike) -> None:
         """Write the film as an animated GLB; see ``drystone.io.glb_film.write_film``."""

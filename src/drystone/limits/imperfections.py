@@ -209,10 +209,9 @@ class StandingShare(Answer):
     def layers(self) -> Scene:
         """The model without imperfections."""
         scene = bare_scene(self.assembly, self.contacts, self.model)
-        return replace(scene, title=f"drystone: {self.title}", charts=(self.plot,))
+        return replace(scene, title=f"drystone: {self.title}", charts=(self.figure(),))
 
-    @property
-    def plot(self) -> Chart:
+    def figure(self) -> Chart:
         """The share that stands against the number of draws, with its interval."""
         table, marks = self.table(), []
         for row, ink in zip(self.by_loading(), ("accent", "bad", "good"), strict=False):

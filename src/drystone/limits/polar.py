@@ -168,10 +168,9 @@ class TiltSweep(Answer):
             )
             for one in scene.stages
         )
-        return replace(scene, stages=stages, charts=(self.plot, *scene.charts))
+        return replace(scene, stages=stages, charts=(self.figure(), *scene.charts))
 
-    @property
-    def plot(self) -> Chart:
+    def figure(self) -> Chart:
         """The largest tilt towards every direction, by both definitions."""
         closed = not self.missing
         inks = ((self.equilibrium, MarkKind.DASHED, "unsure", "some forces balance the loads"),

@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
+from drystone.answer import (
+    Answer,
+    Layer,
+    LayerKind,
+    Role,
+    Scene,
+    SceneStage,
+    Sentence,
+)
+from drystone.answer.drawing import areas, enlargement, seen, state_of
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, of_type
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.checks import block_speed, check_forces, corner_motion
+from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -52,7 +63,7 @@ class SupportResponseOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class SupportResponse(OneLine):
+class SupportResponse(Answer):
     """First-order answer to a motion of supports.
 
     Attributes
@@ -106,6 +117,149 @@ class SupportResponse(OneLine):
         if self.before.force is None or self.result.force is None:
             raise InputError("there are no forces to compare", remedy="see whether it stands")
         return self.result.resultants.force - self.before.resultants.force
+
+    @property
+    def model(self) -> Model:
+        """The model, with its supports in their places."""
+        return self.result.model
+
+    @property
+    def title(self) -> str:
+        """How many joints open."""
+        count = len(self.open_joints())
+        return f"Settled: {count} joint{'' if count == 1 else 's'} open{'s' if count == 1 else ''}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether it stands with its supports moved, what moved, and what opens and slides."""
+        result = self.result
+        word = "SETTLED" if result.stable else result.verdict.upper()
+        said = [Sentence(word, Role.of(result.verdict)), Sentence(result.message)]
+        for i in self._moved:
+            move, turn = np.split(self._motion[i], 2)
+            told = f"moved: {self.assembly.names[i]} by {_listed(move)} m"
+            told += f", turned by {_listed(np.rad2deg(turn))} degrees" if turn.any() else ""
+            said.append(Sentence(told))
+        if self._known:
+            for what, joints in (("open", self.open_joints()), ("slide", self.sliding_joints())):
+                said.append(Sentence(f"joints that {what}: {len(joints) or 'none'}"))
+        return said
+
+    @property
+    def _motion(self) -> Floats:
+        motion = self.load.motion
+        return np.zeros((len(self.assembly), 6)) if motion is None else motion
+
+    @property
+    def _moved(self) -> list[int]:
+        moved: list[int] = np.flatnonzero(np.abs(self._motion).max(axis=1)).tolist()
+        return moved
+
+    @property
+    def _known(self) -> bool:
+        return self.result.force is not None and self.before.force is not None
+
+    @property
+    def load(self) -> LoadCase:
+        """The load, with the motion of the supports."""
+        return self.model.load
+
+    def tables(self) -> Sequence[Table]:
+        """Joints that open and slide; forces of supports and joints before and after."""
+        if not self._known:
+            return []
+        contacts, names = self.contacts, np.array(self.assembly.names)
+        a, b = names[contacts.block_a], names[contacts.block_b]
+        made = []
+        for title, distance, where in (
+            ("open", self.opening, self.open_joints()),
+            ("sliding", self.slide, self.sliding_joints()),
+        ):
+            most = np.full(contacts.count, -np.inf)
+            np.maximum.at(most, contacts.interface, distance)
+            rows = where[np.argsort(-most[where])]
+            columns = {"block_a": a[rows], "block_b": b[rows], "interface": rows,
+                       "distance": most[rows]}  # fmt: skip
+            made.append(Table(title, columns, {"distance": "m"}))
+        fixed = np.flatnonzero(self.assembly.fixed)
+        was, now = support_forces(self.before)[fixed], support_forces(self.result)[fixed]
+        rows = np.argsort(-np.linalg.norm(now - was, axis=1))
+        columns = {"block": names[fixed][rows], "before": was[rows], "after": now[rows]}
+        made.append(Table("supports", columns, {"before": "N", "after": "N"}))
+        change = self.change()
+        rows = np.flatnonzero(self.model.active)
+        rows = rows[np.argsort(-np.linalg.norm(change[rows], axis=1))]
+        first, last = self.before.resultants, self.result.resultants
+        columns = {
+            "block_a": a[rows],
+            "block_b": b[rows],
+            "interface": rows,
+            "normal_before": first.normal[rows],
+            "normal": last.normal[rows],
+            "tangential_before": first.tangential[rows],
+            "tangential": last.tangential[rows],
+            "change": change[rows],
+        }
+        units = dict.fromkeys(list(columns)[3:], "N")
+        return [*made, Table("joints", columns, units)]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The verdict, and what moved."""
+        motion, names = self._motion, self.assembly.names
+        return {
+            "verdict": self.result.verdict,
+            "method": self.result.method,
+            "message": self.result.message,
+            "motion": [
+                {"block": names[i], "translation": motion[i, :3], "rotation": motion[i, 3:]}
+                for i in self._moved
+            ],
+            "residuals": self.result.residuals,
+        }
+
+    def layers(self) -> Scene:
+        """The forces before and after, and the motion, enlarged."""
+        after = self.result.stage("after")
+        if self.result.displacement is not None:
+            after = replace(
+                after,
+                headline=self.title,
+                message=f"{after.message}; the motion is enlarged",
+                motion=seen(self.assembly, self.result.displacement),
+                motion_name="Settlement, enlarged",
+                layers=(*after.layers, *self._openings()),
+            )
+        stages = after, self.before.stage("before")
+        title = f"drystone: {after.headline.lower()}"
+        return Scene(self.assembly, self.contacts, stages, title, self._facts())
+
+    def figure(self) -> Scene:
+        """The blocks moved, enlarged, so that it shows which joints open."""
+        motion = self.result.displacement
+        if motion is None:
+            return self.layers()
+        factor = enlargement(self.assembly, motion)
+        message = f"{self.result.message}; the motion is drawn {factor:.3g} times as large"
+        state = state_of(self.assembly)
+        stage = SceneStage("after", self.title, message, state, self.result.verdict)
+        moved, title = self.assembly.moved(factor * motion), f"drystone: {self.title.lower()}"
+        return Scene(moved, Contacts.empty(), (stage,), title, self._facts())
+
+    def _facts(self) -> dict[str, str]:
+        names = ", ".join(self.assembly.names[i] for i in self._moved)
+        told = f"{names}, by at most {self.size:.3g} m"
+        return {**self.asked.facts(), "Supports that move": told}
+
+    def _openings(self) -> tuple[Layer, ...]:
+        opens = np.isin(np.arange(self.contacts.count), self.open_joints())
+        gaps, _ = areas(self.contacts, opens)
+        if gaps is None:
+            return ()
+        label, kind = "joints that open", LayerKind.POLYGONS
+        return (Layer("opening", label, kind, "help", gaps.point, start=gaps.start),)
+
+
+def _listed(vector: Floats) -> str:
+    return ", ".join(f"{value + 0.0:g}" for value in vector)
 
 
 def support_forces(result: Result) -> Floats:

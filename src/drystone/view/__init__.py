@@ -3,7 +3,7 @@
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.figure import save_figure
-from drystone.view.paper.plots import save_chart, save_curve, save_front, save_gravity
+from drystone.view.paper.plots import save_chart, save_front, save_gravity
 from drystone.view.paper.report import save_report
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.mend_scenes import mended_scene
@@ -29,7 +29,6 @@ __all__ = [
     "page_text",
     "save_cad",
     "save_chart",
-    "save_curve",
     "save_figure",
     "save_front",
     "save_gravity",

@@ -41,12 +41,12 @@ def test_a_support_that_goes_down_opens_its_joint_and_the_others_carry(
         {"block": "b", "translation": [0.0, 0.0, -0.01], "rotation": [0.0, 0.0, 0.0]}
     ]
     (opened,) = told["open"]
-    assert opened["blocks"] == ["b", "beam"]
+    assert (opened["block_a"], opened["block_b"]) == ("b", "beam")
     assert opened["distance"] == pytest.approx(0.01, rel=1e-3)
     assert told["sliding"] == []
     assert given(told, "before") == pytest.approx({"a": 1 / 3, "b": 1 / 3, "c": 1 / 3}, abs=1e-6)
     assert given(told, "after") == pytest.approx({"a": 0.5, "b": 0.0, "c": 0.5}, abs=1e-6)
-    changes = {row["blocks"][0]: row["change"][2] / WEIGHT for row in told["joints"]}
+    changes = {row["block_a"]: row["change"][2] / WEIGHT for row in told["joints"]}
     assert changes == pytest.approx({"a": 1 / 6, "b": -1 / 3, "c": 1 / 6}, abs=1e-6)
 
 
@@ -97,7 +97,8 @@ def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
     assert figure.read_bytes()[:4] == b"\x89PNG"
     with joints.open(encoding="utf-8") as file:
         normal = [float(row["normal [N]"]) for row in csv.DictReader(file)]
-    assert normal == pytest.approx([row["normal"] for row in told["joints"]])
+    rows = sorted(told["joints"], key=lambda row: row["interface"])
+    assert normal == pytest.approx([row["normal"] for row in rows])
 
 
 def test_a_support_turns_by_degrees(tmp_path: Path, capsys: Capsys) -> None:
@@ -128,7 +129,7 @@ def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(
     assert ends == {"moving": "comes to rest", "resting": "falls"}
     (moved,) = (row for row in told["paths"][0]["blocks"] if row["block"] == "wedge")
     assert moved["travel"] == told["paths"][0]["travel"]
-    assert moved["move_y"] < 0.0
+    assert moved["move"][1] < 0.0
     assert "Undecided: falls with the ends" in page.read_text(encoding="utf-8")
     assert main(["settle", str(path), "--friction", "0.84"]) == 0
     out = capsys.readouterr().out
@@ -141,7 +142,7 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
     out, err = capsys.readouterr()
     assert err == ""
     assert out.startswith("SETTLED")
-    for words in ("moved: b by 0, 0, -0.01 m", "joints that open: 1", "b - beam", "joints that sl"):
+    for words in ("moved: b by 0, 0, -0.01 m", "joints that open: 1", "beam", "joints that sl"):
         assert words in out
 
 
@@ -173,5 +174,5 @@ def test_motions_that_cannot_be_used_are_one_line(
 
 def test_what_cannot_balance_has_exit_code_one(model: str, capsys: Capsys) -> None:
     code, told = answer(capsys, "settle", model, *DROP, "--seismic", "0.7,0")
-    assert (code, told["verdict"], told["joints"]) == (1, "undecided", [])
+    assert (code, told["verdict"], "joints" in told) == (1, "undecided", False)
     assert "balance" in told["message"]

@@ -160,7 +160,7 @@ def test_a_film_is_an_animated_glb(film: Film, tmp_path: Path) -> None:
 
 def test_a_film_is_a_table_plain_values_and_a_page(film: Film, tmp_path: Path) -> None:
     assert repr(film) == "Film(5 frames, '1 block fell in 1 s and lies')"
-    assert film.table()["dx"].tolist() == [0.0, 1.0]
+    assert film.table()["move"][:, 0].tolist() == [0.0, 1.0]
     assert json.loads(json.dumps(film.to_dict()))["fell"] == ["block-1"]
     drystone.save_page(film, tmp_path / "film.html")
     assert "no verdict" in (tmp_path / "film.html").read_text(encoding="utf-8")

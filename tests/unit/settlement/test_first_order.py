@@ -23,7 +23,6 @@ from drystone.settlement import (
     support_forces,
     support_response,
 )
-from drystone.view.scenes.settlement_scenes import moved_scene, settlement_scene
 from drystone.virtual import to_edge
 from tests.oracle import touching_faces
 
@@ -150,10 +149,10 @@ def test_joints_between_supports_neither_open_nor_slide() -> None:
 
 def test_a_settlement_is_drawn_with_its_joints_open() -> None:
     answer = settled(beam(), "b", (0.0, 0.0, -0.01))
-    scene = settlement_scene(answer)
+    scene = answer.layers()
     assert scene.stages[0].headline == "Settled: 1 joint opens"
     assert scene.stages[0].layers[-1].key == "opening"
-    moved = moved_scene(answer).assembly
+    moved = answer.figure().assembly
     fall = moved.centroid[:, 2] - beam().centroid[:, 2]
     assert fall[1] == pytest.approx(-0.3 * np.median(beam().size))
     assert fall[[0, 2]] == pytest.approx([0.0, 0.0])

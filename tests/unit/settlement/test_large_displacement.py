@@ -251,7 +251,7 @@ def test_it_is_a_table_a_frame_and_plain_values(short: LargeDisplacement, tmp_pa
     assert told["events"][0]["event"] == "slides"
     joints = short[-1].joints(short.assembly.names)
     assert joints["friction_use"][0] == pytest.approx(1.0, rel=1e-6)
-    drystone.view.save_curve(short, tmp_path / "curve.svg")
+    drystone.view.save_figure(short, tmp_path / "curve.svg")
     assert (tmp_path / "curve.svg").read_text(encoding="utf-8").startswith("<?xml")
     drystone.save_page(short, tmp_path / "page.html")
     assert "Load against displacement" in (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -271,7 +271,7 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert told["peak"] == pytest.approx(0.3, rel=1e-4)
     assert target.read_text(encoding="utf-8").startswith("displacement [m],load\n")
     assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
-    assert "sliding" in capsys.readouterr().out
+    assert "slides" in capsys.readouterr().out
     assert main(["push", file, "--lose-friction"]) == 1
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--gravity", "9,0,-9"]) == 1

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-from drystone.base.display import named
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import LISTED, Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
-    from drystone.base.files import Job
     from drystone.cli.base.told import Files
     from drystone.fall import Film
 
@@ -57,7 +54,7 @@ def fall(
         Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
     ] = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Simulate the fall with inertia and impacts, as a film; this gives no verdict.
 
     Exit code 0: every block is at rest at the end. 1: some still move. 3: MuJoCo is missing.
@@ -86,26 +83,11 @@ def fall(
         film = followed(model, motion, options=wanted, **common)
     if falls and not film.fell.any() and not film.stopped:
         notes.append(_JAMS)
-    data = {"model": subject.model, **film.to_dict()}
-    files = partial(_files, film, pictures, glb)
-    return Printed(data, partial(_show, data), 0 if film.lies else 1, notes, files)
+    return Told(film, notes=notes, files=partial(_files, film, pictures, glb))
 
 
 def _files(film: Film, pictures: Pictures, glb: Path | None) -> Files:
-    jobs: list[Job] = []
-    if pictures.html is not None:
-        from drystone.view import save_page  # work is imported when there is some
-
-        page = partial(save_page, film, section=pictures.section)
-        jobs.append((pictures.html, page))
+    jobs, said = pictures.of(film)
     if glb is not None:
         jobs.append((glb, film.save_glb))
-    return jobs, []
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    screen.line(str(data["model"]), "FILM", "bold")
-    screen.line(data["message"])
-    if data["fell"]:
-        screen.line(f"fell: {named(data['fell'], LISTED)}")
-    screen.line(f"simulated by {data['engine']}; no verdict")
+    return jobs, said

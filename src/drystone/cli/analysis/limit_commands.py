@@ -7,13 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli.analysis import large_answer
-from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds
 from drystone.cli.base.command import Argument, Option, command
-from drystone.cli.base.told import Printed, Told
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import Pictures
+from drystone.cli.base.written import Curves, Pictures
 from drystone.cli.inputs import loading
 from drystone.cli.inputs.model_input import Subject
 from drystone.cli.inputs.options import LimitSearch, TimeLimit, vector
@@ -213,7 +211,7 @@ def push(
     time_limit: TimeLimit = None,
     wanted: Curves,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Load against displacement, until the load is zero again: the displacement capacity.
 
     Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does
@@ -240,6 +238,4 @@ def push(
             case = loading.chosen_case(chosen, model.assembly, model.cases, subject.gravity)
             notes += case.notes
             found = pushed(model, case, to=to, options=options, **common)
-    stood = len(found.displacement) > 1
-    code = 0 if stood and found.capacity is not None else 1
-    return large_answer.answer(found, subject.model, notes, wanted, code)
+    return Told(found, notes=notes, files=partial(wanted.with_curve, found))

@@ -115,7 +115,7 @@ def _show(screen: Screen, answer: Answer, subject: str) -> None:
         screen.line(
             one.text, "note:" if one.role.value == "remark" else "", STYLE[one.role.value], " "
         )
-    for table in answer.tables():
+    for table in filter(len, answer.tables()):
         heads, rows = table.cells()
         named = len(rows) > 0 and isinstance(next(iter(table.columns.values()))[0], str)
         screen.line(f"{table.title.replace('_', ' ')}:")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drystone.cli.base.told import Files
     from drystone.results import Result
     from drystone.sequence import Plan
-    from drystone.settlement import Settlement, SupportResponse
+    from drystone.settlement import LargeDisplacement
     from drystone.view import Scene
 
 
@@ -73,7 +73,7 @@ class Pictures:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, subject: Answer | Settlement) -> Files:
+    def of(self, subject: Answer) -> Files:
         """The pictures of an answer."""
         if self.html is None and self.png is None:
             return [], []
@@ -82,6 +82,36 @@ class Pictures:
         page = partial(view.save_page, subject, section=self.section)
         figure = partial(view.save_figure, subject, section=self.section)
         return self.jobs(page, figure), []
+
+
+@dataclass(frozen=True)
+class Curves(Pictures):
+    """The page, the plot and the curve as numbers."""
+
+    curve: Annotated[
+        Path | None,
+        Option(
+            "Write the curve of load against displacement, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        apart([self.html, self.png, self.curve])
+        self.require_picture()
+
+    def with_curve(self, subject: LargeDisplacement) -> Files:
+        """The pictures of an answer, and its curve."""
+        jobs, said = self.of(subject)
+        if self.curve is None:
+            return jobs, said
+        if self.curve.suffix.lower() == ".csv":
+            return [*jobs, (self.curve, subject.table().to_csv)], said
+        from drystone.base.files import write_bytes  # work is imported when there is some
+
+        data = json.dumps(subject.to_dict()).encode("utf-8")
+        return [*jobs, (self.curve, partial(write_bytes, data=data))], said
 
 
 @dataclass(frozen=True)
@@ -119,7 +149,7 @@ class Written(Pictures):
         more, said = self.tables(result)
         return [*jobs, *self.for_cad(result), *more], said
 
-    def for_cad(self, subject: Result | SupportResponse | Settlement) -> list[Job]:
+    def for_cad(self, subject: Answer) -> list[Job]:
         """The file for CAD programs, where one is asked for."""
         return cad_jobs(self.cad, subject)
 
@@ -164,7 +194,7 @@ def refuse_missing(cad: Path | None) -> None:
         require("writing 3dm")
 
 
-def cad_jobs(path: Path | None, subject: Result | SupportResponse | Settlement | Plan) -> list[Job]:
+def cad_jobs(path: Path | None, subject: Answer | Plan) -> list[Job]:
     """The file for CAD programs, where one is asked for."""
     if path is None:
         return []

@@ -14,7 +14,6 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import End, LargeDisplacement
 from drystone.stability import check
-from drystone.view.scenes.settlement_scenes import moved_assembly
 
 FOLLOWED_KINDS = tuple(kind for kind in MendOptions().kinds if kind != "glue")
 """What glue still carries in a joint that has moved is not known."""
@@ -104,5 +103,5 @@ def moved_model(found: LargeDisplacement) -> Model:
     some = contacts.select(joint)
     pressing = replace(some, point=some.point[corner], interface=some.interface[corner])
     pressing = replace(pressing, area=pressing.corners.sum(pressing.tributary))
-    there = moved_assembly(model.assembly, last.positions)
+    there = model.assembly.moved(last.positions)
     return replace(model, assembly=there, contacts=pressing, report=None)

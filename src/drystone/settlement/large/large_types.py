@@ -3,17 +3,34 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from drystone.base.arrays import Floats
+from drystone.answer import (
+    Answer,
+    Layer,
+    LayerKind,
+    MarkerShape,
+    Role,
+    Scene,
+    SceneStage,
+    Sentence,
+    State,
+)
+from drystone.answer.asked import directions
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.drawing import interface_layers, state_of
+from drystone.base import units
+from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.table import Table
+from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.joints import (
     HINGED,
@@ -23,7 +40,7 @@ from drystone.joints import (
     resultants_of,
     utilisation_of,
 )
-from drystone.model import Model, OfModel
+from drystone.model import Model
 from drystone.settlement.settlement_types import SettlementOptions
 
 if TYPE_CHECKING:
@@ -31,6 +48,11 @@ if TYPE_CHECKING:
 
 CARRIES = 1e-3
 """Joints with less normal force than this share of the largest are neither hinges nor sliding."""
+
+SECONDS = 6.0
+"""Time [s] in which a page plays the states. Chosen."""
+FALLS = 0.1
+"""Of the largest motion of a block that falls: those that move more fall with it. Chosen."""
 
 
 class Drive(enum.Enum):
@@ -57,6 +79,18 @@ class End(enum.Enum):
     LOST = "no further position was found"
     STOPPED = "ended early"
     """Time was up, it was interrupted, or there were too many steps."""
+
+
+_NAMES = {
+    Drive.LOAD: "Push",
+    Drive.SUPPORTS: "Motion of the supports",
+    Drive.FRICTION: "Loss of friction",
+}
+_LABELS = {
+    Drive.LOAD: ("displacement of the load", "load factor"),
+    Drive.SUPPORTS: ("motion of the support", "force on the moving supports"),
+    Drive.FRICTION: ("largest displacement of a block", "share of the friction"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +155,7 @@ class LargeState(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class LargeDisplacement(OfModel, OneLine):
+class LargeDisplacement(Answer):
     """Blocks that were followed while something grew.
 
     What ``displacement`` and ``load`` are depends on what grows:
@@ -204,9 +238,9 @@ class LargeDisplacement(OfModel, OneLine):
 
     def table(self) -> Table:
         """The curve: displacement and load after every increment."""
-        units = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
+        named = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
         columns = {"displacement": self.displacement, "load": self.load}
-        return Table(f"load against displacement, {self.drive.value}", columns, units)
+        return Table(f"load against displacement, {self.drive.value}", columns, named)
 
     def events(self) -> Table:
         """When a joint becomes a hinge, slides, opens wholly or closes, among the states."""
@@ -232,32 +266,126 @@ class LargeDisplacement(OfModel, OneLine):
             "block_a": [names[a[i]] for i in joint],
             "block_b": [names[b[i]] for i in joint],
         }
-        units = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
-        return Table("hinges and slides", columns, units)
+        named = {"displacement": "m"} | ({"load": self.unit} if self.unit else {})
+        return Table("events", columns, named)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The curve as a data frame."""
         return self.table().to_pandas()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def title(self) -> str:
+        """How far it was followed, in words for a person."""
+        if self.drive is not Drive.SUPPORTS:
+            return f"{_NAMES[self.drive]}: {self.message}"
+        last, far = self.states[-1], units.quantity(float(self.displacement[-1]), "m")
+        if self.end is End.FALLS:
+            return f"Falls when the supports have moved by {far}"
+        if self.end is not End.REACHED:
+            return f"Not decided: followed until the supports had moved by {far}"
+        marks = [(len(last.hinges), "hinge"), (len(last.sliding), "sliding joint")]
+        told = " and ".join(counted(count, what) for count, what in marks if count)
+        return f"Stands with its supports moved by {far}{': ' if told else ''}{told}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Why it ends, and what was found."""
+        if self.drive is Drive.SUPPORTS:
+            good = self.end is End.REACHED
+        else:
+            good = self.capacity is not None and len(self.displacement) > 1
+        return [Sentence(self.end.value.upper(), Role.GOOD if good else Role.BAD),
+                Sentence(self.message)]  # fmt: skip
+
+    def tables(self) -> Sequence[Table]:
+        """When joints become hinges and slide."""
+        return [self.events()]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The curve, its peak and its end, and the positions of the blocks that move."""
+        names = self.assembly.names
+        moving = np.any([state.positions.any(axis=1) for state in self.states], axis=0)
         return {
-            "drive": self.drive.value,
-            "end": self.end.value,
+            "drive": self.drive,
+            "end": self.end,
             "message": self.message,
             "unit": self.unit,
             "peak": self.peak,
             "capacity": self.capacity,
             "stopped": self.stopped,
-            "curve": {"displacement": self.displacement.tolist(), "load": self.load.tolist()},
-            "events": self.events().to_dict()["rows"],
+            "curve": {"displacement": self.displacement, "load": self.load},
             "positions": {
                 "displacement": [state.displacement for state in self.states],
                 "blocks": {
-                    name: [state.positions[i].tolist() for state in self.states]
-                    for i, name in enumerate(self.assembly.names)
-                    if any(state.positions[i].any() for state in self.states)
+                    names[i]: [state.positions[i] for state in self.states]
+                    for i in np.flatnonzero(moving)
                 },
             },
-            "time_s": dict(self.time_s),
+            "time_s": self.time_s,
         }
+
+    @property
+    def falling(self) -> Bools:
+        """Which blocks (n,) fall at the end."""
+        falls = ~self.assembly.fixed
+        if self.fallen is None:
+            return falls & False
+        gone = block_speed(self.assembly, self.fallen.positions - self.states[-1].positions)
+        return falls & (gone > FALLS * float(gone.max()))
+
+    def layers(self) -> Scene:
+        """The states from first to last, and the fall where there is one."""
+        seen = (*self.states, *([] if self.fallen is None else [self.fallen]))
+        path = np.stack([one.positions for one in seen])
+        state = state_of(self.assembly)
+        state[self.falling] = State.FALLING
+        up, gravity = directions(self.assembly, self.model.load)
+        stage = SceneStage(
+            "all states", self.title, "; ".join([self.message, *self.model.notes]), state,
+            motion=path[-1], motion_name=_NAMES[self.drive], path=path if len(path) > 1 else None,
+            seconds=SECONDS, plays=True, up=up, gravity=gravity,
+            layers=(*interface_layers(self.contacts), *self._marks(self.states[-1])),
+        )  # fmt: skip
+        return Scene(
+            self.assembly, self.contacts, (stage,),
+            f"drystone: {self.title[0].lower()}{self.title[1:]}", self.asked.facts(),
+            charts=(self.figure(),), preset="solid",
+        )  # fmt: skip
+
+    def _marks(self, state: LargeState) -> tuple[Layer, ...]:
+        """Hinges and sliding joints of a state; they are where their second blocks carry them."""
+        made = []
+        for key, label, colour, shape, joints in (
+            ("hinges", "hinge: presses on one edge", "hinge", MarkerShape.DISC, state.hinges),
+            ("sliding", "friction is spent", "help", MarkerShape.DIAMOND, state.sliding),
+        ):
+            number = np.array(joints, dtype=np.intp)
+            if len(number):
+                block = state.contacts.block_b[number]
+                moved, turn = np.split(state.positions[block], 2, axis=1)
+                centroid = self.assembly.centroid[block]
+                arm = state.resultants.position[number] - centroid - moved
+                place = centroid + Rotation.from_rotvec(turn).inv().apply(arm)
+                layer = Layer(
+                    key, label, LayerKind.MARKERS, colour, place, block=block, shape=shape
+                )
+                made.append(layer)
+        return tuple(made)
+
+    def figure(self) -> Chart:
+        """The load against the displacement, with new hinges and slides."""
+        events, marks = self.events(), [Marks(MarkKind.LINE, self.displacement, self.load)]
+        for kind, label, ink, shape in (
+            ("hinge", "a joint becomes a hinge", "good", MarkKind.DISC),
+            ("slides", "a joint slides", "bad", MarkKind.DIAMOND),
+        ):
+            here = np.flatnonzero(events["event"] == kind)
+            if len(here):
+                at = events["displacement"][here], events["load"][here]
+                marks.append(Marks(shape, *at, ink, label))
+        known = self.capacity is not None and self.end is not End.LOST
+        lines = ((self.capacity, f"{self.capacity:.4g} m"),) if known and self.capacity else ()
+        across, up = _LABELS[self.drive]
+        return Chart(
+            "Load against displacement", tuple(marks), across, up, ("m", self.unit), self.message,
+            lines,
+        )  # fmt: skip

@@ -12,6 +12,7 @@ import numpy as np
 
 from drystone.answer import Answer
 from drystone.answer.asked import asked_line
+from drystone.answer.chart import Chart
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
@@ -124,9 +125,13 @@ def save_figure(
         raise InputError("size and dpi must be above zero")
     if not 0.0 <= explode < np.inf:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
-    if isinstance(subject, Answer) and subject.plot is not None:
-        return save_chart(subject.plot, path, title=Path(subject.asked.file).stem)
-    scene = scene_of(subject, contacts)
+    if isinstance(subject, Answer):
+        shown = subject.figure()
+        if isinstance(shown, Chart):
+            return save_chart(shown, path, title=Path(subject.asked.file).stem)
+        scene = scene_of(shown)
+    else:
+        scene = scene_of(subject, contacts)
     if section is not None:
         scene = cut_at(scene, section)
     if explode:

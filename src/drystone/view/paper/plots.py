@@ -8,7 +8,6 @@ import numpy as np
 
 from drystone.answer.chart import Chart, MarkKind
 from drystone.base.arrays import Bools, Floats
-from drystone.settlement import Drive, End
 from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
@@ -17,13 +16,7 @@ if TYPE_CHECKING:
 
     from drystone.design import Tuned
     from drystone.sequence import GravityRegion
-    from drystone.settlement import LargeDisplacement
 
-LABELS = {
-    Drive.LOAD: ("displacement of the load [m]", "load factor"),
-    Drive.SUPPORTS: ("motion of the support [m]", "force on the moving supports [N]"),
-    Drive.FRICTION: ("largest displacement of a block [m]", "share of the friction"),
-}
 _INCH = 4.2
 """Width of a disc [inches]. Chosen; the dots of all directions just touch."""
 _GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
@@ -78,32 +71,6 @@ def save_chart(chart: Chart, title: str) -> Figure:
         axes.set_ylabel("")
         axes.set_rlabel_position(67.5)
     if any(one.label for one in chart.marks):
-        axes.legend(frameon=False, fontsize=9)
-    return figure
-
-
-@saved_plot
-def save_curve(found: LargeDisplacement, title: str) -> Figure:
-    """Draw the load against the displacement, with new hinges and slides."""
-    colour = ROLE_COLOUR["light"]
-    figure, axes = _axes(f"{title}\n{found.message}".strip(), *LABELS[found.drive])
-    axes.plot(found.displacement, found.load, "-", color=colour["pressure"], linewidth=1.8)
-    events = found.events()
-    for kind, label, ink, shape in (
-        ("hinge", "a joint becomes a hinge", colour["hinge"], "o"),
-        ("slides", "a joint slides", colour["help"], "D"),
-    ):
-        here = np.flatnonzero(events["event"] == kind)
-        if len(here):
-            at = events["displacement"][here], events["load"][here]
-            axes.plot(*at, shape, color=ink, label=label, markersize=6)
-    if found.capacity is not None and found.end is not End.LOST:
-        axes.axvline(found.capacity, color=colour["edge"], linestyle=":", linewidth=1.2)
-        axes.annotate(
-            f"{found.capacity:.4g} m", (found.capacity, axes.get_ylim()[1]), fontsize=9,
-            ha="right", va="top", rotation=90, xytext=(-2, -4), textcoords="offset points",
-        )  # fmt: skip
-    if len(events):
         axes.legend(frameon=False, fontsize=9)
     return figure
 

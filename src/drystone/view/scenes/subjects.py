@@ -11,27 +11,12 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.fall import Film
 from drystone.model import Model
 from drystone.sequence import Plan, Scaffolding
-from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
-from drystone.view.scenes.large_scenes import film_scene, large_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scaffold_scenes import scaffold_scene
-from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
 
-Subject: TypeAlias = (
-    Answer
-    | Model
-    | Assembly
-    | Plan
-    | Scaffolding
-    | SupportResponse
-    | Settlement
-    | LargeDisplacement
-    | Film
-    | Scene
-)
+Subject: TypeAlias = Answer | Model | Assembly | Plan | Scaffolding | Scene
 
 
 def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
@@ -67,14 +52,6 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
             return plan_scene(subject)
         case Scaffolding():
             return scaffold_scene(subject)
-        case SupportResponse():
-            return settlement_scene(subject)
-        case LargeDisplacement():
-            return large_scene(subject)
-        case Film():
-            return film_scene(subject)
-        case Settlement():
-            return followed_scene(subject)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",
