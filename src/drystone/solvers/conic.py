@@ -130,8 +130,9 @@ def solve_conic(
         kinds.append(clarabel.NonnegativeConeT(cones.nonnegative))
     kinds.extend(clarabel.SecondOrderConeT(size) for size in cones.second_order)
     if isinstance(quadratic, np.ndarray):
-        place = np.arange(len(quadratic) + 1)
-        upper = sparse.csc_matrix((quadratic, place[:-1], place))
+        size = len(quadratic)
+        place = np.arange(size + 1)
+        upper = sparse.csc_matrix((quadratic, place[:-1], place), shape=(size, size))
     else:
         upper = sparse.csc_matrix(sparse.triu(quadratic))
     solver = clarabel.DefaultSolver(

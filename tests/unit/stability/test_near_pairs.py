@@ -2,7 +2,7 @@
 
 import pytest
 
-from drystone import Assembly, Model, Verdict, check
+from drystone import Assembly, Model, Verdict, check, solve_rbe
 from drystone.detection import DetectionOptions
 from drystone.detection.report.reasons import Reason
 from drystone.models import box, tower
@@ -70,3 +70,17 @@ def test_the_near_pairs_stay_with_a_part_of_the_model() -> None:
 @pytest.mark.parametrize("count", [2, 5])
 def test_blocks_that_touch_exactly_have_no_near_pairs(count: int) -> None:
     assert Model.of(tower(count)).unjoined == ()
+
+
+def test_equilibrium_is_not_denied_because_of_a_near_pair() -> None:
+    found = solve_rbe(above(0.02))
+    assert found.verdict is Verdict.UNDECIDED
+    assert "--gap 0.021" in found.message
+    assert solve_rbe(above(0.2)).verdict is Verdict.UNSTABLE
+
+
+def test_a_model_without_any_contact_has_no_equilibrium() -> None:
+    blocks = (box((1, 1, 1), name="low"), box((1, 1, 1), (0, 0, 5), name="high"))
+    found = solve_rbe(Assembly(blocks).with_fixed(["low"]))
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.falling_names == ("high",)

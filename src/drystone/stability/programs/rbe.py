@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -20,10 +21,12 @@ from drystone.formulations.equilibrium import (
 )
 from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import ConicProgram
 from drystone.solvers.threads import one_blas_thread
+from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     balanced,
@@ -193,7 +196,8 @@ def solve_rbe(
     -------
     Result
         EQUILIBRIUM_EXISTS with forces, or UNSTABLE with a checked mechanism and, in the penalised
-        form, the tension that would be needed.
+        form, the tension that would be needed. UNDECIDED where near pairs that were not joined
+        could hold it.
 
     Raises
     ------
@@ -210,8 +214,13 @@ def solve_rbe(
     del executor  # one program
     chosen = RBEOptions.of(options)
     clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
-    problem = Problem.build(as_model(given, **how))
+    ask = partial(_answer, chosen=chosen, clock=clock, progress=progress)
+    return unless_near_pairs_hold(ask(as_model(given, **how)), ask)
 
+
+def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress | None) -> Result:
+    """The answer on the contacts of a model."""
+    problem = Problem.build(model)
     if chosen.any_forces and problem.statics.dry and problem.statics.free_count:
         quick = _nearest(problem, chosen, clock)
         if quick is not None:

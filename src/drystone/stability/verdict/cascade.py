@@ -23,12 +23,12 @@ from drystone.stability.free_fall import (
     closing_blocks,
     unpressed,
 )
+from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
 from drystone.stability.stiffness_samples import TriedStiffnesses
 from drystone.stability.verdict.check_answers import Answers
 from drystone.stability.verdict.each_stiffness import EachStiffness
 from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE, Following
-from drystone.stability.verdict.near_pairs import unless_near_pairs_hold
 from drystone.stability.verdict.shims import with_shims
 
 UNBALANCED = "no contact forces can balance the loads"
