@@ -70,9 +70,7 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.check(shelf(), friction=0.9)
     yield from (
         drystone.diagnose(shelf(), friction=0.9),
-        design.Ballast(1, 10.0),
-        design.Glue((0,), 100.0),
-        design.JointTurn(0, 8.0),
+        design.Need(100.0, (0,)),
     )
     yield design.DiagnosisOptions(regions=3)
     few = design.MendOptions(kinds=("friction", "ballast"))

@@ -52,11 +52,9 @@ if TYPE_CHECKING:
     from drystone.design.mending import Mending as Mending
     from drystone.design.mending import mend as mend
     from drystone.design.mends import find_mends as find_mends
-    from drystone.design.missing import Ballast as Ballast
-    from drystone.design.missing import Glue as Glue
-    from drystone.design.missing import JointTurn as JointTurn
-    from drystone.design.missing import Needs as Needs
-    from drystone.design.missing import Pull as Pull
+    from drystone.design.needs import Need as Need
+    from drystone.design.needs import Needs as Needs
+    from drystone.design.needs import Pull as Pull
     from drystone.design.props import PropForce as PropForce
     from drystone.design.recuts import Recut as Recut
     from drystone.design.recuts import RecutJoint as RecutJoint
@@ -89,7 +87,7 @@ _NAMES = {
     "diagnosed": "Diagnosis Region",
     "diagnosis": "DiagnosisOptions diagnose",
     "joint_motion": "JointMotion JointState",
-    "missing": "Ballast Glue JointTurn Needs Pull",
+    "needs": "Need Needs Pull",
     "props": "PropForce",
     "bench": "Tried",
     "margin": "DesignMargin",

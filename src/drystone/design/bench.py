@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -12,12 +12,11 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
+from drystone.design.changes import Change, Surgery
 from drystone.design.diagnosed import Region
-from drystone.design.joint_changes import Change
-from drystone.design.margin import DesignMargin
-from drystone.design.missing import least
-from drystone.design.props import LARGE_REGION, quick_check
+from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check
 from drystone.design.regions import interfaces_of, local_model
+from drystone.design.search import least
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -33,46 +32,6 @@ is held by several props. Chosen: a cut takes a twentieth of a second, and each 
 
 _Near: TypeAlias = list[dict[int, Floats]] | None
 """Rest states of the last model that stood, in each case of the margin."""
-
-
-@dataclass(frozen=True, eq=False)
-class MendCandidate(OneLine):
-    """A change that holds a region in its local model.
-
-    Attributes
-    ----------
-    kind
-        See :data:`drystone.design.mend_kinds.KINDS`.
-    words
-        The change as text, from its value.
-    value
-        The least value that was found.
-    make
-        The change, from its value.
-    joints
-        Number of joints that are touched.
-    added
-        Number of things that are added.
-    most, close
-        Largest value that may be tried, and the accuracy of the least one; zero if there is nothing
-        to vary.
-    """
-
-    kind: str
-    words: Callable[[float], str]
-    value: float
-    make: Callable[[float], Change]
-    joints: int = 0
-    added: int = 0
-    most: float = 0.0
-    close: float = 0.0
-
-    @classmethod
-    def single(
-        cls, kind: str, words: str, value: float, make: Change, joints: int = 0, added: int = 0
-    ) -> MendCandidate:
-        """A change with nothing to vary."""
-        return cls(kind, lambda _: words, value, lambda _: make, joints, added)
 
 
 @dataclass(frozen=True)
@@ -138,10 +97,10 @@ class Bench:
         """Rest states for a search over one value; none in a small region."""
         return [] if len(self.own) > ALL else None
 
-    def stands(self, make: Change, near: _Near = None) -> bool:
+    def stands(self, make: Surgery, near: _Near = None, beyond: Sequence[int] = ()) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
-            changed = self.changed(make)
+            changed = self.changed(make, beyond)
         except InputError:
             return False
         return self.keeps_margin(changed, quick=True, near=near)
@@ -172,30 +131,45 @@ class Bench:
             raise Stopped
         return result
 
-    def changed(self, make: Change) -> Model:
-        """The local model after a change."""
-        return make(self.local, np.arange(len(self.blocks)), np.arange(len(self.interfaces)))
+    def changed(self, make: Surgery, beyond: Sequence[int] = ()) -> Model:
+        """The local model after a change, with blocks beyond the region where it uses them."""
+        local, count = self.local, len(self.blocks)
+        if beyond:
+            local = self.model.subset([*self.blocks.tolist(), *beyond])
+            local = local.with_supports(list(range(len(self.own), len(local))))
+        return make(local, np.arange(count), np.arange(len(self.interfaces)))
 
-    def least(
-        self,
-        make: Callable[[float], Change],
-        steps: Sequence[float],
-        width: float,
-        low: float = 0.0,
-    ) -> float | None:
-        """The least value of a change with which the local model stands, to an accuracy.
+    def least(self, change: Change, below: float = np.inf) -> float | None:
+        """The least value of a change with which the local model stands, below another one."""
+        near, steps = self.nearby(), change.steps
+        if np.isfinite(below):
+            steps = (*(x for x in steps if x < below), below - change.close)
 
-        No value below ``low`` is tried.
-        """
-        near = self.nearby()
-        for high in steps:
-            found = least(lambda value: self.stands(make(value), near), low, high, width)
-            if found is not None:
-                return found
-            low = high
-        return None
+        def stands(value: float) -> bool:
+            return self.stands(change.make(value), near, change.beyond)
 
-    def largest_forces(self, make: Change, count: int) -> tuple[Floats, Floats]:
+        return least(stands, steps, change.close, change.low)
+
+    def holding(
+        self, kind: str, changes: Sequence[Change], why: str
+    ) -> Iterator[tuple[Change, float]]:
+        """The changes that hold the region, with their least values; else why none does."""
+        held = False
+        for change in changes:
+            value = self.least(change)
+            if value is not None:
+                held = True
+                yield change, value
+        if not held:
+            self.fail(kind, why, *(one.make(one.steps[-1]) for one in changes))
+
+    def from_known(self, change: Change, known: float | None) -> list[Change]:
+        """The change from what a diagnosis found without a margin; none where it found nothing."""
+        if not self.as_diagnosed:
+            return [change]
+        return [] if known is None else [change.above(known)]
+
+    def largest_forces(self, make: Surgery, count: int) -> tuple[Floats, Floats]:
         """The largest force at the last joints of the local model after a change, at the margin.
 
         Returns
@@ -228,7 +202,7 @@ class Bench:
         """A joint as text: lower, upper or inner, and the other block."""
         return joint_name(self.local, self.own, interface)
 
-    def fail(self, kind: str, what: str, *nearest: Change) -> None:
+    def fail(self, kind: str, what: str, *nearest: Surgery) -> None:
         """Note a kind of mend that does not hold the region, and how close it came.
 
         Parameters
@@ -247,7 +221,7 @@ class Bench:
                 what += "; its load is then carried, but it is not at rest"
         self.tried.append(Tried(kind, what))
 
-    def _not_carried(self, make: Change) -> float | None:
+    def _not_carried(self, make: Surgery) -> float | None:
         """Share of the load of the region that nothing carries after a change, if it then falls."""
         try:
             changed = self.changed(make)

@@ -14,9 +14,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.design import words as diagnosis_words
 from drystone.design.joint_motion import JointState
-from drystone.design.missing import (
-    Needs,
-)
+from drystone.design.needs import Needs
 from drystone.model import Model
 from drystone.results import Result, Verdict
 
@@ -174,9 +172,18 @@ def _arrows(pairs: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
 
 
 def _plain_region(model: Model, region: Region) -> dict[str, Any]:
-    names, needs = model.assembly.names, region.needs
+    names, contacts, needs = model.assembly.names, model.contacts, region.needs
+
+    def joint(k: int) -> dict[str, Any]:
+        return {"interface": k, "blocks": [names[contacts.block_a[k]], names[contacts.block_b[k]]]}
+
+    def pressed(force: Floats, point: Floats) -> dict[str, Any]:
+        return {"force": force.tolist(), "point": point.tolist()}
+
+    ballast, turn = needs.ballast, needs.turn
+    blocks = [names[i] for i in region.blocks]
     return {
-        "blocks": [names[i] for i in region.blocks],
+        "blocks": blocks,
         "neighbours": [names[i] for i in region.neighbours],
         "verdict": region.verdict.value,
         "sentence": region.sentence,
@@ -197,54 +204,27 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
             for j in region.joints
         ],
         "needs": {
-            "prop": {"force": needs.force.tolist(), "point": needs.point.tolist()},
-            "wrench": dict(
-                zip([names[i] for i in region.blocks], needs.wrench.tolist(), strict=True)
-            ),
+            "prop": pressed(needs.force, needs.point),
+            "wrench": dict(zip(blocks, needs.wrench.tolist(), strict=True)),
             "supports": [
-                {
-                    "block": names[one.block],
-                    "force": one.force.tolist(),
-                    "point": one.point.tolist(),
-                }
+                {"block": names[one.block], **pressed(one.force, one.point)}
                 for one in needs.props.props
             ],
             "friction": needs.friction,
-            "ballast": None
-            if needs.ballast is None
-            else {"block": names[needs.ballast.block], "force": needs.ballast.force},
-            "turn": None
-            if needs.turn is None
-            else {
-                "interface": needs.turn.interface,
-                "blocks": [names[model.contacts.block_a[needs.turn.interface]],
-                           names[model.contacts.block_b[needs.turn.interface]]],
-                "degrees": needs.turn.angle,
-            },
+            "ballast": ballast and {"block": names[ballast.at[0]], "force": ballast.value},
+            "turn": turn and {**joint(turn.at[0]), "degrees": turn.value},
             "glue": [
-                {
-                    "joints": [
-                        {
-                            "interface": k,
-                            "blocks": [names[model.contacts.block_a[k]],
-                                       names[model.contacts.block_b[k]]],
-                        }
-                        for k in glue.interfaces
-                    ],
-                    "strength": glue.strength,
-                }
+                {"joints": [joint(k) for k in glue.at], "strength": glue.value}
                 for glue in needs.glue
             ],
             "tension": [
                 {
-                    "interface": p.interface,
-                    "blocks": [names[model.contacts.block_a[p.interface]],
-                               names[model.contacts.block_b[p.interface]]],
-                    "force": p.force,
-                    "point": p.point.tolist(),
-                    "stress": p.stress,
+                    **joint(one.interface),
+                    "force": one.force,
+                    "point": one.point.tolist(),
+                    "stress": one.stress,
                 }
-                for p in needs.pulls
+                for one in needs.pulls
             ],
         },
-    }  # fmt: skip
+    }

@@ -17,28 +17,10 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design import words as diagnosis_words
 from drystone.design.diagnosed import Diagnosis, Region
-from drystone.design.glue_needed import glue_needed
 from drystone.design.joint_motion import joint_states
-from drystone.design.missing import (
-    SEARCHED,
-    Glue,
-    Needs,
-    ballast_needed,
-    friction_needed,
-    one_force,
-    pulls_of,
-    turn_needed,
-)
+from drystone.design.margin import QUICK, quickly_stands
 from drystone.design.missing_wrenches import solve_alone, with_wrenches
-from drystone.design.props import (
-    LARGE_REGION,
-    QUICK,
-    SHARES,
-    SMALL_REGION,
-    PropSearch,
-    find_props,
-    quickly_stands,
-)
+from drystone.design.needs import Needs, one_force, pulls_of, search_needs
 from drystone.design.regions import interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -179,39 +161,14 @@ def _region(
         answer.force if answer.force is not None else answer.force_with_props,
     )
     force, point = one_force(model, blocks, wrench)
-    props = PropSearch((), "")
-    friction = ballast = turn = None
-    glue: tuple[Glue, ...] = ()
     between = np.flatnonzero(interfaces)
     pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
+    needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
     if options.needs and not alone.stable and not late():
-        few = SEARCHED if len(own) <= LARGE_REGION else SMALL_REGION
-        neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:few]
+        searched = search_needs(local, len(own), needs, motion[position], (position, between), late)
         with contextlib.suppress(Stopped):
-            shares = SHARES if len(own) <= SMALL_REGION else SHARES[:1]
-            found = find_props(local, own, motion[position], late, single=neediest, shares=shares)
-            held = [
-                replace(one, seat=replace(one.seat, block=blocks[one.block])) for one in found.props
-            ]
-            props = replace(found, props=tuple(held))
-            friction = friction_needed(local, late)
-            ballast = ballast_needed(local, own, late)
-            if ballast is not None:
-                ballast = replace(ballast, block=blocks[ballast.block])
-            if len(blocks) <= SMALL_REGION:
-                turn = turn_needed(local, late)
-            if turn is not None:
-                turn = replace(turn, interface=int(between[turn.interface]))
-            if len(blocks) <= LARGE_REGION:
-                inner = {int(whole): k for k, whole in enumerate(between)}
-                pulling = [(inner[pull.interface], pull.force) for pull in pulls]
-                glue = tuple(
-                    replace(one, interfaces=tuple(between[list(one.interfaces)].tolist()))
-                    for one in glue_needed(local, len(own), pulling, late)
-                )
-    needs = Needs(
-        frozen(wrench), frozen(force), frozen(point), props, pulls, glue, friction, ballast, turn
-    )
+            for found in searched:
+                needs = replace(needs, **found)
     return Region(
         blocks,
         tuple(position[len(blocks) :].tolist()),

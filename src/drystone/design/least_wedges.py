@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Stop
+from drystone.design.search import bracket
 
 
 def least_wedges(
@@ -101,24 +102,8 @@ def _taken_back(
 
     value = float(sharpness[joint])
     while value > 0.0 and not late() and holds(less := max(value - step, 0.0)):
-        value = less and least_value(holds, 0.0, less, 0.5 * close, late)
+        value = less and bracket(holds, 0.0, less, 0.5 * close, late)[1]
     return value
-
-
-def least_value(
-    stands: Callable[[float], bool], low: float, high: float, width: float, late: Stop
-) -> float:
-    """A value with which it stands, at most ``width`` above ``low`` or a value with which it falls.
-
-    It stands with ``high``; ``low`` is not tried.
-    """
-    while high - low > width and not late():
-        middle = 0.5 * (low + high)
-        if stands(middle):
-            high = middle
-        else:
-            low = middle
-    return high
 
 
 def _with(sharpness: Floats, joint: int, value: float) -> Floats:

@@ -1,4 +1,4 @@
-"""The safety margin with which a mended structure must stand."""
+"""Whether a model stands, for searches, and the safety margin with which it must."""
 
 from __future__ import annotations
 
@@ -9,13 +9,98 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
+from drystone.base.progress import Stopped
 from drystone.base.settings import Options
-from drystone.design.props import stands_evenly, stands_near
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check
-from drystone.stability.resting import stands_for_all
+from drystone.stability import CheckOptions, check, check_near
+from drystone.stability.resting import stands_for_all, try_rest
+from drystone.stability.screening import stage_screening
+
+SMALL_REGION = 4
+"""Largest number of blocks with which all places are tried; with more blocks only the middle of
+each face."""
+
+LARGE_REGION = 40
+"""Number of blocks of a region above which less is tried: each trial takes a second with 350."""
+
+QUICK = CheckOptions(samples=0, settle=False)
+"""One stiffness: if a model stands with it, it stands; the full check follows."""
+
+
+def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
+    """The check with one stiffness, for searches.
+
+    Raises
+    ------
+    Stopped
+        ``stop`` said so; what the check found by then says nothing.
+    """
+    result = check(model, options=QUICK, stop=stop)
+    if result.stopped:
+        raise Stopped
+    return result
+
+
+def quickly_stands(
+    model: Model,
+    stop: Callable[[], bool] | None = None,
+    near: dict[int, Floats] | None = None,
+) -> bool:
+    """Whether :func:`quick_check` finds a model to stand; without the proof where it falls.
+
+    Parameters
+    ----------
+    model
+    stop
+    near
+        Rest states of the last model that stood, among models with the same blocks; changed. For
+        large models: from there rest is found in a tenth of the time, and more often.
+
+    Raises
+    ------
+    Stopped
+        As there.
+    """
+    if near is None:
+        stands = stands_evenly(model, stop)
+    else:
+        stands = stands_near(model, near, samples=0, stop=stop)
+    if not stands and stop is not None and stop():
+        raise Stopped
+    return stands
+
+
+def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
+    """Whether a model stands with uniform stiffness, for searches.
+
+    Of few blocks the rest state is looked for as in the stages of a plan. In 176 trials on the
+    shelf one that stands was missed, and what falls took half of the time.
+    """
+    free = model.assembly.free.size
+    if free > SMALL_REGION:
+        return stands_for_all(model, samples=0, stop=stop)
+    levels = stage_screening(free)
+    return any(try_rest(model, screening=level, stop=stop).stable for level in levels)
+
+
+def stands_near(
+    model: Model,
+    near: dict[int, Floats],
+    *,
+    samples: int | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> bool:
+    """Whether a model stands for all contact stiffnesses, begun at rest states that it updates."""
+    count = CheckOptions().samples if samples is None else samples
+    options = CheckOptions(samples=count, settle=False, uniform=True)
+    result, rests = check_near(model, near, options=options, stop=stop)
+    stands = result.stable and result.samples.standing == result.samples.tried == count + 1
+    if stands:
+        near.update(rests)
+    return stands
+
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """The horizontal axes about which a structure is tilted."""

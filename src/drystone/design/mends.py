@@ -14,10 +14,9 @@ from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.diagnosis import diagnose
-from drystone.design.margin import DesignMargin
+from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.mend_types import Mend, MendOptions, Mends
-from drystone.design.props import QUICK
 from drystone.design.whole_check import mends_of_kind
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats
-from drystone.design.props import QUICK
+from drystone.design.margin import QUICK
 from drystone.formulations.corner_forces import (
     FrictionCone,
     add_contact_rows,

@@ -10,7 +10,6 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.joint_changes import interface_near
 from drystone.design.joint_cut import recut
 from drystone.design.joint_plane import JointPlane, joint_plane
 from drystone.design.joint_surgery import wedge_cut
@@ -85,8 +84,18 @@ class PlaneJoints(OneLine):
         tension = np.zeros(before.count)
         for i in np.flatnonzero(whole > 0.0).tolist():
             a, b = int(contacts.block_a[i]), int(contacts.block_b[i])
-            try:
-                tension[interface_near(self.model, a, b, contacts.centroid[i])] += whole[i]
-            except InputError:  # two blocks touch that did not touch before
-                continue
+            near = _interface_near(self.model, a, b, contacts.centroid[i])
+            if near is not None:  # else two blocks touch that did not touch before
+                tension[near] += whole[i]
         return tension
+
+
+def _interface_near(model: Model, one: int, other: int, centre: Floats) -> int | None:
+    """The interface between two blocks whose middle is nearest to a point (3,) [m]."""
+    contacts = model.contacts
+    ends = np.sort(np.stack([contacts.block_a, contacts.block_b], axis=1), axis=1)
+    some = np.flatnonzero((ends == sorted((one, other))).all(axis=1))
+    if not len(some):
+        return None
+    away = np.linalg.norm(contacts.centroid[some] - centre, axis=1)
+    return int(some[int(np.argmin(away))])

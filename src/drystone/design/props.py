@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, frozen
+from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.base.progress import Stopped
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
+from drystone.design.margin import LARGE_REGION, quick_check, quickly_stands
 from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
 from drystone.model import Model
-from drystone.results import Result
-from drystone.stability import CheckOptions, check, check_near
-from drystone.stability.resting import stands_for_all, try_rest
-from drystone.stability.screening import stage_screening
 
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
@@ -33,89 +29,6 @@ _AGAINST = 0.2
 
 SHARES = (0.0, 0.4, 0.7, -0.4, -0.7)
 """Places on a face, from its middle to its ends."""
-
-SMALL_REGION = 4
-"""Largest number of blocks with which all places are tried; with more blocks only the middle of
-each face."""
-
-LARGE_REGION = 40
-"""Number of blocks of a region above which less is tried: each trial takes a second with 350."""
-
-QUICK = CheckOptions(samples=0, settle=False)
-"""One stiffness: if a model stands with it, it stands; the full check follows."""
-
-
-def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
-    """The check with one stiffness, for searches.
-
-    Raises
-    ------
-    Stopped
-        ``stop`` said so; what the check found by then says nothing.
-    """
-    result = check(model, options=QUICK, stop=stop)
-    if result.stopped:
-        raise Stopped
-    return result
-
-
-def quickly_stands(
-    model: Model,
-    stop: Callable[[], bool] | None = None,
-    near: dict[int, Floats] | None = None,
-) -> bool:
-    """Whether :func:`quick_check` finds a model to stand; without the proof where it falls.
-
-    Parameters
-    ----------
-    model
-    stop
-    near
-        Rest states of the last model that stood, among models with the same blocks; changed. For
-        large models: from there rest is found in a tenth of the time, and more often.
-
-    Raises
-    ------
-    Stopped
-        As there.
-    """
-    if near is None:
-        stands = stands_evenly(model, stop)
-    else:
-        stands = stands_near(model, near, samples=0, stop=stop)
-    if not stands and stop is not None and stop():
-        raise Stopped
-    return stands
-
-
-def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
-    """Whether a model stands with uniform stiffness, for searches.
-
-    Of few blocks the rest state is looked for as in the stages of a plan. In 176 trials on the
-    shelf one that stands was missed, and what falls took half of the time.
-    """
-    free = model.assembly.free.size
-    if free > SMALL_REGION:
-        return stands_for_all(model, samples=0, stop=stop)
-    levels = stage_screening(free)
-    return any(try_rest(model, screening=level, stop=stop).stable for level in levels)
-
-
-def stands_near(
-    model: Model,
-    near: dict[int, Floats],
-    *,
-    samples: int | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> bool:
-    """Whether a model stands for all contact stiffnesses, begun at rest states that it updates."""
-    count = CheckOptions().samples if samples is None else samples
-    options = CheckOptions(samples=count, settle=False, uniform=True)
-    result, rests = check_near(model, near, options=options, stop=stop)
-    stands = result.stable and result.samples.standing == result.samples.tried == count + 1
-    if stands:
-        near.update(rests)
-    return stands
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +94,17 @@ class PropSearch(OneLine):
 
     props: tuple[PropForce, ...]
     tried: str
+
+    def renumbered(self, place: Ints) -> PropSearch:
+        """The same with blocks numbered as in another model, by their places (n,) in it."""
+        moved = [
+            replace(one, seat=replace(one.seat, block=int(place[one.block]))) for one in self.props
+        ]
+        return replace(self, props=tuple(moved))
+
+
+NO_PROPS = PropSearch((), "")
+"""No prop was looked for."""
 
 
 def seats(

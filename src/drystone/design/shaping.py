@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.design.search import bracket
 from drystone.design.shape_options import ShapeAim, Shaped, ShapeOptions
 from drystone.design.shape_search import ShapeSearch
 from drystone.design.shape_variables import ShapeVariables
@@ -157,10 +158,4 @@ def _largest(search: ShapeSearch, model: Model) -> float:
     while high < _STEEPEST and _stands(search, model, high):
         low, high = high, 2.0 * high
     high = min(high, _STEEPEST)
-    while high - low > CLOSE:
-        middle = 0.5 * (low + high)
-        if _stands(search, model, middle):
-            low = middle
-        else:
-            high = middle
-    return low
+    return bracket(lambda tilt: not _stands(search, model, tilt), low, high, CLOSE)[0]

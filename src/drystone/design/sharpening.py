@@ -17,10 +17,11 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed_model import ChangedStructure
 from drystone.design.joint_surgery import STEEPEST
-from drystone.design.least_wedges import least_value, least_wedges
+from drystone.design.least_wedges import least_wedges
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
 from drystone.design.plane_joints import PlaneJoints
+from drystone.design.search import bracket
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.stability import CheckOptions, check
@@ -281,7 +282,8 @@ class _Sharpening:
             self.tell("taking all wedges back", 0, 1)
             return self.holds(np.minimum(sharpness, most))
 
-        high = least_value(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
+        close = 0.5 * self.options.close
+        _, high = bracket(stands, 0.0, float(sharpness.max()), close, self.late)
         return np.minimum(sharpness, high)
 
     def holds(self, sharpness: Floats) -> bool:

@@ -11,7 +11,8 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
-from drystone.design.bench import Bench, MendCandidate, Tried, volume_changed
+from drystone.design.bench import Bench, Tried, volume_changed
+from drystone.design.changes import Change
 from drystone.design.diagnosed import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import MAKERS
@@ -43,8 +44,8 @@ def mends_of_kind(
     bench = Bench(model, motion, region, margin, keep, clock.late)
     made = []
     with contextlib.suppress(Stopped):
-        for candidate in MAKERS[kind](bench):
-            found = WholeCheck(model, bench, candidate, held).mend()
+        for change, value in MAKERS[kind](bench):
+            found = WholeCheck(model, bench, change, value, held).mend()
             if found is not None:
                 made.append(found)
     return made, bench.tried
@@ -68,12 +69,14 @@ class WholeCheck:
     Parameters
     ----------
     model, bench, candidate
+    value
+        The least one with which the region alone stands.
     held
         Blocks of other regions, which are held meanwhile.
     """
 
     def __init__(
-        self, model: Model, bench: Bench, candidate: MendCandidate, held: list[int]
+        self, model: Model, bench: Bench, candidate: Change, value: float, held: list[int]
     ) -> None:
         self.model = model
         self.bench = bench
@@ -83,7 +86,7 @@ class WholeCheck:
         # a large model that does not stand for all stiffnesses is not followed while it settles
         self.sieved = bench.margin.robust and self.near is not None
         self.why: dict[float, str] = {}
-        self.largest = candidate.value
+        self.least = self.largest = value
 
     def mend(self) -> Mend | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""
@@ -118,7 +121,7 @@ class WholeCheck:
 
     def _least(self) -> _Held | None:
         """The least value with which the structure stands."""
-        low = self.candidate.value
+        low = self.least
         # cheap first: what falls with uniform stiffness does not stand for all
         if self.sieved and not self._stands(low, quick=True):
             high = self._larger(low, quick=True)
@@ -133,7 +136,7 @@ class WholeCheck:
 
     def _falls(self) -> str:
         """Why no value holds the structure."""
-        first, why = self.candidate.value, self.why
+        first, why = self.least, self.why
         if first not in why:
             self._checked(first)
         what = f"{self.candidate.words(first)} holds the region, but of the whole: {why[first]}"
@@ -178,7 +181,7 @@ class WholeCheck:
 
     def _larger(self, low: float, *, quick: bool) -> float | None:
         """The least value above one that falls."""
-        most, close = self.candidate.most, self.candidate.close
+        most, close = self.candidate.steps[-1], self.candidate.close
         while low + close < most:
             high = top = min(2.0 * low + close, most)
             if self._stands(high, quick=quick):
@@ -197,7 +200,7 @@ class WholeCheck:
 
         A large structure is followed at that value only.
         """
-        most, close = self.candidate.most, self.candidate.close
+        most, close = self.candidate.steps[-1], self.candidate.close
         if not self.bench.margin.robust:
             return None
         if self.sieved:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.design.joint_motion import JointMotion, JointState
-from drystone.design.missing import Needs
 from drystone.model import Model
 from drystone.results import Result
+
+if TYPE_CHECKING:
+    from drystone.design.needs import Needs
 
 _NAMED = 4
 """Number of blocks of a region that are named. Chosen. The others are counted."""
@@ -219,12 +222,12 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
-        name = model.assembly.names[needs.ballast.block]
-        ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
+        name = model.assembly.names[needs.ballast.at[0]]
+        ways.append(f"a weight of {newtons(needs.ballast.value)} on '{name}'")
     if needs.turn is not None:
-        name = joint_name(model, blocks, needs.turn.interface)
-        ways.append(f"{name} turned by {_rounded_up(needs.turn.angle, 2):g} degrees")
+        name = joint_name(model, blocks, needs.turn.at[0])
+        ways.append(f"{name} turned by {_rounded_up(needs.turn.value, 2):g} degrees")
     if needs.glue:
-        ways.append(glue_words(model, needs.glue[0].interfaces, needs.glue[0].strength))
+        ways.append(glue_words(model, needs.glue[0].at, needs.glue[0].value))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""
     return "; ".join(part for part in (missing, hold) if part)

@@ -125,8 +125,8 @@ def test_both_pieces_of_the_shelf_that_fall_are_named_with_their_cause(fallen: D
     needs = found.regions[1].needs
     assert needs.friction == pytest.approx(np.tan(np.deg2rad(50.08)), rel=0.012)
     assert needs.turn is not None
-    assert needs.turn.angle == pytest.approx(50.08 - np.rad2deg(np.arctan(0.9)), abs=0.1)
-    assert found.model.contacts[needs.turn.interface].blocks == (8, 10)
+    assert needs.turn.value == pytest.approx(50.08 - np.rad2deg(np.arctan(0.9)), abs=0.1)
+    assert found.model.contacts[needs.turn.at[0]].blocks == (8, 10)
     assert "the lower joint, with 'block-8', turned by 8.1 degrees" in found.reasons[1]
 
 

@@ -24,7 +24,7 @@ from drystone.design import (
     turn_joint,
     wedge_joint,
 )
-from drystone.design.added_mends import tied
+from drystone.design.changes import tied
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.glue import cut_cell, glue
 from drystone.joint_capacity import NO_LIMIT, JointCapacity

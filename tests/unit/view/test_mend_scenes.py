@@ -11,9 +11,7 @@ import drystone
 from drystone.answer.asked import asked_line
 from drystone.checks import corner_motion
 from drystone.design import DiagnosisOptions
-from drystone.design.added_mends import tied
-from drystone.design.glue_needed import glued
-from drystone.design.missing import ballasted
+from drystone.design.changes import ballasted, glued, tied
 from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Origin

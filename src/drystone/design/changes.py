@@ -1,0 +1,280 @@
+"""Changes of a region: what each makes of a model, its values, its cost and its words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.assembly import Block
+from drystone.base.arrays import Ints
+from drystone.base.display import OneLine
+from drystone.contacts import Contacts, joined_contacts
+from drystone.design.block_surgery import insert_block
+from drystone.design.changed_model import acceleration_of
+from drystone.design.joint_cut import JointRecut, recut
+from drystone.design.joint_plane import joint_plane
+from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
+from drystone.design.props import HEAD, PropSeat, with_props
+from drystone.design.words import friction_words, glue_words
+from drystone.geometry.frames import frames_from_normals
+from drystone.joint_capacity import JointCapacity
+from drystone.model import Model
+
+ROUGHEST = 4.0
+"""Largest tried friction coefficient. Chosen: it corresponds to 76 degrees, where a joint acts like
+a key."""
+
+HEAVIEST = 10.0
+"""Largest tried ballast, relative to the weight of the region. Chosen."""
+
+STRONGEST = 10.0
+"""Largest tried strength of glue in one joint, relative to the weight of the region; of the same
+glue in all joints that pull, relative to the largest pull there. Chosen."""
+
+FRICTION = 0.01
+"""Width at which the search for a friction coefficient ends. Chosen: friction is hardly ever known
+better."""
+
+_JOINTS = {
+    "turn": ((5.0, 15.0, 35.0), 0.05),
+    "wedge": ((5.0, 10.0, 25.0, 45.0), 0.25),
+    "let-in": ((0.1, 0.25, 0.5, 1.0), 0.01),
+}
+"""Values that are tried before the least one is searched, and its width: [degrees], or relative to
+the width of the joint. Chosen. A very small wedge locks rigid blocks, but not real ones, so none
+below the first value is tried, and no smaller step."""
+
+_GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
+"""Strengths of glue that are tried before the least one is searched, by the largest one."""
+
+_BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, HEAVIEST)
+"""Weights that are tried before the least one is searched, by that of the region."""
+
+_POINT = 0.01
+"""Size of the corners of a tie by its own, chosen."""
+
+Surgery: TypeAlias = Callable[[Model, Ints, Ints], Model]
+"""What a change makes of a model that has a region: its blocks and its interfaces are given by
+their positions in that model."""
+
+
+@dataclass(frozen=True, eq=False)
+class Change(OneLine):
+    """A change of a region by a value.
+
+    Attributes
+    ----------
+    kind
+        See :data:`drystone.design.mend_kinds.KINDS`.
+    make
+        The change, from its value.
+    words
+        The same as text.
+    steps
+        Rising values that are tried before the least one is searched. The last one is the largest;
+        one alone is not varied.
+    close
+        Accuracy of the least value; a hundredth of it when zero.
+    low
+        No value below this one is tried.
+    joints
+        Number of joints that are touched.
+    added
+        Number of things that are added.
+    beyond
+        Blocks of the whole model, that the region does not touch, of which the change makes use.
+    """
+
+    kind: str
+    make: Callable[[float], Surgery]
+    words: Callable[[float], str]
+    steps: tuple[float, ...]
+    close: float = 0.0
+    low: float = 0.0
+    joints: int = 0
+    added: int = 0
+    beyond: tuple[int, ...] = ()
+
+    @classmethod
+    def single(
+        cls,
+        kind: str,
+        make: Surgery,
+        words: str,
+        value: float = 0.0,
+        joints: int = 0,
+        added: int = 0,
+    ) -> Change:
+        """A change with nothing to vary."""
+        same = (value,)
+        return cls(kind, lambda _: make, lambda _: words, same, 0.0, value, joints, added)
+
+    def above(self, known: float) -> Change:
+        """The same from a value on that is known to be the least, or lower than that."""
+        low = max(self.low, known - self.close)
+        return replace(self, low=low, steps=(known, *(x for x in self.steps if x > known)))
+
+
+def friction_change(model: Model, group: Sequence[int], where: str) -> Change:
+    """The least friction coefficient of some joints."""
+
+    def make(value: float, model: Model, _: Ints, interfaces: Ints) -> Model:
+        friction = np.array(model.contacts.friction)
+        at = interfaces[list(group)]
+        friction[at] = np.maximum(friction[at], value)
+        return model.with_friction(friction)
+
+    own = float(model.contacts.friction[list(group)].min())
+    low = FRICTION * float(np.floor(own / FRICTION))
+    steps = tuple(x for x in (1.0, 2.0, ROUGHEST) if x > low)
+    words = partial(friction_words, where)
+    return Change("friction", lambda x: partial(make, x), words, steps, FRICTION, low, len(group))
+
+
+def joint_change(
+    model: Model, kind: str, group: Sequence[int], side: float, name: str = ""
+) -> Change:
+    """Joints turned, made wedges or let in to one side, by [degrees] or [m].
+
+    Raises
+    ------
+    InputError
+        One of them has no area, or is not convex.
+    """
+
+    def cut(model: Model, k: int, value: float) -> JointRecut:
+        joint = joint_plane(model, k)
+        if kind == "turn":
+            return turn_cut(joint, side * value, pivot=still_edge(model, k, side))
+        return (wedge_cut if kind == "wedge" else move_cut)(joint, side * value)
+
+    def make(value: float, model: Model, _: Ints, interfaces: Ints) -> Model:
+        return recut(model, [cut(model, int(k), value) for k in interfaces[list(group)]])
+
+    words = {
+        "turn": lambda value: f"{name} turned by {value:.2f} degrees",
+        "wedge": lambda value: f"{name} made a wedge of {value:.1f} degrees",
+        "let-in": lambda value: f"{name} let in by {1e3 * value:.0f} mm",
+    }[kind]
+    width = 1.0
+    steps, close = _JOINTS[kind]
+    planes = [joint_plane(model, k) for k in group]
+    if kind == "let-in":
+        width = min(float(np.ptp(joint.reach(joint.frame[2]))) for joint in planes)
+    steps = tuple(width * step for step in steps)
+    low = 0.0 if kind == "turn" else steps[0]
+    return Change(kind, lambda x: partial(make, x), words, steps, width * close, low, len(group))
+
+
+def glue_changes(
+    model: Model, count: int, pulling: Sequence[tuple[int, float]], few: int
+) -> dict[tuple[int, ...], Change]:
+    """Glue in the joints of two blocks each; in a region of more than a few in all that pull.
+
+    Parameters
+    ----------
+    model
+        Local.
+    count
+        Number of blocks of the region, the first ones of the model.
+    pulling
+        The interfaces that pull, and their forces [N].
+    few
+    """
+
+    def make(joints: tuple[int, ...], strength: float, model: Model, _: Ints, at: Ints) -> Model:
+        return glued(model, at[list(joints)], strength)
+
+    contacts = model.contacts
+    if count <= few:
+        weight = float(np.linalg.norm(model.load.wrench[:count, :3].sum(axis=0)))
+        pairs = list(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
+        groups = [
+            tuple(k for k, one in enumerate(pairs) if one == pair) for pair in dict.fromkeys(pairs)
+        ]
+        most, close = STRONGEST * weight, 0.01 * weight
+    elif pulling:
+        groups = [tuple(k for k, _ in pulling)]
+        largest = max(force for _, force in pulling)
+        # each trial of a large region takes a second
+        most, close = STRONGEST * largest, (0.1 if count > 10 * few else 0.02) * largest
+    else:
+        return {}
+    steps = tuple(share * most for share in _GLUE_SHARES)
+    return {
+        joints: Change(
+            "glue", lambda x, joints=joints: partial(make, joints, x),  # type: ignore[misc]
+            partial(glue_words, model, joints), steps, close, 0.0, len(joints), len(joints),
+        )
+        for joints in groups
+    }  # fmt: skip
+
+
+def ballast_change(model: Model, count: int, block: int) -> Change:
+    """The least weight [N] on a block of a region: the first blocks of a local model."""
+
+    def make(weight: float, model: Model, blocks: Ints, _: Ints) -> Model:
+        return ballasted(model, int(blocks[block]), weight)
+
+    own = float(model.assembly.mass[:count].sum() * np.linalg.norm(acceleration_of(model)))
+    steps = tuple(share * own for share in _BALLAST_SHARES)
+    return Change("ballast", lambda x: partial(make, x), "{:.3g} N".format, steps, added=1)
+
+
+def glued(model: Model, joints: Ints, strength: float) -> Model:
+    """The model with glue in some joints, each of a strength [N] against pull and against shear."""
+    before = model.contacts.capacity or JointCapacity.of(model.contacts)
+    tension, cohesion = np.array(before.tension), np.array(before.cohesion)
+    tension[joints] = np.maximum(tension[joints], strength)
+    cohesion[joints] = np.maximum(cohesion[joints], strength)
+    return model.with_capacity(JointCapacity(tension, cohesion, before.shear))
+
+
+def ballasted(model: Model, block: int, weight: float) -> Model:
+    """The model with an additional weight [N] at the centroid of a block."""
+    down = acceleration_of(model)
+    wrench = np.array(model.load.wrench)
+    wrench[block, :3] += weight * down / np.linalg.norm(down)
+    name = f"{model.load.name} + {weight:.3g} N on {model.assembly.names[block]}"
+    return model.with_load(replace(model.load, wrench=wrench, name=name))
+
+
+def tied(model: Model, block: int, other: int) -> Model:
+    """The model with a tie from the centroid of a block to that of another one.
+
+    It is a joint without friction that presses the block towards the other one. It has the area of
+    the head of a prop, drawn together to a point at the centroid, so that it resists no turn.
+    """
+    centroid = model.assembly.centroid
+    along = centroid[other] - centroid[block]
+    frame = frames_from_normals((along / np.linalg.norm(along))[None])
+    half = 0.5 * HEAD * float(model.assembly.size[block])
+    square = _POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    plate = Contacts(
+        np.array([other]),
+        np.array([block]),
+        frame,
+        np.array([4.0 * half**2]),
+        np.zeros(1),
+        centroid[block] + square @ frame[0, 1:],
+        np.zeros(4, dtype=np.intp),
+    )
+    return model.with_contacts(joined_contacts(model.contacts, plate))
+
+
+def props_at(chosen: Sequence[PropSeat]) -> Surgery:
+    """Props against blocks of a region."""
+
+    def make(model: Model, blocks: Ints, _: Ints) -> Model:
+        return with_props(model, [replace(one, block=int(blocks[one.block])) for one in chosen])
+
+    return make
+
+
+def block_added(body: Block) -> Surgery:
+    """A free block more."""
+    return lambda model, *_: insert_block(model, body)

@@ -1,0 +1,266 @@
+"""What falling blocks need, as numbers: the least change of each kind with which they stand."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.design.changed_model import acceleration_of
+from drystone.design.changes import (
+    FRICTION,
+    Change,
+    Surgery,
+    ballast_change,
+    friction_change,
+    glue_changes,
+    joint_change,
+)
+from drystone.design.margin import LARGE_REGION, SMALL_REGION, quickly_stands
+from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props
+from drystone.design.search import least
+from drystone.geometry.solid import crossings
+from drystone.geometry.triangulate import triangulate
+from drystone.model import Model
+from drystone.results import Result
+
+SEARCHED = 12
+"""Number of blocks of a region for which a prop is tried, those with the largest need first; fewer
+in a large region. In a region of more blocks no ballast is tried: a weight on one of them hardly
+ever holds it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pull(OneLine):
+    """Tension that a joint would carry if it were glued.
+
+    Attributes
+    ----------
+    interface
+    force : [N]
+        Sum over its corners.
+    point : (3,) [m]
+        Where it acts.
+    stress : [Pa]
+        Force by area.
+    """
+
+    interface: int
+    force: float
+    point: Floats
+    stress: float
+
+
+@dataclass(frozen=True, eq=False)
+class Need(OneLine):
+    """The least change of a kind with which a region stands.
+
+    Attributes
+    ----------
+    value
+        A weight or the strength of glue [N], or the turn of a joint [degrees], without a sign. Each
+        glued joint carries this pull and this shear, spread over its area.
+    at
+        The block that is weighted, or the interfaces that are glued or turned.
+    """
+
+    value: float
+    at: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Needs(OneLine):
+    """Help with which a region would stand; ``None`` if not found.
+
+    Blocks and interfaces are those of the whole model.
+
+    Attributes
+    ----------
+    wrench : (r, 6) [N, N m]
+        The wrench that would hold each block of the region, about its centroid.
+    force, point : (3,) [N], (3,) [m]
+        The same as one force, and its point of action.
+    pulls
+        The joints in tension if all were glued without limit, the largest tension first.
+    props
+        The prop with the least force, else a few that hold it together; and what was tried.
+    friction
+        Least coefficient of the joints of the region.
+    ballast
+        The least weight on one block.
+    turn
+        The least turn of one joint about one of its edges.
+    glue
+        Glue alone with which it stands, the least strength first: in the joints of two blocks each,
+        or for regions of more than four blocks in all joints that pull, up to forty blocks.
+    """
+
+    wrench: Floats
+    force: Floats
+    point: Floats
+    pulls: tuple[Pull, ...]
+    props: PropSearch = NO_PROPS
+    friction: float | None = None
+    ballast: Need | None = None
+    turn: Need | None = None
+    glue: tuple[Need, ...] = ()
+
+
+def search_needs(
+    local: Model,
+    count: int,
+    needs: Needs,
+    motion: Floats,
+    place: tuple[Ints, Ints],
+    late: Callable[[], bool],
+) -> Iterator[dict[str, Any]]:
+    """The needs of a region, one after the other, as fields of :class:`Needs`.
+
+    Parameters
+    ----------
+    local
+        The model of the region alone.
+    count
+        Number of its blocks, the first ones of the model.
+    needs
+        What is known of them.
+    motion : (l, 6)
+        First motion of the blocks of the local model.
+    place : (l,), (m,)
+        Its blocks and its interfaces in the whole model.
+    late
+
+    Raises
+    ------
+    Stopped
+    """
+    blocks, between = place
+    own = range(count)
+    every = np.arange(len(local)), np.arange(local.contacts.count)
+
+    def stands(make: Surgery, near: dict[int, Floats] | None = None) -> bool:
+        try:
+            made = make(local, *every)
+        except InputError:  # a face would be swallowed
+            return False
+        return quickly_stands(made, late, near)
+
+    few = SEARCHED if count <= LARGE_REGION else SMALL_REGION
+    neediest = sorted(own, key=lambda i: -float(np.linalg.norm(needs.wrench[i, :3])))[:few]
+    shares = SHARES if count <= SMALL_REGION else SHARES[:1]
+    found = find_props(local, own, motion, late, single=neediest, shares=shares)
+    yield {"props": found.renumbered(blocks)}
+    if local.contacts.count:
+        rough = friction_change(local, every[1].tolist(), "")
+        near: dict[int, Floats] | None = {} if len(local) > LARGE_REGION else None
+        value = least(lambda x: stands(rough.make(x), near), rough.steps, FRICTION, rough.low)
+        yield {"friction": None if value is None else round(value, 6)}
+    if count <= SEARCHED and acceleration_of(local).any():
+        weights = [(i, ballast_change(local, count, i)) for i in own]
+        yield {"ballast": _smallest(weights, stands, blocks)}
+    if count <= SMALL_REGION:
+        turns = []
+        for k in every[1].tolist():
+            for side in (1.0, -1.0):
+                with contextlib.suppress(InputError):
+                    turns.append((k, joint_change(local, "turn", [k], side)))
+        yield {"turn": _smallest(turns, stands, between)}
+    if count <= LARGE_REGION:
+        inner = {int(whole): k for k, whole in enumerate(between)}
+        pulling = [(inner[pull.interface], pull.force) for pull in needs.pulls]
+        glue = []
+        for joints, change in glue_changes(local, count, pulling, SMALL_REGION).items():
+            most = change.steps[-1:]
+            value = least(partial(_after, stands, change), most, change.close)
+            if value is not None:
+                glue.append(Need(value, tuple(between[list(joints)].tolist())))
+        yield {"glue": tuple(sorted(glue, key=lambda one: one.value))}
+
+
+def _after(stands: Callable[[Surgery], bool], change: Change, value: float) -> bool:
+    return stands(change.make(value))
+
+
+def _smallest(
+    changes: Sequence[tuple[int, Change]], stands: Callable[[Surgery], bool], place: Ints
+) -> Need | None:
+    """The smallest of the least values of some changes, each of a block or of a joint."""
+    best: Need | None = None
+    for at, change in changes:
+        steps = change.steps
+        if best is not None:
+            steps = (*(x for x in steps if x < best.value), best.value)
+        value = least(partial(_after, stands, change), steps, change.close)
+        if value is not None and (best is None or value < best.value):
+            best = Need(value, (int(place[at]),))
+    return best
+
+
+def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
+    """The joints of a glued structure in tension, the largest tension first.
+
+    Parameters
+    ----------
+    glued
+        A penalty result.
+    interfaces : (m,)
+        Positions of its interfaces in the whole model.
+    """
+    contacts, tension = glued.contacts, glued.tension
+    if tension is None or not contacts.count:
+        return ()
+    total = np.bincount(contacts.interface, tension, minlength=contacts.count)
+    pulls = []
+    for i in np.argsort(-total):
+        if total[i] <= 1e-3 * total.max() or total[i] <= 0.0:
+            break
+        corners = slice(contacts.start[i], contacts.start[i + 1])
+        point = tension[corners] @ contacts.point[corners] / total[i]
+        area = float(contacts.area[i])
+        stress = float(total[i]) / area if area > 0.0 else np.inf
+        pulls.append(Pull(int(interfaces[i]), float(total[i]), frozen(point), stress))
+    return tuple(pulls)
+
+
+def one_force(model: Model, blocks: tuple[int, ...], wrench: Floats) -> tuple[Floats, Floats]:
+    """The sum of wrenches on some blocks as one force (3,) [N], and its point of action (3,) [m].
+
+    The point is where the line of action enters the blocks, or the point of the line nearest to the
+    centroid if the line misses the blocks.
+    """
+    centroid = model.assembly.centroid[list(blocks)]
+    middle = centroid.mean(axis=0)
+    force: Floats = wrench[:, :3].sum(axis=0)
+    moment = wrench[:, 3:].sum(axis=0) + np.cross(centroid - middle, wrench[:, :3]).sum(axis=0)
+    square = float(force @ force)
+    if square == 0.0:
+        return force, middle
+    at = middle + np.cross(force, moment) / square
+    along = force / np.sqrt(square)
+    best = np.inf
+    for i in blocks:
+        body = model.assembly.blocks[i]
+        best = min(best, _entry(body.vertices, body.faces, at, along))
+    point: Floats = at + (best if np.isfinite(best) else 0.0) * along
+    return force, point
+
+
+def _entry(
+    vertices: Floats, faces: tuple[tuple[int, ...], ...], at: Floats, along: Floats
+) -> float:
+    """Position along a line at which it enters a body; infinite if it misses the body."""
+    reach = 2.0 * float(np.linalg.norm(vertices - at, axis=1).max())
+    loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
+    ends = np.cumsum([0, *(len(face) for face in faces)]).astype(np.intp)
+    corner = vertices[loop][triangulate(vertices[loop], ends)[0]]
+    start, end = at - reach * along, at + reach * along
+    shape = (len(corner), 3)
+    hit, share = crossings(np.broadcast_to(start, shape), np.broadcast_to(end, shape), corner)
+    return float((2.0 * share[hit].min() - 1.0) * reach) if hit.any() else np.inf
