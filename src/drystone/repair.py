@@ -1,4 +1,4 @@
-"""Mending blocks on request: what is done is said in the block's ``repairs``, nothing is filled."""
+"""Mending blocks on request: what is done is said in the ``repairs`` of the block."""
 
 from __future__ import annotations
 
@@ -11,12 +11,21 @@ from drystone.base.arrays import Floats, frozen_points
 from drystone.base.errors import InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.backing import backed
+from drystone.geometry.closing import plane_lids, with_joints, without_membranes
 from drystone.geometry.parts import separate_parts
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Loop, edge_defects, orient
+from drystone.geometry.soup import pulled_apart
 
 _MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of
 single precision."""
+_NEAR = 1e-5
+"""Vertices as near to an edge, and holes as near to a plane, lie on it; relative to the size.
+Chosen: the rounding of a file with five digits."""
+_THIN = 100.0
+"""A part is none when its volume is less than this multiple of the distance of merged vertices
+times the square of the size of the mesh. Chosen: parts that only pulling apart gave a volume."""
 _BACKING = 0.25
 """Thickness behind an open surface, by the size of the median block. Chosen: tolerances, which are
 relative to the thinner of two blocks, stay those of the blocks."""
@@ -64,6 +73,118 @@ def mended_block(
     >>> len(mended.vertices), mended.repairs
     (8, ('16 coincident vertices merged', '16 unused vertices dropped'))
     """
+    points, kept, notes = _welded(vertices, faces, name, merge)
+    return Block(points, tuple(kept), name, density, repairs=tuple(notes))
+
+
+def mended_blocks(
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    name: str = "block",
+    density: float = DEFAULT_DENSITY,
+    *,
+    merge: float = _MERGE,
+) -> tuple[Block, ...]:
+    """The blocks that a broken mesh stands for; more is mended than by :func:`mended_block`.
+
+    Further to what that does, vertices on open edges of neighbours are joined with them, faces
+    inside the body are removed, plane holes get a face, and parts of the surface that touch each
+    other along an edge or at a corner are pulled apart by a millionth of the size. Closed parts
+    become blocks, called ``x-0``, ``x-1``, ... where there are several.
+
+    Parameters
+    ----------
+    vertices, faces, name, density, merge
+        As for :func:`mended_block`.
+
+    Returns
+    -------
+    blocks
+        With notes in ``repairs`` for everything that was done, and the volume before and after.
+
+    Raises
+    ------
+    InputError
+        It stays open, or a part of it has no volume.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> cube = box((1.0, 1.0, 1.0))
+    >>> (mended,) = mended_blocks(cube.vertices, cube.faces[1:])
+    >>> mended.repairs
+    ('1 plane hole closed', 'volume 1 m3, 0.833333 m3 before')
+    """
+    try:
+        return _mended(vertices, faces, name, density, merge, sided=True)
+    except InputError:  # a wall between two bodies has two faces, and so has a sheet drawn twice
+        return _mended(vertices, faces, name, density, merge, sided=False)
+
+
+def _mended(
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    name: str,
+    density: float,
+    merge: float,
+    *,
+    sided: bool,
+) -> tuple[Block, ...]:
+    """See :func:`mended_blocks`; with ``sided``, faces may coincide with opposite orientations."""
+    points, loops, notes = _welded(vertices, faces, name, merge, sided=sided)
+    used = points[sorted({i for loop in loops for i in loop})]
+    size = float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
+    before = _volume(points, [tuple(map(int, face)) for face in faces])
+
+    def done(number: int, one: str, many: str, what: str) -> None:
+        if number:
+            notes.append(f"{counted(number, one, many)} {what}")
+
+    loops, joints = with_joints(points, loops, _NEAR * size)
+    done(joints, "vertex", "vertices", "joined with the edges that they lie on")
+    loops, turned = orient(loops)
+    done(len(turned), "face", "faces", "turned to agree with the others")
+    loops, inside = without_membranes(points, loops)
+    done(inside, "face", "faces", "inside removed")
+    lids, holes = plane_lids(points, loops, _NEAR * size)
+    loops += lids
+    done(holes, "plane hole", "plane holes", "closed")
+    open_edges = edge_defects(loops)[0]
+    if open_edges:
+        raise InputError(
+            f"it stays open at {counted(len(open_edges), 'edge')}", where=f"block '{name}'"
+        )
+    points, loops, parted = pulled_apart(points, loops, merge * size)
+    done(parted, "vertex", "vertices", "at which it touched itself parted")
+    parts, shells = separate_parts(points, loops)
+    if sided and shells:
+        raise InputError("a sheet is drawn twice", where=f"block '{name}'")
+    done(shells, "closed surface", "closed surfaces", "turned")
+    made = []
+    for number, part in enumerate(parts):
+        own = name if len(parts) == 1 else f"{name}-{number}"
+        block = Block(points, tuple(part), own, density)
+        if block.volume <= _THIN * merge * size**3:
+            raise InputError("a part of it has no volume", where=f"block '{own}'")
+        made.append(Block(block.vertices, block.faces, own, density))
+    if len(parts) > 1:
+        notes.append(f"split into its {len(parts)} parts")
+    if not notes:
+        return tuple(made)
+    after = sum(block.volume for block in made)
+    notes.append(f"volume {after:.6g} m3, {abs(before):.6g} m3 before")
+    return tuple(replace_block(block, repairs=tuple(notes)) for block in made)
+
+
+def _welded(
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    name: str,
+    merge: float,
+    *,
+    sided: bool = False,
+) -> tuple[Floats, list[Loop], list[str]]:
+    """Points, faces with coincident vertices merged and each once, and notes."""
     if not 0.0 <= merge <= 0.01:
         raise InputError(f"merge is {merge}", remedy="give a share of the block size up to 0.01")
     points = frozen_points(vertices, (None, 3), "vertices")
@@ -77,10 +198,17 @@ def mended_block(
     kept = [loop for loop in welded if len(set(loop)) == len(loop)]
     if len(kept) < len(given):
         notes.append(f"{counted(len(given) - len(kept), 'face')} without area dropped")
-    kept, again = coincidence.once(kept)
+    kept, again = coincidence.once(kept, sided=sided)
     if again:
         notes.append(f"{counted(again, 'face')} that occurred twice dropped")
-    return Block(points, tuple(kept), name, density, repairs=tuple(notes))
+    return points, kept, notes
+
+
+def _volume(vertices: Floats, faces: Sequence[Loop]) -> float:
+    """Signed volume [m3] that faces go around, seen from the middle of the vertices."""
+    local = vertices - vertices.mean(axis=0)
+    corners = [local[list(face)] for face in faces if len(face) > 2]
+    return sum(float(area_vector(at) @ at.mean(axis=0)) for at in corners) / 3.0
 
 
 def support_from_surface(
@@ -177,4 +305,4 @@ def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ..
     )
 
 
-__all__ = ["mended_block", "split_components", "support_from_surface"]
+__all__ = ["mended_block", "mended_blocks", "split_components", "support_from_surface"]

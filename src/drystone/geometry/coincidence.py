@@ -189,8 +189,10 @@ def _on_first(
     return tuple(loops), len(used) - len(kept)
 
 
-def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
-    """The faces without repeated ones (of either orientation), and the number of repeated ones.
+def once(faces: Sequence[Loop], *, sided: bool = False) -> tuple[list[Loop], int]:
+    """The faces without repeated ones, and the number of repeated ones.
+
+    Faces of opposite orientation are repeated ones too, unless ``sided``.
 
     Examples
     --------
@@ -200,7 +202,7 @@ def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
     first: dict[Loop, Loop] = {}
     for face in faces:
         turns = []
-        for loop in (tuple(face), tuple(face)[::-1]):
+        for loop in (tuple(face),) if sided else (tuple(face), tuple(face)[::-1]):
             least = loop.index(min(loop)) if loop else 0
             turns.append(loop[least:] + loop[:least])
         first.setdefault(min(turns), face)

@@ -40,7 +40,8 @@ def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[L
     loops = [[faces[i] for i in component] for component in components]
     stacked = stack_faces([vertices] * len(loops), loops)
     volume = mass_properties(stacked, len(loops))[0]
-    around = [_shells_around(i, vertices, loops) for i in range(len(loops))]
+    corners = [vertices[sorted({v for loop in one for v in loop})] for one in loops]
+    around = _shells_around(vertices, loops, corners)
     turned = 0
     for i, shell in enumerate(loops):
         cavity = len(around[i]) % 2 == 1
@@ -56,16 +57,19 @@ def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[L
     return list(parts.values()), turned
 
 
-def _shells_around(shell: int, vertices: Floats, loops: Sequence[Sequence[Loop]]) -> list[int]:
-    """Shells that contain most vertices of the given shell."""
-    corners = [vertices[sorted({v for loop in one for v in loop})] for one in loops]
-    low, high = corners[shell].min(axis=0), corners[shell].max(axis=0)
-    found = []
-    for other, points in enumerate(corners):
-        inside = (points.min(axis=0) <= low).all() and (points.max(axis=0) >= high).all()
-        if other == shell or not inside:
-            continue
-        surface = fan_triangles(stack_faces([vertices], [loops[other]]))[0]
-        if float(np.median(np.abs(winding_number(corners[shell], surface)))) > 0.75:
-            found.append(other)
+def _shells_around(
+    vertices: Floats, loops: Sequence[Sequence[Loop]], corners: Sequence[Floats]
+) -> list[list[int]]:
+    """For each shell those that contain most of its vertices."""
+    low = np.array([points.min(axis=0) for points in corners])
+    high = np.array([points.max(axis=0) for points in corners])
+    found: list[list[int]] = []
+    for shell, points in enumerate(corners):
+        inside = (low <= low[shell]).all(axis=1) & (high >= high[shell]).all(axis=1)
+        inside[shell] = False
+        found.append([])
+        for other in np.flatnonzero(inside).tolist():
+            surface = fan_triangles(stack_faces([vertices], [loops[other]]))[0]
+            if float(np.median(np.abs(winding_number(points, surface)))) > 0.75:
+                found[-1].append(other)
     return found

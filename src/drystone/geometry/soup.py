@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, unit
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import (
     Faces,
     Loop,
+    face_components,
     fan_triangles,
     loop_edges,
     mass_properties,
@@ -124,18 +125,85 @@ def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: 
     return tuple(out)
 
 
+def pulled_apart(
+    vertices: Floats, faces: Sequence[Loop], by: float
+) -> tuple[Floats, list[Loop], int]:
+    """The surface with a vertex of its own for each part of it that meets others there.
+
+    Where a surface touches itself along an edge or at a corner, as voxels do, its parts get copies
+    of the vertices there. Copies of one body are moved into its material; bodies that touch each
+    other stay where they are.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+        Coincident ones merged.
+    faces
+        Loops, consistently oriented.
+    by : [m]
+
+    Returns
+    -------
+    vertices : (w, 3) [m]
+    faces
+    parted
+        Number of vertices at which a body touched itself.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> one, other = box((1.0, 1.0, 1.0)), box((1.0, 1.0, 1.0), (1.0, 1.0, 0.0))
+    >>> both = np.concatenate([one.vertices, other.vertices])
+    >>> kept, number = np.unique(both, axis=0, return_inverse=True)
+    >>> twice = [*one.faces, *(tuple(i + 8 for i in face) for face in other.faces)]
+    >>> shared = [tuple(int(number[i]) for i in face) for face in twice]
+    >>> points, loops, parted = pulled_apart(kept, shared, 1e-6)
+    >>> len(kept), len(points), parted
+    (14, 16, 0)
+    """
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    stacked = _of_shells(vertices, faces, [range(len(faces))])
+    outwards = np.where(mass_properties(stacked, 1)[0] < 0.0, -1.0, 1.0)[stacked.owner]
+    half, twin = _neighbours(stacked, outwards)
+    loop, after = stacked.loop, stacked.corners.following
+    turned = loop[half] == loop[after[twin]]
+    one = np.concatenate([half, after[half]])
+    first, last = np.where(turned, after[twin], twin), np.where(turned, twin, after[twin])
+    other = np.concatenate([first, last])
+    graph = coo_array((np.ones(len(one)), (one, other)), shape=(len(loop), len(loop)))
+    corner = connected_components(graph, directed=False)[1].astype(np.intp)
+    fan, at = np.unique(corner, return_index=True)
+    of_vertex = loop[at]
+    loops = [tuple(part.tolist()) for part in stacked.corners.split(corner)]
+    body = np.zeros(len(fan), dtype=np.intp)
+    for number, part in enumerate(face_components(loops)):
+        body[[i for f in part for i in loops[f]]] = number
+    _, place, uses = np.unique(
+        of_vertex * np.int64(len(fan)) + body, return_inverse=True, return_counts=True
+    )
+    shared = uses[place] > 1
+    normal = unit(stacked.area_vectors * outwards[:, None])[0][stacked.corners.owner]
+    inwards = -unit(sum_by_owner(normal, corner, len(fan)))[0]
+    moved = np.where(shared[:, None], by * inwards, 0.0)
+    return vertices[of_vertex] + moved, loops, len(np.unique(of_vertex[shared]))
+
+
 def _components(faces: Faces, outwards: Floats) -> Ints:
     """Component (f,) of each face, joined across edges; ``outwards`` is -1 in soups inside out."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
-    one, other = _neighbours(faces, outwards)
+    half, twin = _neighbours(faces, outwards)
+    face = faces.corners.owner
+    one, other = face[half], face[twin]
     graph = coo_array((np.ones(len(one)), (one, other)), shape=(faces.count, faces.count))
     return connected_components(graph, directed=False)[1].astype(np.intp)
 
 
 def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
-    """Pairs of faces that belong to one surface."""
+    """Pairs of half-edges at which two faces of one surface meet, by their first corners."""
     face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
     tail, head = faces.loop, faces.loop[faces.corners.following]
     key = np.minimum(tail, head) * np.int64(len(faces.point)) + np.maximum(tail, head)
@@ -143,7 +211,7 @@ def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
     first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
     used = np.diff(np.concatenate([first, [len(key)]]))
     pair = first[used == 2]
-    one, other = [face[order[pair]]], [face[order[pair + 1]]]
+    one, other = [order[pair]], [order[pair + 1]]
     crowded = np.flatnonzero(used > 2)
     if len(crowded):
         rows = np.concatenate([np.arange(first[i], first[i] + used[i]) for i in crowded])
@@ -159,7 +227,7 @@ def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
 def _sector_pairs(
     faces: Faces, half: Ints, edge: Ints, tail: Ints, head: Ints, face: Ints, ends: Bools
 ) -> tuple[Ints, Ints]:
-    """Pairs of faces that bound a sector of material about crowded edges.
+    """Pairs of half-edges of faces that bound a sector of material about crowded edges.
 
     A face that runs its edge forwards (from the lower vertex) has its material behind it, at
     smaller angles: it ends a sector. One that runs it backwards begins one. (The other way round
@@ -182,8 +250,8 @@ def _sector_pairs(
             if not ends[i]:
                 waiting.append(i)
             elif waiting:
-                one.append(int(face[half[waiting.pop()]]))
-                other.append(int(face[half[i]]))
+                one.append(int(half[waiting.pop()]))
+                other.append(int(half[i]))
     return np.array(one, dtype=np.intp), np.array(other, dtype=np.intp)
 
 

@@ -109,6 +109,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         raise InputError(
             f"its surface touches itself at vertex {used[pinched[0]]}",
             remedy="separate the parts there, or split it into two blocks",
+            kind=DefectKind.CROWDED,
         )
     kept = tuple(used) if len(used) < count else None
     return _SurfaceTopology(faces, Fan.of(faces), kept, tuple(notes))

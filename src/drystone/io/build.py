@@ -18,7 +18,7 @@ from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry import coincidence, polyhedron, selfcontact
 from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.repair import support_from_surface
+from drystone.repair import mended_blocks, support_from_surface
 from drystone.supports import may_hold
 
 _LARGEST_COORDINATE = 1e9
@@ -34,6 +34,9 @@ _METRIC = ("mm", "cm", "m")
 size."""
 _SAME_PLACE = 1e-9
 """Vertices nearer than this share of their block's size are the same point."""
+_HINTED = 2000
+"""Faces up to which a repair is tried only to say that it would work. Chosen: some tenths of a
+second."""
 _MANY = 5
 """Names listed in one note."""
 
@@ -92,6 +95,7 @@ def build(
     split: bool = False,
     skip_defects: bool = False,
     supports: str | None = None,
+    repair: bool = False,
 ) -> Contents:
     """The model of a draft; with ``skip_defects`` without the blocks that cannot be used.
 
@@ -102,7 +106,7 @@ def build(
     InputError
         The first defect, with the number of others; or no block can be used.
     """
-    built = try_blocks(draft, path, units, split=split, supports=supports)
+    built = try_blocks(draft, path, units, split=split, supports=supports, repair=repair)
     assembly = built.assembly
     if assembly is None and skip_defects and built.usable is not None:
         left = len(built.blocks) - len(built.usable)
@@ -128,11 +132,14 @@ def try_blocks(
     *,
     split: bool = False,
     supports: str | None = None,
+    repair: bool = False,
 ) -> Built:
     """Every block that can be made of a draft, and all defects of the others.
 
     With ``split``, the separate parts of a block become separate blocks. An open surface that is
-    fixed, in the file or by ``supports``, gets a body behind it.
+    fixed, in the file or by ``supports``, gets a body behind it. With ``repair``, other broken
+    meshes are mended, and else an error says where this would work; see
+    :func:`drystone.repair.mended_blocks`.
     """
     if units is not None and draft.units is not None and units != draft.units:
         if draft.finish is not None:
@@ -147,11 +154,11 @@ def try_blocks(
     else:
         overruled = ()
     scale = scale_of(units or draft.units or "m")
-    if split and draft.finish is not None:
+    if (split or repair) and draft.finish is not None:
         raise FormatError(
             "its contacts, loads and results refer to whole blocks",
             where=str(path),
-            remedy="leave --split out",
+            remedy="leave --split and --repair out",
         )
     blocks: list[Block | None] = []
     fixed: list[bool] = []
@@ -162,8 +169,9 @@ def try_blocks(
     for shape, plain in zip(draft.shapes, every, strict=True):
         try:
             if isinstance(plain, InputError):
-                raise plain
-            made, said = _in_parts(plain, split)
+                made, said = _repaired(shape, scale, plain, repair, split)
+            else:
+                made, said = _in_parts(plain, split)
         except InputError as error:
             defects.append(_located(error, path, shape))
             if error.kind is DefectKind.OPEN:
@@ -208,6 +216,31 @@ def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]
         for i, part in enumerate(parts)
     ]
     return made, [f"block '{block.name}' split into its {len(parts)} parts"]
+
+
+def _repaired(
+    shape: DraftBlock, scale: float, error: InputError, repair: bool, split: bool
+) -> tuple[list[Block | None], list[str]]:
+    """The blocks of a broken mesh, and what was done; else its error, with the option to use."""
+    if error.kind not in (DefectKind.OPEN, DefectKind.CROWDED):
+        raise error
+    if not repair and not split and len(shape.faces) > _HINTED:
+        raise error
+    try:
+        blocks = mended_blocks(_scaled(shape, scale), shape.faces, shape.name, shape.density)
+    except InputError:
+        raise error from None
+    if selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks]):
+        raise error
+    notes = blocks[0].repairs
+    only_split = len(notes) == 2 and notes[0].startswith("split")
+    if not repair and not (split and only_split):
+        options = "--split or --repair" if only_split else "--repair"
+        raise error.located(error.where, f"{options} would mend it ({'; '.join(notes)})")
+    made: list[Block | None] = [
+        replace_block(block, metadata=shape.metadata, repairs=shape.repairs) for block in blocks
+    ]
+    return made, [f"block '{shape.name}': {'; '.join(notes)}"]
 
 
 def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputError]:

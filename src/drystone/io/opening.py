@@ -44,6 +44,7 @@ class How(TypedDict, total=False):
     units: str | None
     up: str
     split: bool
+    repair: bool
     search: bool
     anyway: bool
     skip_defects: bool
@@ -52,7 +53,9 @@ class How(TypedDict, total=False):
     max_size: float | None
 
 
-_FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden", "max_size")
+_FILE_ONLY = (
+    "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden", "max_size"
+)  # fmt: skip
 """Arguments of :func:`read` that only a file has."""
 
 
@@ -68,6 +71,7 @@ def read(
     units: str | None = None,
     up: str = "z",
     split: bool = False,
+    repair: bool = False,
     search: bool = False,
     anyway: bool = False,
     skip_defects: bool = False,
@@ -103,6 +107,8 @@ def read(
         The vertical axis of the file, ``z`` or ``y``.
     split
         Separate parts of a block become separate blocks.
+    repair
+        Mend broken meshes, with notes; see :func:`drystone.repair.mended_blocks`.
     search
         Search contacts even if the file has some.
     anyway
@@ -148,6 +154,7 @@ def read(
         path,
         units=units,
         split=split,
+        repair=repair,
         skip_defects=skip_defects,
         layers=layers,
         hidden=hidden,
@@ -205,8 +212,9 @@ def read(
         notes.append(f"the load case '{cases[0].name}' of the file is used")
     given = {
         "units": units, "up": None if up == "z" else up, "supports": asked,
-        "friction": friction, "density": density, "split": split, "search": search,
-        "anyway": anyway, "skip_defects": skip_defects, "layers": layers, "hidden": hidden,
+        "friction": friction, "density": density, "split": split, "repair": repair,
+        "search": search, "anyway": anyway, "skip_defects": skip_defects, "layers": layers,
+        "hidden": hidden,
         **({} if detection is None else differing(detection)),
     }  # fmt: skip
     chosen = {name: one for name, one in given.items() if one is not None and one is not False}

@@ -157,6 +157,7 @@ def read_file(
     hidden: bool = False,
     max_size: float | None = None,
     supports: str | None = None,
+    repair: bool = False,
 ) -> Contents:
     """Read the content of a file, with its contacts if it has some.
 
@@ -171,6 +172,8 @@ def read_file(
     supports
         Which blocks will be fixed, as text: only these may be open surfaces. When left out, those
         that the file marks as fixed.
+    repair
+        As in :func:`drystone.read`.
 
     Raises
     ------
@@ -194,7 +197,13 @@ def read_file(
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
         return build(
-            draft, Path(path), units, split=split, skip_defects=skip_defects, supports=supports
+            draft,
+            Path(path),
+            units,
+            split=split,
+            skip_defects=skip_defects,
+            supports=supports,
+            repair=repair,
         )
 
 
@@ -207,11 +216,12 @@ def inspect(
     hidden: bool = False,
     max_size: float | None = None,
     supports: str | None = None,
+    repair: bool = False,
 ) -> Built:
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
-        return try_blocks(draft, Path(path), units, split=split, supports=supports)
+        return try_blocks(draft, Path(path), units, split=split, supports=supports, repair=repair)
 
 
 def _draft(

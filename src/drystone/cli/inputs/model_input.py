@@ -31,6 +31,9 @@ class Source:
     split: Annotated[
         bool, Option("Make a block of each separate part of a block.", MODEL, expert=True)
     ] = False
+    repair: Annotated[
+        bool, Option("Mend broken meshes, and say what was done.", MODEL, expert=True)
+    ] = False
     layer: Annotated[
         tuple[str, ...],
         Option(
@@ -53,6 +56,7 @@ class Source:
         return {
             "units": self.units,
             "split": self.split,
+            "repair": self.repair,
             "layers": self.layer,
             "hidden": self.hidden,
             "max_size": self.max_size,

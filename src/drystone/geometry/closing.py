@@ -1,0 +1,170 @@
+"""What keeps a surface from being closed, mended: missing joints and lids, faces inside."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.base.arrays import Floats, unit
+from drystone.geometry import boxes
+from drystone.geometry.holes import faces_with_holes
+from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Edge, Loop, loop_edges
+from drystone.geometry.solid import winding_number
+
+_INSIDE = 0.75
+"""A face lies inside when the rest of the surface goes around both of its sides by more: around a
+side of any other face it goes half."""
+_BESIDE = 1e-4
+"""Distance of the points on both sides, relative to the size of the face."""
+
+
+def edge_uses(faces: Sequence[Loop]) -> dict[Edge, list[tuple[int, Edge]]]:
+    """The faces at each edge, and how each runs along it."""
+    uses: dict[Edge, list[tuple[int, Edge]]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in loop_edges(loop):
+            uses[min(a, b), max(a, b)].append((f, (a, b)))
+    return uses
+
+
+def with_joints(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[list[Loop], int]:
+    """Faces with the ends of open edges that lie on other open edges, and the number of these.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+    near : [m]
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [1, 0, 0], [1, 0, 1]])
+    >>> with_joints(points, [(0, 1, 2, 3), (4, 0, 5)], 1e-6)
+    ([(0, 4, 1, 2, 3), (4, 0, 5)], 1)
+    """
+    edges = [runs[0] for runs in edge_uses(faces).values() if len(runs) == 1]
+    if not edges:
+        return list(faces), 0
+    ends = np.array([run for _, run in edges], dtype=np.intp)
+    point = np.unique(ends)
+    start, along = vertices[ends[:, 0]], vertices[ends[:, 1]] - vertices[ends[:, 0]]
+    low, high = np.minimum(start, start + along) - near, np.maximum(start, start + along) + near
+    between: dict[tuple[int, Edge], list[tuple[float, int]]] = defaultdict(list)
+    for i, j in boxes.batches(low, high, vertices[point], vertices[point]):
+        away = vertices[point[j]] - start[i]
+        square = (along[i] ** 2).sum(axis=1)
+        share = (away * along[i]).sum(axis=1) / np.where(square > 0.0, square, 1.0)
+        off = np.linalg.norm(away - share[:, None] * along[i], axis=1)
+        margin = near / np.sqrt(np.where(square > 0.0, square, 1.0))
+        on = (off <= near) & (share > margin) & (share < 1.0 - margin)
+        for edge, own, vertex in zip(i[on], share[on], point[j[on]], strict=True):
+            face, run = edges[int(edge)]
+            if int(vertex) not in faces[face]:
+                between[face, run].append((float(own), int(vertex)))
+    made: list[Loop] = []
+    for f, loop in enumerate(faces):
+        corners: list[int] = []
+        for run in loop_edges(loop):
+            corners += [run[0], *(vertex for _, vertex in sorted(between.get((f, run), [])))]
+        made.append(tuple(corners) if len(set(corners)) == len(corners) else loop)
+    return made, sum(len(new) - len(old) for new, old in zip(made, faces, strict=True))
+
+
+def without_membranes(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[Loop], int]:
+    """Faces without those that lie inside the body, at edges of three faces, and their number."""
+    odd = {
+        f for runs in edge_uses(faces).values() if len(runs) > 2 and len(runs) % 2 for f, _ in runs
+    }
+    inside: set[int] = set()
+    for f in sorted(odd):
+        rest = [faces[i] for i in range(len(faces)) if i != f and i not in inside]
+        corner = vertices[list(faces[f])]
+        normal, area = unit(area_vector(corner)[None])
+        step = _BESIDE * float(np.sqrt(area[0])) * normal[0]
+        sides = np.array([corner.mean(axis=0) + step, corner.mean(axis=0) - step])
+        if np.abs(winding_number(sides, _fans(vertices, rest))).min() > _INSIDE:
+            inside.add(f)
+    return [face for f, face in enumerate(faces) if f not in inside], len(inside)
+
+
+def _fans(vertices: Floats, faces: Sequence[Loop]) -> Floats:
+    """Triangles (t, 3, 3) of faces about the means of their corners."""
+    fans = [
+        (vertices[a], vertices[b], vertices[list(face)].mean(axis=0))
+        for face in faces
+        for a, b in loop_edges(face)
+    ]
+    return np.array(fans).reshape(-1, 3, 3)
+
+
+def plane_lids(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[list[Loop], int]:
+    """Faces that close the plane holes of a surface, and the number of the holes.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Consistently oriented.
+    near : [m]
+        Largest distance of the corners of a hole from its plane. Other holes stay open.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> cube = box((1.0, 1.0, 1.0))
+    >>> lids, holes = plane_lids(cube.vertices, cube.faces[1:], 1e-6)
+    >>> sorted(lids[0]) == sorted(cube.faces[0]), holes
+    (True, 1)
+    """
+    rims = [rim for rim in _rims(faces) if _off_plane(vertices[list(rim)]) <= near]
+    normal = unit(np.array([area_vector(vertices[list(rim)]) for rim in rims]).reshape(-1, 3))[0]
+    order = sorted(
+        range(len(rims)), key=lambda i: -np.linalg.norm(area_vector(vertices[list(rims[i])]))
+    )
+    outlines: list[tuple[int, list[Loop]]] = []
+    for i in order:
+        here = vertices[rims[i][0]]
+        for outer, holes in outlines:
+            level = abs(float((here - vertices[rims[outer][0]]) @ normal[outer]))
+            if normal[i] @ normal[outer] < -0.999 and level <= near:
+                holes.append(rims[i])
+                break
+        else:
+            outlines.append((i, []))
+    lids: list[Loop] = []
+    for outer, holes in outlines:
+        lids += faces_with_holes(vertices, [[rims[outer], *holes]])
+    return lids, len(outlines)
+
+
+def _rims(faces: Sequence[Loop]) -> list[Loop]:
+    """Loops along the open edges, as a face that closes them runs; none that touches itself."""
+    after: dict[int, int] = {}
+    forked: set[int] = set()
+    for runs in edge_uses(faces).values():
+        if len(runs) == 1:
+            a, b = runs[0][1]
+            if b in after:
+                forked.add(b)
+            after[b] = a
+    rims: list[Loop] = []
+    while after:
+        start, here = after.popitem()
+        rim = [start]
+        while here != start and here in after:
+            rim.append(here)
+            here = after.pop(here)
+        if here == start and len(rim) > 2 and not forked & set(rim):
+            rims.append(tuple(rim))
+    return rims
+
+
+def _off_plane(corner: Floats) -> float:
+    """Largest distance [m] of corners from the plane of their loop."""
+    normal, area = unit(area_vector(corner)[None])
+    if area[0] == 0.0:
+        return np.inf
+    return float(np.abs((corner - corner.mean(axis=0)) @ normal[0]).max())
