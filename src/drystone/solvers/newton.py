@@ -38,6 +38,10 @@ class Equation(Generic[P, S]):
         """Size at which the equation is solved."""
         raise NotImplementedError
 
+    def solved(self, point: P) -> bool:
+        """Whether an iterate solves it."""
+        return point.size <= self.tolerance(point)
+
     def lost(self, sizes: Sequence[float], point: P) -> bool:
         """Whether to give up after iterates of these sizes, the last one at ``point``."""
         del sizes, point
@@ -56,6 +60,14 @@ class Equation(Generic[P, S]):
     def after(self, point: P, step: S, length: float) -> P:
         """The iterate after a share of a step."""
         raise NotImplementedError
+
+    def accepted(self, point: P, trial: P, length: float) -> P:
+        """From where to go on, where a share of a step from ``point`` has led to ``trial``.
+
+        An equation that is relaxed becomes less so here.
+        """
+        del point, length
+        return trial
 
 
 @dataclass(frozen=True)
@@ -92,12 +104,13 @@ def newton(equation: Equation[P, S], point: P, steps: Steps) -> tuple[P, bool, i
     """The last iterate, whether it solves the equation, and the number of steps."""
     sizes = [point.size]
     for number in range(steps.limit):
-        goal = equation.tolerance(point)
-        if point.size <= goal:
+        if equation.solved(point):
             return point, True, number
         if equation.lost(sizes, point):
             return point, False, number
-        renew = not number or sizes[-1] * (sizes[-1] / sizes[-2]) ** steps.chords > goal
+        renew = not number or sizes[-1] * (
+            sizes[-1] / sizes[-2]
+        ) ** steps.chords > equation.tolerance(point)
         try:
             step = equation.step(point, renew)
         except SolverError:
@@ -109,6 +122,7 @@ def newton(equation: Equation[P, S], point: P, steps: Steps) -> tuple[P, bool, i
             if falls or length <= steps.shortest or (number < steps.bold and trial.size < 1.0):
                 break
             length *= 0.5
+        trial = equation.accepted(point, trial, length)
         if not np.isfinite(trial.size):
             return point, False, number + 1
         point = trial

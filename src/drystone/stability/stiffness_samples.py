@@ -13,7 +13,7 @@ from drystone.base.progress import Clock
 from drystone.checks import check_several
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.nearby import find_rests_nearby
+from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import start_from
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate, Record
@@ -116,16 +116,19 @@ def samples_to_try(
 def several_nearby(
     attempts: Attempts, springs: Sequence[Compliance], displacements: Sequence[Floats]
 ) -> list[Candidate | None]:
-    """As :meth:`Attempts.nearby` of several springs, as one calculation.
+    """As :meth:`Attempts.nearby` of several springs.
 
     What is found is not counted.
     """
     problem, clock = attempts.problem, attempts.clock
     statics = problem.statics
     each = [statics.scaled_motion(one, statics.mean_length) for one in displacements]
-    together = Compliance.stacked(springs)
-    start = start_from(problem.system, together, np.stack(each))
-    states = find_rests_nearby(problem.system, together, AT_REST, start, clock.late)
+    system = problem.system
+    starts = [start_from(system, one, motion) for one, motion in zip(springs, each, strict=True)]
+    states = [
+        find_rest_nearby(system, one, AT_REST, start, clock.late)
+        for one, start in zip(springs, starts, strict=True)
+    ]
     began = clock.elapsed_s
     found = {i: state for i, state in enumerate(states) if state is not None}
     forces = [problem.force(state.force) for state in found.values()]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from drystone.formulations.rest.compliance import Compliance, respond
 from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
 
 K = 40
@@ -44,3 +45,36 @@ def test_derivatives_agree_with_central_differences(law):
 def test_a_corner_that_does_not_slide_feels_no_friction():
     for law in LAWS:
         assert not law(NORMAL, np.zeros((K, 2))).force.any()
+
+
+@pytest.mark.parametrize("tension", [None, RNG.uniform(0.1, 2.0, K)])
+@pytest.mark.parametrize("before", [None, RNG.normal(size=(K, 2))])
+def test_the_tangent_is_the_derivative_of_the_force(tension, before):
+    # corners that press, pull, stick and slide, some after friction that was there before
+    bound = FrictionBound(FRICTION)
+    if tension is not None:
+        bound = FrictionBound(FRICTION, RNG.uniform(0.1, 1.0, K), np.full(K, 2.0))
+    springs = Compliance(
+        RNG.uniform(0.5, 2.0, K), StickSlip(bound, RNG.uniform(0.1, 2.0, K)), tension=tension
+    )
+    moved = RNG.normal(size=(K, 3))
+
+    def force(at):
+        return respond(springs, at[:, 0], at[:, 1:], before).force
+
+    tangent = respond(springs, moved[:, 0], moved[:, 1:], before).tangent
+    for axis in range(3):
+        shift = np.zeros((K, 3))
+        shift[:, axis] = 1e-7
+        change = (force(moved + shift) - force(moved - shift)) / 2e-7
+        np.testing.assert_allclose(-change, tangent[:, :, axis], atol=1e-6)
+
+
+def test_friction_that_was_there_before_goes_on_from_there():
+    springs = Compliance(np.ones(1), StickSlip(FrictionBound(np.ones(1)), np.ones(1)))
+    once = respond(springs, np.array([-1.0]), np.array([[0.5, 0.0]]))
+    first = respond(springs, np.array([-1.0]), np.array([[0.2, 0.0]]))
+    second = respond(springs, np.array([-1.0]), np.array([[0.3, 0.0]]), -first.force[:, 1:])
+    np.testing.assert_allclose(second.force, once.force)
+    slid = respond(springs, np.array([-1.0]), np.array([[5.0, 0.0]]), -first.force[:, 1:])
+    np.testing.assert_allclose(slid.force, [[1.0, -1.0, 0.0]])

@@ -57,7 +57,7 @@ def test_what_falls_has_no_rest_state_nearby():
 
 def test_the_wish_to_stop_is_heard():
     springs, start = upright(leaning(0.0), None, 0.0)
-    assert find_rest_nearby(leaning(0.0).system, springs, OPTIONS, start, lambda: True) is None
+    assert find_rest_nearby(leaning(1.0).system, springs, OPTIONS, start, lambda: True) is None
 
 
 def test_the_last_steps_have_the_factors_of_the_one_before(monkeypatch):

@@ -7,7 +7,7 @@ import pytest
 
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
-from drystone.formulations.rest import compliance, interior_point
+from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import _Path, find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.model import Model
@@ -49,7 +49,7 @@ def test_newton_tangent_is_the_derivative_of_the_unbalanced_wrench():
             return path.evaluate(q, path.kn * np.maximum(0.0, -gap), 0.0)
 
         point = unbalanced(motion)
-        step, _, _ = path.newton_step(point, 0.0)
+        step, _, _ = path.step(point, True)
         h = 1e-6 / np.abs(step).max()
         change = (
             unbalanced(motion + h * step).unbalanced - unbalanced(motion - h * step).unbalanced
@@ -171,23 +171,6 @@ def test_a_fall_is_sought_where_the_ground_carries_much():
     assert len(asked) == 1
     assert not state.converged
     assert state.iterations <= 12
-
-
-@pytest.mark.parametrize("longer", [3.0, 30.0, 1e4])
-def test_shorter_steps_computed_at_once_are_those_computed_one_by_one(longer, monkeypatch):
-    problem = Problem.build(Model.of(shelf(), friction=0.4))
-    path = _Path(problem.system, compliance.uniform(problem.statics), RestOptions())
-    point = path.evaluate(*path.begin(None))
-    step = tuple(longer * part for part in path.newton_step(point, 1.0))
-    found = []
-    for corners in (1, 10**6):
-        monkeypatch.setattr(interior_point, "AT_ONCE", corners)
-        found.append(path.search(point, step, 1.0))
-    (one, length), (together, same) = found
-    assert length == same < 1.0
-    assert one.merit == pytest.approx(together.merit, rel=1e-9)
-    np.testing.assert_allclose(one.friction.by_slide, together.friction.by_slide, rtol=1e-9)
-    np.testing.assert_allclose(one.unbalanced, together.unbalanced, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize(("degrees", "rests"), [(0.0, True), (8.0, True), (30.0, False)])

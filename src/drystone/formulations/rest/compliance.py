@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import groupby
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from drystone.formulations.rest.friction import (
     FrictionBound,
     FrictionLaw,
     FrictionResponse,
-    SideBySide,
     SlipLength,
     StickSlip,
 )
@@ -25,7 +23,7 @@ COHESIVE_FRICTION = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """Springs at the corners. Arrays may have a first axis more, for several states at once.
+    """Springs at the corners.
 
     Attributes
     ----------
@@ -63,22 +61,13 @@ class Compliance:
             return law(bearing, slide)
         return law(bearing, slide, before)
 
-    @classmethod
-    def stacked(cls, several: Sequence[Compliance]) -> Compliance:
-        """Springs of one model side by side: arrays (s, k)."""
-        first, normal = several[0], np.stack([one.normal for one in several])
-        alike = [list(some) for _, some in groupby((one.friction for one in several), type)]
-        laws = tuple((_stacked(some), len(some)) for some in alike)
-        law = laws[0][0] if len(laws) == 1 else SideBySide(laws)
-        return replace(first, normal=normal, friction=law)
-
 
 _NOTHING = np.zeros(1)
 
 
 @dataclass(frozen=True, eq=False)
 class ContactResponse:
-    """Forces at corners, or at those of several states (s, k).
+    """Forces at corners.
 
     Attributes
     ----------
@@ -132,15 +121,6 @@ def respond(
     friction = springs.resisted(bearing, slide, before)
     force = np.concatenate([(bearing - tension)[..., None], -friction.force], axis=-1)
     return ContactResponse(force, pressed, tension, friction, springs.normal, pull, glue)
-
-
-def _stacked(laws: Sequence[FrictionLaw]) -> SlipLength | StickSlip:
-    """Laws of one kind as one, for states (s, k)."""
-    smooth = [one for one in laws if isinstance(one, SlipLength)]
-    if smooth:
-        return SlipLength(smooth[0].bound, np.stack([one.slip for one in smooth]))
-    sharp = [one for one in laws if isinstance(one, StickSlip)]
-    return StickSlip(sharp[0].bound, np.stack([one.stiffness for one in sharp]))
 
 
 def uniform(

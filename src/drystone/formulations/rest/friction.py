@@ -188,30 +188,4 @@ def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:
     return out
 
 
-@dataclass(frozen=True, eq=False)
-class SideBySide:
-    """Several laws, each for the next of several states (s, k).
-
-    Attributes
-    ----------
-    laws
-        With the number of states of each.
-    """
-
-    laws: tuple[tuple[SlipLength | StickSlip, int], ...]
-
-    def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
-        """Response to normal forces (s, k) and slides (s, k, 2)."""
-        each, at = [], 0
-        for law, count in self.laws:
-            each.append(law(normal[at : at + count], slide[at : at + count]))
-            at += count
-
-        def slope() -> tuple[Floats, Floats]:
-            by_slide, by_normal = zip(*(one.derivatives for one in each), strict=True)
-            return np.concatenate(by_slide), np.concatenate(by_normal)
-
-        return FrictionResponse(np.concatenate([one.force for one in each]), slope)
-
-
-FrictionLaw = SlipLength | StickSlip | SideBySide
+FrictionLaw = SlipLength | StickSlip

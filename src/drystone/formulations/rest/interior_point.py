@@ -21,13 +21,13 @@ rigid-block analysis, Kao et al. 2022, eq. 5.6.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import SolverError
 from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.friction import FrictionResponse
 from drystone.formulations.rest.nearby import descend
@@ -38,6 +38,7 @@ from drystone.formulations.rest.rest_state import (
     block_scale,
 )
 from drystone.formulations.rest.tangent import TangentSystem
+from drystone.solvers.newton import Equation, Steps, newton
 
 SHORTEST_STEP = 2e-3
 """Smallest share of a Newton step: rounding makes a shorter one meaningless."""
@@ -45,9 +46,6 @@ SHORTEST_STEP = 2e-3
 POLISH_AGAIN = 1e-2
 """Share of tau after which the unrelaxed law is tried again. Measured: 1e-1 takes as many steps
 in all."""
-
-AT_ONCE = 2000
-"""Corners of all trial steps that are computed at once: from timings."""
 
 SINGLE = 1e-3
 """Relative tau down to which Newton steps are rough: computed in single precision from 200 blocks
@@ -92,16 +90,16 @@ def find_rest(
     chosen = options if options is not None else RestOptions()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         # a diverging trial step overflows and is rejected by the merit function
-        state = _Path(system, compliance, chosen).follow(start, stop, falls)
+        state = _Path(system, compliance, chosen, stop=stop, falls=falls).follow(start)
         if compliance.tension is None or state.converged or (stop is not None and stop()):
             return state
         # joints that pull more at first can lead away from the rest state
-        other = _Path(system, compliance, chosen, harder=False).follow(start, stop)
+        other = _Path(system, compliance, chosen, harder=False, stop=stop).follow(start)
         steps = state.iterations + other.iterations
         return replace(other if other.converged else state, iterations=steps)
 
 
-class _Path:
+class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
     """One run of the primal-dual iteration, with the data that do not change."""
 
     def __init__(
@@ -111,6 +109,8 @@ class _Path:
         options: RestOptions,
         *,
         harder: bool = True,
+        stop: Callable[[], bool] | None = None,
+        falls: Callable[[], bool] | None = None,
     ) -> None:
         self.system = system
         self.harder = harder and compliance.tension is not None
@@ -124,66 +124,70 @@ class _Path:
         self.end = options.end
         self.steps = 0
         self.rough = True  # until single precision leads nowhere
+        self.stop, self.falls = stop, falls
+        self.state: RestState | None = None
+        self.polish_at = options.polish
+        self.since, self.over = 0, False
+        self.best = self.beginning = np.inf
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
         self.row_scale = statics.load_scale[:, None]
 
-    def follow(
-        self,
-        start: RestState | Start | None,
-        stop: Callable[[], bool] | None,
-        falls: Callable[[], bool] | None = None,
-    ) -> RestState:
-        options = self.options
-        motion, normal, tau = self.begin(start)
-        point = self.evaluate(motion, normal, tau)
-        best, since = point.merit, 0
-        first = point.merit
-        polish_at = options.polish
-        while True:
-            if tau <= polish_at:
-                state = self.polish(point, tau, stop)
-                if state is not None:
-                    return state
-                polish_at = tau * POLISH_AGAIN
-            if tau <= options.relaxation or point.merit < 1e-6:
-                state = self.unrelaxed(point)
-                if state.converged:
-                    return state
-            if self.steps >= options.iteration_limit or since > options.stall:
-                break
-            if stop is not None and stop():
-                break
-            if falls is not None and (since >= IDLE_STEPS or self.sinks(point.motion)):
-                if falls():
-                    break
-                falls = None
-            try:
-                step = self.newton_step(point, tau)
-            except SolverError:
-                break
-            before = tau
-            following, length = self.search(point, step, tau)
-            if self.rough and (length < 2.0 * SHORTEST_STEP or not np.isfinite(following.merit)):
-                self.rough = False
-                continue
-            if length < options.give_up or not np.isfinite(following.merit):
-                break
-            reduced = following.merit < 0.1 * point.merit
-            point = following
-            since += 1
-            if since == self.steps == 2 and point.merit > options.slow * first:
-                break
-            if point.merit < tau * np.sqrt(len(normal) + 1.0) or (length > 0.9 and reduced):
-                # near the end of the path the error is far below tau: reduce tau more
-                tau = max((0.1 if tau > 1e-6 else 0.01) * tau, options.relaxation)
-                point = self.evaluate(point.motion, point.normal, tau)
-            elif point.merit < 1e-11:
-                tau = max(0.01 * tau, options.relaxation)
-                point = self.evaluate(point.motion, point.normal, tau)
-            if tau < before or point.merit < 0.5 * best:
-                best, since = point.merit, 0
-        return self.unrelaxed(point)
+    def follow(self, start: RestState | Start | None) -> RestState:
+        """The rest state, or the state where the iteration ends."""
+        begin = self.evaluate(*self.begin(start))
+        self.best = self.beginning = begin.size
+        shortest = max(SHORTEST_STEP, self.options.give_up)
+        steps = Steps(self.options.iteration_limit, shortest, memory=1)
+        point, solved, _ = newton(self, begin, steps)
+        return self.state if solved and self.state is not None else self.unrelaxed(point)
+
+    def tolerance(self, point: _Point) -> float:
+        del point
+        return 0.0
+
+    def solved(self, point: _Point) -> bool:
+        self.state = None
+        if point.tau <= self.polish_at:
+            self.state = self.polish(point)
+            self.polish_at = point.tau * POLISH_AGAIN
+        if self.state is None and (point.tau <= self.options.relaxation or point.size < 1e-6):
+            state = self.unrelaxed(point)
+            self.state = state if state.converged else None
+        return self.state is not None
+
+    def lost(self, sizes: Sequence[float], point: _Point) -> bool:
+        options, begun = self.options, len(sizes) == 3
+        if self.steps >= options.iteration_limit or self.since > options.stall or self.over:
+            return True
+        if begun and self.since == self.steps == 2 and point.size > options.slow * self.beginning:
+            return True
+        if self.stop is not None and self.stop():
+            return True
+        if self.falls is None or not (self.since >= IDLE_STEPS or self.sinks(point.motion)):
+            return False
+        asked, self.falls = self.falls, None
+        return asked()
+
+    def accepted(self, point: _Point, trial: _Point, length: float) -> _Point:
+        """Where a step has led, with a smaller tau if it may be."""
+        if self.rough and (length < 2.0 * SHORTEST_STEP or not np.isfinite(trial.size)):
+            self.rough = False  # single precision may have led astray
+            return point
+        self.over = length < self.options.give_up
+        reduced = trial.size < 0.1 * point.size
+        tau, before = trial.tau, trial.tau
+        self.since += 1
+        if trial.size < tau * np.sqrt(len(trial.normal) + 1.0) or (length > 0.9 and reduced):
+            # near the end of the path the error is far below tau: reduce tau more
+            tau = max((0.1 if tau > 1e-6 else 0.01) * tau, self.options.relaxation)
+        elif trial.size < 1e-11:
+            tau = max(0.01 * tau, self.options.relaxation)
+        if tau < before:
+            trial = self.evaluate(trial.motion, trial.normal, tau)
+        if tau < before or trial.size < 0.5 * self.best:
+            self.best, self.since = trial.size, 0
+        return trial
 
     def sinks(self, motion: Floats) -> bool:
         """Whether the ground carries a large share of a block's load after many steps."""
@@ -194,9 +198,7 @@ class _Path:
         carried = wrench_size(self.ground * motion)
         return bool((carried > SINKING * self.row_scale[:, 0]).any())
 
-    def polish(
-        self, point: _Point, tau: float, stop: Callable[[], bool] | None
-    ) -> RestState | None:
+    def polish(self, point: _Point) -> RestState | None:
         """The rest state by Newton steps on the unrelaxed law; None if they do not converge.
 
         Near the end of the path few corners still change between closed and open. The first try is
@@ -205,11 +207,11 @@ class _Path:
         options, ended = self.options, False
         if self.end is not None and not self.carries_much(point.motion):
             options, self.end, ended = self.end, None, True
-        state, steps = descend(self.system, self.compliance, options, point.motion, stop)
+        state, steps = descend(self.system, self.compliance, options, point.motion, self.stop)
         self.steps += steps
         if state is None or (ended and self.carries_much(state.motion)):
             return None
-        before = Start(point.motion, point.normal, tau, point.friction.force)
+        before = Start(point.motion, point.normal, point.tau, point.friction.force)
         return replace(state, iterations=self.steps, before=before, ended=ended)
 
     def begin(self, start: RestState | Start | None) -> tuple[Floats, Floats, float]:
@@ -240,8 +242,8 @@ class _Path:
         """Normal forces between which the product fn s stays in the band around tau."""
         band = self.options.band
         product = tau * np.array([[band], [1.0 / band]]) * self.unit
-        both = self.relaxed_normal(gap[..., None, :], product)
-        return both[..., 0, :], both[..., 1, :]
+        low, high = self.relaxed_normal(gap, product)
+        return low, high
 
     def relaxed_normal(self, gap: Floats, product: Floats) -> Floats:
         """The positive root fn of ``fn (gap + fn / kn) = product``, without cancellation."""
@@ -251,28 +253,26 @@ class _Path:
     def evaluate(
         self, motion: Floats, normal: Floats, tau: float, moved: Floats | None = None
     ) -> _Point:
-        """All quantities of an iterate; ``moved`` are its corner displacements, if known.
-
-        Also of several iterates, with a first axis more.
-        """
+        """All quantities of an iterate; ``moved`` are its corner displacements, if known."""
         statics = self.statics
         if moved is None:
             moved = statics.displacement(motion)
-        slack = moved[..., 0] + self.overlap + normal / self.kn
+        slack = moved[:, 0] + self.overlap + normal / self.kn
         bearing = normal - self.pull(slack, tau)[0]
-        friction = self.law(bearing, moved[..., 1:])
+        friction = self.law(bearing, moved[:, 1:])
         net = bearing - self.glue * slack
-        force = np.concatenate([net[..., None], -friction.force], axis=-1)
+        force = np.concatenate([net[:, None], -friction.force], axis=1)
         unbalanced = statics.wrench(force) + statics.load - self.ground * motion
         centring = (normal * slack) / self.unit - tau
-        left = ((unbalanced / self.row_scale) ** 2).sum(axis=(-2, -1))
-        merit = np.sqrt(left + (centring**2).sum(axis=-1))
-        return _Point(motion, normal, moved, friction, unbalanced, slack, merit)
+        left = unbalanced / self.row_scale
+        size = float(np.sqrt((left**2).sum() + (centring**2).sum()))
+        return _Point(motion, normal, moved, friction, unbalanced, slack, tau, size)
 
-    def newton_step(self, point: _Point, tau: float) -> tuple[Floats, Floats, Floats]:
+    def step(self, point: _Point, renew: bool) -> tuple[Floats, Floats, Floats]:
         """Changes of motion (n, 6), corner displacement (k, 3) and normal force (k,)."""
+        del renew
         self.steps += 1
-        statics = self.statics
+        statics, tau = self.statics, point.tau
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
@@ -293,39 +293,13 @@ class _Path:
         moved = statics.displacement(motion)
         return motion, moved, shift - stiffness * moved[:, 0]
 
-    def search(
-        self, point: _Point, step: tuple[Floats, Floats, Floats], tau: float
-    ) -> tuple[_Point, float]:
-        """Halve the step until the merit function decreases; the last try is accepted anyway."""
-        trial = self.trial(point, step, tau, 1.0)
-        if trial.merit < (1.0 - 1e-4) * point.merit:
-            return trial, 1.0
-        shortest = max(SHORTEST_STEP, self.options.give_up)
-        halves = 0.5 ** np.arange(1.0, 2.0 + np.floor(-np.log2(shortest)))
-        several = max(1, AT_ONCE // max(len(self.kn), 1))
-        for at in range(0, len(halves), several):
-            lengths = halves[at : at + several]
-            tried = self.trial(point, step, tau, lengths[:, None])
-            less = tried.merit < (1.0 - 1e-4 * lengths) * point.merit
-            if less.any() or at + several >= len(halves):
-                chosen = int(less.argmax()) if less.any() else -1
-                return tried.one(chosen), float(lengths[chosen])
-        raise AssertionError
-
-    def trial(
-        self,
-        point: _Point,
-        step: tuple[Floats, Floats, Floats],
-        tau: float,
-        length: float | Floats,
-    ) -> _Point:
-        """The iterate after a share of a step, or those after several shares (s, 1)."""
+    def after(self, point: _Point, step: tuple[Floats, Floats, Floats], length: float) -> _Point:
+        """The iterate after a share of a step."""
         motion, moved, normal = step
-        longer = np.asarray(length)[..., None]
-        place = point.moved + longer * moved
-        low, high = self.limits(place[..., 0] + self.overlap, tau)
+        place = point.moved + length * moved
+        low, high = self.limits(place[:, 0] + self.overlap, point.tau)
         target = np.minimum(np.maximum(point.normal + length * normal, low), high)
-        return self.evaluate(point.motion + longer * motion, target, tau, place)
+        return self.evaluate(point.motion + length * motion, target, point.tau, place)
 
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
@@ -349,9 +323,8 @@ class _Path:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """All quantities of one iterate, or of several."""
+class _Point(NamedTuple):
+    """All quantities of one iterate; ``size`` is the merit function."""
 
     motion: Floats
     normal: Floats
@@ -359,22 +332,5 @@ class _Point:
     friction: FrictionResponse
     unbalanced: Floats
     slack: Floats
-    merit: Floats
-
-    def one(self, number: int) -> _Point:
-        """One of several."""
-        friction = self.friction
-
-        def slope() -> tuple[Floats, Floats]:
-            by_slide, by_normal = friction.derivatives
-            return by_slide[number], by_normal[number]
-
-        return _Point(
-            self.motion[number],
-            self.normal[number],
-            self.moved[number],
-            FrictionResponse(friction.force[number], slope),
-            self.unbalanced[number],
-            self.slack[number],
-            self.merit[number],
-        )
+    tau: float
+    size: float

@@ -9,13 +9,18 @@ Source: the semismooth Newton method, Qi and Sun 1993.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import SolverError
-from drystone.formulations.rest.compliance import Compliance, respond, wrench_size
+from drystone.formulations.rest.compliance import (
+    Compliance,
+    ContactResponse,
+    respond,
+    wrench_size,
+)
 from drystone.formulations.rest.rest_state import (
     RestOptions,
     RestState,
@@ -23,6 +28,7 @@ from drystone.formulations.rest.rest_state import (
     block_scale,
 )
 from drystone.formulations.rest.tangent import TangentSystem
+from drystone.solvers.newton import Equation, Steps, newton
 
 STALL = 3
 """Largest number of successive steps that do not halve the largest unbalanced share. Measured: of
@@ -35,6 +41,9 @@ converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
 CHORDS = 2
 """Steps with the same factors in which the largest unbalanced share must become small enough: they
 take two thirds of the time of one step with its own factors, which leads as far."""
+
+LIMIT = 100
+"""Steps at most; STALL ends a run long before."""
 
 LOST = 0.999
 """The same after one step. At 1 no force acts on some block; no run is known that came back."""
@@ -70,18 +79,6 @@ def find_rest_nearby(
         return descend(system, compliance, options, start.motion, stop)[0]
 
 
-def find_rests_nearby(
-    system: TangentSystem,
-    compliance: Compliance,
-    options: RestOptions,
-    start: Start,
-    stop: Callable[[], bool] | None = None,
-) -> list[RestState | None]:
-    """:func:`find_rest_nearby` for springs (s, k) from motions (s, n, 6), as one calculation."""
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _descend_together(system, compliance, options, start.motion, stop)[0]
-
-
 def descend(
     system: TangentSystem,
     compliance: Compliance,
@@ -90,71 +87,76 @@ def descend(
     stop: Callable[[], bool] | None = None,
 ) -> tuple[RestState | None, int]:
     """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
-    together = Compliance.stacked([compliance])
-    found, steps = _descend_together(system, together, options, motion[None], stop)
-    return found[0], steps
+    law = _Law(system, compliance, options, stop)
+    begin = law.at(motion, system.statics.displacement(motion))
+    point, solved, steps = newton(law, begin, Steps(LIMIT, chords=CHORDS))
+    if not solved:
+        return None, steps
+    normal = compliance.normal * np.maximum(0.0, -point.moved[:, 0] - compliance.overlap)
+    response = point.response
+    tension = np.broadcast_to(response.tension, normal.shape)
+    state = RestState(
+        point.motion, normal, response.force, tension, point.ground, point.size, True, steps
+    )
+    return state, steps
 
 
-def _descend_together(
-    system: TangentSystem,
-    compliance: Compliance,
-    options: RestOptions,
-    start: Floats,
-    stop: Callable[[], bool] | None,
-) -> tuple[list[RestState | None], int]:
-    statics, kn = system.statics, compliance.normal
-    weight = options.ground * statics.mass_matrix
-    motion = start.copy()
-    count = len(motion)
-    found: list[RestState | None] = [None] * count
-    left = list(range(count))
-    best, since, steps = [np.inf] * count, [0] * count, 0
-    before = [np.inf] * count
-    solve: list[Callable[[Floats], Floats] | None] = [None] * count
-    rough = [True] * count  # as long as single precision leads on
-    moved = statics.displacement(motion)
-    while left and not (stop is not None and stop()):
-        gap = moved[..., 0] + compliance.overlap
-        response = respond(compliance, gap, moved[..., 1:])
-        force, pull = response.force, np.broadcast_to(response.tension, gap.shape)
-        ground = weight * motion
-        rest = statics.wrench(force) + statics.load - ground
-        shares = wrench_size(rest) / block_scale(statics, force)
-        for i in tuple(left):
-            share = float(shares[i].max(initial=0.0))
-            if share <= options.tolerance:
-                state = (
-                    motion[i].copy(),
-                    np.maximum(0.0, -kn[i] * gap[i]),
-                    force[i],
-                    pull[i],
-                    ground[i],
-                )
-                found[i] = RestState(*state, share, True, steps)
-            # the first step often makes it worse: progress counts from there
-            since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
-            best[i] = share if steps < 2 else min(best[i], share)
-            # convergence is quadratic in the end: the last factors then do for two steps more
-            if share * (share / before[i]) ** CHORDS > options.tolerance:
-                solve[i] = None
-                rough[i] = share < HOPELESS * before[i]
-            before[i] = share
-            lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
-            if found[i] is not None or lost:
-                left.remove(i)
-        if not left:
-            break
-        if any(solve[i] is None for i in left):
-            tangent = response.tangent
-        for i in tuple(left):
-            try:
-                factors = solve[i] or system.factorise(tangent[i], weight, rough=rough[i])
-            except SolverError:
-                left.remove(i)
-                continue
-            solve[i], step = factors, factors(rest[i])
-            motion[i] += step
-            moved[i] += statics.displacement(step)
-        steps += 1
-        left = [i for i in left if since[i] < STALL]
-    return found, steps
+class _Point(NamedTuple):
+    """An iterate; ``size`` is the largest unbalanced share of a block."""
+
+    motion: Floats
+    moved: Floats
+    response: ContactResponse
+    ground: Floats
+    left: Floats
+    size: float
+
+
+class _Law(Equation[_Point, Floats]):
+    """Balance under the unrelaxed law."""
+
+    def __init__(
+        self,
+        system: TangentSystem,
+        compliance: Compliance,
+        options: RestOptions,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        self.system, self.compliance, self.stop = system, compliance, stop
+        self.goal = options.tolerance
+        self.weight = options.ground * system.statics.mass_matrix
+        self.solve: Callable[[Floats], Floats] | None = None
+        self.best, self.since, self.before = np.inf, 0, np.inf
+
+    def at(self, motion: Floats, moved: Floats) -> _Point:
+        """The iterate at a motion (n, 6), and at the corner displacements (k, 3) by it."""
+        statics = self.system.statics
+        response = respond(self.compliance, moved[:, 0] + self.compliance.overlap, moved[:, 1:])
+        ground = self.weight * motion
+        left = statics.wrench(response.force) + statics.load - ground
+        share = wrench_size(left) / block_scale(statics, response.force)
+        return _Point(motion, moved, response, ground, left, float(share.max(initial=0.0)))
+
+    def tolerance(self, point: _Point) -> float:
+        del point
+        return self.goal
+
+    def lost(self, sizes: Sequence[float], point: _Point) -> bool:
+        steps, share = len(sizes) - 1, point.size
+        # the first step often makes it worse: progress counts from there
+        self.since = 0 if steps < 2 or share < 0.5 * self.best else self.since + 1
+        self.best = share if steps < 2 else min(self.best, share)
+        far = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
+        return far or self.since >= STALL or (self.stop is not None and self.stop())
+
+    def step(self, point: _Point, renew: bool) -> Floats:
+        if renew or self.solve is None:
+            rough = point.size < HOPELESS * self.before  # as long as single precision leads on
+            self.solve = self.system.factorise(point.response.tangent, self.weight, rough=rough)
+        self.before = point.size
+        return self.solve(point.left)
+
+    def after(self, point: _Point, step: Floats, length: float) -> _Point:
+        del length  # steps are full
+        moved = point.moved + self.system.statics.displacement(step)
+        return self.at(point.motion + step, moved)

@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, lengths
 from drystone.formulations.rest.compliance import Compliance, wrench_size
-from drystone.formulations.rest.friction import SideBySide, StickSlip
+from drystone.formulations.rest.friction import StickSlip
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, block_scale
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics
@@ -72,8 +72,8 @@ def start_of_forces(
     """
     statics, kn, law = system.statics, compliance.normal, compliance.friction
     tau, normal, held = path.relaxation, path.normal, path.friction
-    if tau is None or held is None or isinstance(law, SideBySide):
-        raise ValueError("the start is no iterate of the relaxed law, or the law is of several")
+    if tau is None or held is None:
+        raise ValueError("the start is no iterate of the relaxed law")
     ground = options.ground * statics.mass_matrix
     slide = statics.displacement(path.motion)[:, 1:]
     tangent = np.zeros((len(kn), 3, 3))
