@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import LoadCase, Model, limits
+from drystone import LoadCase, Model, limits, sequence
 from drystone.answer import Answer, Role
 from drystone.fall import Film
 from drystone.models import arch, tower
@@ -47,6 +47,10 @@ def answers() -> Iterator[Answer]:
     moves = {"springer-right": (0.01, 0.0, 0.0)}
     yield drystone.settlement.support_response(arch(0.2, 8), moves, friction=0.9)
     yield Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True)
+    order = drystone.plan(stack)
+    yield from (order, sequence.scaffolding(order))
+    yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
+    yield sequence.sweep_friction(stack, [0.6], drystone.plan)
 
 
 ANSWERS = {type(one): one for one in answers()}

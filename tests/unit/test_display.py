@@ -218,7 +218,6 @@ def cards() -> list[Card]:
     return [
         stack,
         stack.assembly,
-        drystone.plan(stack),
         drystone.find_contacts(tower(3)),
         drystone.find_contacts(tower(3)).report,
     ]

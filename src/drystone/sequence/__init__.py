@@ -19,8 +19,9 @@ from drystone.sequence.interlocking import (
 )
 from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
 from drystone.sequence.path_search import find_path
+from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
-from drystone.sequence.plans import Plan, Prop, Status, Step
+from drystone.sequence.plans import Plan
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot, Turn, Turns, take_turns
 from drystone.sequence.rules import Order, Rules

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from drystone.base.arrays import Floats
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.plans import Step
+from drystone.sequence.plan_steps import Step
 from drystone.sequence.stages import Stage, StageAnswer, mask_of
 from drystone.stability.verdict.following import SETTLES_ALIKE
 

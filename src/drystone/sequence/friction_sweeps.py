@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from drystone.base.display import OneLine
-from drystone.base.errors import InputError
+from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -26,7 +26,7 @@ PlanAt: TypeAlias = Callable[[Model], Plan]
 
 
 @dataclass(frozen=True, eq=False)
-class FrictionSweep(OneLine):
+class FrictionSweep(Answer):
     """Plans of one structure at several friction coefficients.
 
     A search may end at another order at more friction. Where a plan needs
@@ -45,6 +45,38 @@ class FrictionSweep(OneLine):
     friction: tuple[float, ...]
     plans: tuple[Plan, ...]
     why_more: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        """The model at the largest coefficient."""
+        return self.plans[-1].model.model
+
+    @property
+    def title(self) -> str:
+        """How many coefficients were planned at."""
+        return f"Planned at {counted(len(self.plans), 'friction coefficient')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The help that is needed at each coefficient."""
+        stand = all(plan.complete.stands for plan in self.plans)
+        said = [Sentence(self.title, Role.GOOD if stand else Role.BAD)]
+        for value, plan, why in zip(self.friction, self.plans, self.why_more, strict=True):
+            kinds = ", ".join(f"{plan.counts[kind]} {kind}" for kind in ("free", "held", "propped"))
+            words = kinds if plan.complete.stands else "does not stand when complete"
+            said.append(Sentence(f"friction {value:g}: {words}{f' ({why})' if why else ''}"))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """Counts at each coefficient."""
+        return [self.table()]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The plan at each coefficient."""
+        return {"plans": [plan.numbers() for plan in self.plans]}
+
+    def layers(self) -> Scene:
+        """The plan at the largest coefficient."""
+        return self.plans[-1].layers()
 
     def table(self) -> Table:
         """Counts at each coefficient; None where the complete structure does not stand."""

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
+from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.arrays import of_type
-from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
+from drystone.model import Model
 from drystone.sequence.plans import Plan
 from drystone.sequence.stages import Stage, mask_of, members
 from drystone.sequence.structure import Structure
@@ -68,7 +69,7 @@ class Margin:
 
 
 @dataclass(frozen=True, eq=False)
-class Margins(OneLine):
+class Margins(Answer):
     """The margins of all stages of a plan, in the order of its steps.
 
     Attributes
@@ -98,18 +99,47 @@ class Margins(OneLine):
         tilts = [math.inf if math.isnan(one.tilt) else one.tilt for one in self.stages]
         return int(np.argmin(tilts))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: all stages, the weakest one, the least friction."""
-        stages = [
-            {"step": i, "least_friction": one.least_friction, "tilt_deg": one.tilt}
-            for i, one in enumerate(self.stages)
-        ]
+    @property
+    def model(self) -> Model:
+        """The complete model."""
+        return self.plan.model.model
+
+    @property
+    def title(self) -> str:
+        """The weakest stage."""
+        if self.stopped or not self.stages:
+            return f"Margins of some stages are not known: {self.stopped}"
+        tilt = self.stages[self.weakest].tilt
+        return f"The weakest stage, step {self.weakest + 1}, tilts {tilt:.1f} degrees"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The weakest stage, and the friction down to which this order works."""
+        role = Role.UNSURE if self.stopped or not self.stages else Role.GOOD
+        down = f"this order works down to friction {self.least_friction:.3g}"
+        return [Sentence(self.title, role), Sentence(down)]
+
+    def tables(self) -> Sequence[Table]:
+        """The margins of every stage."""
+        known = range(len(self.stages))
+        columns = {
+            "step": known,
+            "least_friction": [one.least_friction for one in self.stages],
+            "tilt_deg": [one.tilt for one in self.stages],
+        }
+        return [Table("stages", columns, {"tilt_deg": "deg"})]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The weakest stage, the least friction."""
+        weakest = list(self.tables()[0])[self.weakest] if self.stages else None
         return {
-            "stages": stages,
-            "weakest": stages[self.weakest],
+            "weakest": weakest,
             "least_friction": self.least_friction,
             "stopped": self.stopped,
         }
+
+    def layers(self) -> Scene:
+        """The plan."""
+        return self.plan.layers()
 
     def table(self) -> Table:
         """The plan's table with the margins of each stage."""

@@ -19,7 +19,8 @@ from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.plans import Plan, Step
+from drystone.sequence.plan_steps import Step
+from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages

@@ -2,108 +2,25 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import Card, OneLine
 from drystone.base.errors import counted
-from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.plan_answer import PlanAnswer
+from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.rules import Rules
 from drystone.sequence.stages import StageAnswer
 from drystone.sequence.structure import Structure
 
 
-class Status(enum.Enum):
-    """How a block is placed."""
-
-    SUPPORT = "support"
-    """In place from the beginning."""
-    FREE = "free"
-    """Placed alone; it stands at once."""
-    HELD = "held"
-    """Placed together with its partners: one is placed while hands hold the others."""
-    PROPPED = "propped"
-    """Needs a prop during some stages."""
-    IMPOSSIBLE = "impossible"
-    """Cannot be inserted."""
-
-
 @dataclass(frozen=True, eq=False)
-class Step(OneLine):
-    """The blocks placed between two stages that stand, alone or with props.
-
-    Attributes
-    ----------
-    blocks
-        In the order of placement; all except the last are held until the last is in place.
-    motion : (b, 3) unit
-        Direction in which each block is moved into place.
-    props
-        Blocks that are propped after the step.
-    placed
-        All free blocks in place, as bits.
-    answer
-        Of the stage at the end of the step.
-    during
-        Answers while blocks are held, one after each block except the last.
-    why
-        Why the step needs hands or a new prop: the result of the check without them. Empty if it
-        needs none, and in models with more than 100 free blocks.
-    """
-
-    blocks: tuple[int, ...]
-    motion: Floats
-    props: tuple[int, ...]
-    placed: int
-    answer: StageAnswer
-    during: tuple[StageAnswer, ...] = ()
-    why: str = ""
-
-    def _summary(self) -> str:
-        propped = f", propped {self.props}" if self.props else ""
-        return f"blocks {self.blocks}{propped}, {self.answer.verdict}"
-
-
-@dataclass(frozen=True, eq=False)
-class Prop(OneLine):
-    """A prop under one block.
-
-    Attributes
-    ----------
-    block
-    first, last
-        First and last step, counted from 0, after which it is in place; ``last`` is the final step
-        if the complete structure does not stand without it.
-    wrench : (6,) [N, N m]
-        Largest force and moment of the prop, about the block's centroid.
-    """
-
-    block: int
-    first: int
-    last: int
-    wrench: Floats
-
-    @property
-    def stages(self) -> int:
-        """Number of stages in which it is needed."""
-        return self.last - self.first + 1
-
-    @property
-    def force(self) -> float:
-        """[N], the size of its largest force."""
-        return float(np.linalg.norm(self.wrench[:3]))
-
-
-@dataclass(frozen=True, eq=False)
-class Plan(Card):
+class Plan(PlanAnswer):
     """An order of assembly.
 
     Attributes
@@ -139,14 +56,6 @@ class Plan(Card):
     solve_s: float = 0.0
     stopped: str = ""
     rules: Rules = field(default_factory=Rules)
-
-    def _facts(self) -> tuple[str, Mapping[str, object]]:
-        return f"{self.verdict}: {self.message}", {
-            "steps": len(self.steps),
-            **{kind: number or "" for kind, number in self.counts.items()},
-            "order": ", ".join(self.order),
-            "proved": "no order needs less help" if self.proved else "",
-        }
 
     def _summary(self) -> str:
         counts = ", ".join(f"{n} {kind}" for kind, n in self.counts.items() if n)
@@ -252,7 +161,7 @@ class Plan(Card):
             placed |= 1 << block
         return tuple(out)
 
-    @property
+    @cached_property
     def counts(self) -> dict[str, int]:
         """Number of blocks of each status, without blocks that were not planned."""
         known = self.status if self.steps or self.impossible else ()
@@ -262,86 +171,6 @@ class Plan(Card):
     def drop(self) -> float:
         """[m], sum of the descents from one placement to the next."""
         return _drop_of(self.model, [b for step in self.steps for b in step.blocks])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: counts, order, steps, blocks, props."""
-        names = self.model.assembly.names
-        return {
-            "verdict": self.verdict,
-            "complete": self.complete.verdict,
-            "message": self.message,
-            "proved": self.proved,
-            "counts": self.counts,
-            "drop_m": self.drop,
-            "order": list(self.order),
-            "steps": [self._step(i) for i in range(len(self.steps))],
-            "blocks": [
-                {
-                    "block": names[b],
-                    "status": self.status[b].value,
-                    "step": self.step_of.get(b),
-                    "partners": [names[p] for p in self.partners(b)],
-                    "why": self._why(b),
-                }
-                for b in range(len(names))
-                if self.steps or b in self.impossible
-            ],
-            "props": [
-                {
-                    "block": names[prop.block],
-                    "first_step": prop.first,
-                    "last_step": prop.last,
-                    "stages": prop.stages,
-                    "at": self.model.assembly.centroid[prop.block].tolist(),
-                    "force": prop.wrench[:3].tolist(),
-                    "moment": prop.wrench[3:].tolist(),
-                }
-                for prop in self.props
-            ],
-            "stopped": self.stopped,
-            "checks": self.solved,
-            "solve_s": self.solve_s,
-        }
-
-    def _why(self, block: int) -> str:
-        """Why a block cannot be inserted, or needs help."""
-        if block in self.impossible:
-            return self.impossible[block]
-        step = self.step_of.get(block)
-        return "" if step is None or self.status[block] is Status.FREE else self.steps[step].why
-
-    def _step(self, number: int) -> dict[str, Any]:
-        step = self.steps[number]
-        names = self.model.assembly.names
-        return {
-            "step": number,
-            "blocks": [names[b] for b in step.blocks],
-            "status": [self.status[b].value for b in step.blocks],
-            "motion": step.motion.tolist(),
-            "directions": [free.tolist() for free in self.directions(number)],
-            "propped": [names[b] for b in step.props],
-            "verdict": step.answer.verdict,
-            "settled": step.answer.settled,
-            "why": step.why,
-            "friction_used": step.answer.used,
-        }
-
-    def table(self) -> Table:
-        """A row per block in the order of assembly: stage, status, partners, prop, friction."""
-        names = self.model.assembly.names
-        prop = {one.block: one for one in self.props}
-        placed = [(i, step, b) for i, step in enumerate(self.steps) for b in step.blocks]
-        columns = {
-            "stage": [number + 1 for number, _, _ in placed],
-            "block": [names[b] for *_, b in placed],
-            "status": [self.status[b].value for *_, b in placed],
-            "with": [" ".join(names[p] for p in self.partners(b)) for *_, b in placed],
-            "prop_force": [prop[b].force if b in prop else 0.0 for *_, b in placed],
-            "prop_stages": [prop[b].stages if b in prop else 0 for *_, b in placed],
-            "propped_now": [len(step.props) for _, step, _ in placed],
-            "friction_used": [step.answer.used for _, step, _ in placed],
-        }
-        return Table("assembly plan", columns, {"prop_force": "N"})
 
 
 def _drop_of(model: Structure, order: Sequence[int]) -> float:

@@ -7,7 +7,7 @@ with them. A table compares what a model takes with each kind, in each order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import pairwise, product
@@ -15,18 +15,21 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.display import OneLine
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence
+from drystone.base import units
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
-from drystone.results import Result
+from drystone.model import Model
+from drystone.results import Result, Verdict
 from drystone.sequence import planner
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import Order
 from drystone.sequence.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
+from drystone.sequence.scaffold_layers import block_name, named_kind, scaffold_layers
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Check, check_once, mask_of
@@ -36,7 +39,7 @@ FEWEST = "fewest-props"
 
 
 @dataclass(frozen=True, eq=False)
-class Scaffolding(OneLine):
+class Scaffolding(Answer):
     """What a plan takes with one kind of scaffolding.
 
     Attributes
@@ -79,18 +82,89 @@ class Scaffolding(OneLine):
         """Whether every stage was checked and stands within the limits."""
         return not (self.failed or self.stopped)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: what it takes, and the stages."""
+    @property
+    def model(self) -> Model:
+        """The complete model."""
+        return self.plan.model.model
+
+    @property
+    def title(self) -> str:
+        """Whether every stage stands with it."""
+        if self.works:
+            return f"Every stage stands with {named_kind(self.support, 2)}"
+        failed = f"{counted(len(self.failed), 'step')} of {len(self.plan.steps)} do not stand"
+        return (
+            f"Not every stage stands with {named_kind(self.support, 2)}: {self.stopped or failed}"
+        )
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether every stage stands, and what it takes."""
+        role = Role.GOOD if self.works else Role.UNSURE if self.stopped else Role.BAD
+        known = " where a rest state was found" if self.failed else ""
+        takes = (
+            f"{self.metre_stages:.3g} m times stages, at most "
+            f"{units.quantity(self.peak_force, 'N')}{known}, {counted(self.moves, 'move')}, "
+            f"cost {self.cost:.3g}"
+        )
+        return [Sentence(self.title, role), Sentence(takes)]
+
+    def tables(self) -> Sequence[Table]:
+        """The stages that are held."""
+        return [self.stages]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """What it takes, and everything that is set up."""
         return {
-            "support": self.support.value,
+            "support": self.support,
             "metre_stages": self.metre_stages,
             "peak_force": self.peak_force,
             "moves": self.moves,
             "cost": self.cost,
-            "failed": list(self.failed),
+            "failed": self.failed,
+            "stopped": self.stopped,
             "items": [_plain(item) for item in self.items],
-            "stages": list(self.stages),
         }
+
+    def layers(self) -> Scene:
+        """The plan, with what is set up at every stage.
+
+        A stage that does not stand with it, or overloads it, says so.
+        """
+        scene, plan = self.plan.layers(), self.plan
+        shown = [number for number, step in enumerate(plan.steps) for _ in step.blocks]
+        stages = [
+            self._stage(number, stage)
+            for number, stage in zip(shown, scene.stages[: len(shown)], strict=True)
+        ]
+        (summary,) = scene.stages[len(shown) :]
+        if not self.works:
+            summary = replace(
+                summary,
+                message=f"with ideal props: {summary.message}",
+                headline=self.title,
+                verdict=Verdict.UNDECIDED if self.stopped else Verdict.UNSTABLE,
+            )
+        return replace(scene, stages=(*stages, summary))
+
+    def _stage(self, number: int, stage: SceneStage) -> SceneStage:
+        """A stage with what is set up at it, and with its verdict."""
+        names, kind = self.assembly.names, self.support
+        held = {names[block] for block in self.plan.steps[number].props}
+        items = [item for item in self.items if block_name(item, names) in held]
+        layers = scaffold_layers(items, kind, self.assembly)
+        stage = replace(stage, layers=(*stage.layers, *layers))
+        row = next((one for one in self.stages if one["step"] == number), None)
+        if number not in self.failed or row is None:  # nothing is held, and it does not stand
+            return stage
+        over, verdict = int(row["overloaded"]), Verdict(row["verdict"])
+        if verdict is Verdict.STABLE:
+            said = f"{named_kind(kind, over)} overloaded: {over} of {len(items)}"
+            verdict = Verdict.UNSTABLE
+        else:
+            known = "does not stand" if verdict is Verdict.UNSTABLE else "not known to stand"
+            said = f"{known} with {named_kind(kind, len(items))}"
+        block = stage.headline.partition(":")[0]
+        return replace(stage, headline=f"{block}: {said}", verdict=verdict)
 
     def _summary(self) -> str:
         ends = "works" if self.works else f"fails at {counted(len(self.failed), 'stage')}"

@@ -63,7 +63,7 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert data["counts"]["propped"] == len(data["props"]) == 4
     assert all(np.linalg.norm(prop["force"]) > 0.0 for prop in data["props"])
     assert data["margins"]["weakest"]["tilt_deg"] > 1.0
-    assert [row["stands"] for row in data["friction_sweep"]] == [False, True]
+    assert [row["stands"] for row in data["friction_sweep"]["plans_by_friction"]] == [False, True]
     assert sorted(data["files"]) == sorted(files)
     assert Path(files[3]).read_bytes().startswith(b"%PDF")
     assert all(Path(name).stat().st_size > 200 for name in files)

@@ -6,8 +6,6 @@ import pytest
 from drystone.models import arch
 from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Rules, ScaffoldOptions, plan, scaffolding
-from drystone.view.scenes.plan_scenes import plan_scene
-from drystone.view.scenes.scaffold_scenes import scaffold_scene
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +15,7 @@ def found() -> Plan:
 
 def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Plan) -> None:
     made = scaffolding(found, "strut")
-    scene = scaffold_scene(made)
+    scene = made.layers()
     for step, stage in zip(found.steps, scene.stages, strict=False):
         drawn = [layer for layer in stage.layers if layer.key == "scaffold"]
         held = [found.model.assembly.names[block] for block in step.props]
@@ -29,8 +27,8 @@ def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Pl
 
 
 def test_a_stage_that_struts_do_not_hold_is_not_shown_to_stand(found: Plan) -> None:
-    made, ideal = scaffolding(found, "strut"), plan_scene(found)
-    scene = scaffold_scene(made)
+    made, ideal = scaffolding(found, "strut"), found.layers()
+    scene = made.layers()
     assert made.failed == (2, 3)
     fails = [stage.verdict is not Verdict.STABLE for stage in scene.stages]
     assert fails == [i in made.failed for i in range(len(found.steps))] + [True]
@@ -43,7 +41,7 @@ def test_a_stage_that_struts_do_not_hold_is_not_shown_to_stand(found: Plan) -> N
 def test_clamps_and_centring_are_drawn_and_every_stage_stands(
     found: Plan, kind: str, mark: str
 ) -> None:
-    scene = scaffold_scene(scaffolding(found, kind))
+    scene = scaffolding(found, kind).layers()
     labels = [layer.label for stage in scene.stages for layer in stage.layers]
     assert mark in labels
     assert all(stage.verdict is Verdict.STABLE for stage in scene.stages)
@@ -51,6 +49,6 @@ def test_clamps_and_centring_are_drawn_and_every_stage_stands(
 
 def test_a_strut_that_carries_too_much_is_named(found: Plan) -> None:
     made = scaffolding(found, "clamp", options=ScaffoldOptions(limit=1.0))
-    headlines = [stage.headline for stage in scaffold_scene(made).stages]
+    headlines = [stage.headline for stage in made.layers().stages]
     assert any("clamp" in one for one in headlines[:-1])
     assert headlines[-1].startswith("Not every stage stands with clamps")

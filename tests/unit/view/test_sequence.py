@@ -7,10 +7,10 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence.plan_answer import block_numbers
 from drystone.view import State, page_text
 from drystone.view.paper.instructions import instructions_text
 from drystone.view.paper.labels import shown_middle
-from drystone.view.scenes.plan_scenes import block_numbers, plan_scene
 
 
 @pytest.fixture(scope="module")
@@ -21,14 +21,14 @@ def planned() -> Plan:
 
 
 def test_a_plan_is_played_step_by_step_and_summed_up(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     holding = sum(len(step.during) for step in planned.steps)
     assert holding > 0
     assert len(scene.stages) == len(planned.steps) + holding + 1
 
 
 def test_blocks_appear_as_they_are_placed(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     present = [int((stage.state != State.ABSENT).sum()) for stage in scene.stages]
     assert present[0] >= 3
     assert present == sorted(present)
@@ -36,14 +36,14 @@ def test_blocks_appear_as_they_are_placed(planned):
 
 
 def test_the_last_stage_shows_every_status(planned):
-    state = plan_scene(planned).stages[-1].state
+    state = planned.layers().stages[-1].state
     wanted = {Status.SUPPORT: State.SUPPORT, Status.FREE: State.FREE, Status.HELD: State.HELD,
               Status.PROPPED: State.PROPPED}  # fmt: skip
     np.testing.assert_array_equal(state, [wanted[one] for one in planned.status])
 
 
 def test_a_block_has_its_colour_while_it_is_propped_and_is_hatched_before(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     for step, stage in zip(planned.steps, _ends(scene.stages[:-1]), strict=True):
         assert set(np.flatnonzero(stage.state == State.PROPPED)) == set(step.props)
     for prop in planned.props:
@@ -53,7 +53,7 @@ def test_a_block_has_its_colour_while_it_is_propped_and_is_hatched_before(planne
 
 
 def test_a_hand_lets_go_when_its_step_has_ended(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     assert any((stage.state == State.HELD).any() for stage in scene.stages[:-1])
     for stage in _ends(scene.stages[:-1]):
         assert not (stage.state == State.HELD).any()
@@ -61,7 +61,7 @@ def test_a_hand_lets_go_when_its_step_has_ended(planned):
 
 
 def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_way(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     numbers = block_numbers(planned)
     for position, stage in enumerate(scene.stages[:-1], 1):
         (block,) = np.flatnonzero(np.linalg.norm(stage.motion, axis=1))
@@ -75,7 +75,7 @@ def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_
 
 
 def test_stages_carry_their_own_forces(planned):
-    scene = plan_scene(planned)
+    scene = planned.layers()
     for step, stage in zip(planned.steps, _ends(scene.stages[:-1]), strict=True):
         here = stage.state != State.ABSENT
         contacts = scene.contacts
@@ -86,7 +86,7 @@ def test_stages_carry_their_own_forces(planned):
 
 
 def test_the_page_holds_all_stages_and_names_them(planned):
-    text = page_text(plan_scene(planned))
+    text = page_text(planned.layers())
     assert "block 1 of" in text
     assert "all blocks" in text
     assert "props and hands" in text

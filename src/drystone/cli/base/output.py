@@ -14,7 +14,7 @@ from drystone.base.errors import InputError, MissingDependency, clean
 
 BAD_INPUT, MISSING, FAULT, CLOSED = 2, 3, 70, 141
 """Exit codes of errors; the last one where nobody reads stdout, as where SIGPIPE ends a program."""
-LISTED = 12
+LISTED = 20
 """Rows of a table that are printed; --json has all."""
 
 

@@ -101,9 +101,11 @@ class Told:
     def show(self, screen: Screen) -> None:
         """Print it for people."""
         _show(screen, self.answer, self._subject)
+        told = {sentence.text for sentence in self.answer.sentences()}
         for one in self.also.values():
-            for sentence in one.sentences()[1:]:
-                screen.line(sentence.text)
+            for sentence in one.sentences():
+                if sentence.text not in told:
+                    screen.line(sentence.text)
         screen.dim(self.answer.asked.line())
 
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.told import Files
     from drystone.results import Result
-    from drystone.sequence import Plan
     from drystone.settlement import LargeDisplacement
     from drystone.view import Scene
 
@@ -194,7 +193,7 @@ def refuse_missing(cad: Path | None) -> None:
         require("writing 3dm")
 
 
-def cad_jobs(path: Path | None, subject: Answer | Plan) -> list[Job]:
+def cad_jobs(path: Path | None, subject: Answer) -> list[Job]:
     """The file for CAD programs, where one is asked for."""
     if path is None:
         return []

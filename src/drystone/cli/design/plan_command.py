@@ -11,9 +11,9 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.command import Option, command
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.design.plan_answer import PlanFiles, show
+from drystone.cli.design.plan_files import PlanFiles
 from drystone.cli.design.scaffold_command import (
     SCAFFOLDS,
     ScaffoldFoot,
@@ -137,7 +137,7 @@ def plan(
     ] = None,
     wanted: PlanFiles,
     waiting: Waiting,
-) -> Printed:  # fmt: skip
+) -> Told:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
@@ -176,16 +176,11 @@ def plan(
     made = None
     if scaffold is not None and found.steps:
         made = sequence.scaffolding(found, scaffold, options=chosen.scaffold_options)
-    data = found.to_dict() | {
-        "model": subject.model,
-        "scaffolding": None if made is None else made.to_dict(),
-        "margins": None if measured is None else measured.to_dict(),
-        "friction_sweep": None if swept is None else list(swept.table()),
-    }
-    helped = found.counts["propped"] + found.counts["impossible"]
-    code = 0 if found.steps and found.stable and not helped else 1
-    files = partial(wanted.of, found, made, measured, robot)
-    return Printed(data, partial(show, data, found), code, model.notes, files)
+    also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
+    return Told(
+        found, {key: one for key, one in also.items() if one is not None},
+        notes=model.notes, files=partial(wanted.of, found, made, measured, robot),
+    )  # fmt: skip
 
 
 def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:

@@ -10,14 +10,10 @@ from os import PathLike
 import numpy as np
 
 from drystone.base.files import write_bytes
-from drystone.sequence.plans import Plan, Step
+from drystone.sequence.plan_answer import block_numbers, counts_text, summary_stage
+from drystone.sequence.plan_steps import Step
+from drystone.sequence.plans import Plan
 from drystone.view.paper.figure import draw
-from drystone.view.scenes.plan_scenes import (
-    block_numbers,
-    counts_text,
-    plan_scene,
-    summary_stage,
-)
 
 _INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }
@@ -102,7 +98,7 @@ def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
     # the summary is above the drawing
     bare = replace(summary_stage(plan), headline="", message="")
-    scene = replace(plan_scene(plan), stages=(bare,), facts={}, still=0)
+    scene = replace(plan.layers(), stages=(bare,), facts={}, still=0)
     figure = draw(scene, (9.0, 6.5), preset="stages")
     text = io.StringIO()
     figure.savefig(text, format="svg")

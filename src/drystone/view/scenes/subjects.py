@@ -12,11 +12,8 @@ from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.model import Model
-from drystone.sequence import Plan, Scaffolding
-from drystone.view.scenes.plan_scenes import plan_scene
-from drystone.view.scenes.scaffold_scenes import scaffold_scene
 
-Subject: TypeAlias = Answer | Model | Assembly | Plan | Scaffolding | Scene
+Subject: TypeAlias = Answer | Model | Assembly | Scene
 
 
 def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
@@ -48,10 +45,6 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
             return subject.layers()
         case Model():
             return bare_scene(subject.assembly, subject.contacts, subject)
-        case Plan():
-            return plan_scene(subject)
-        case Scaffolding():
-            return scaffold_scene(subject)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",
