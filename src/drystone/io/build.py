@@ -236,7 +236,8 @@ def _repaired(
     only_split = len(notes) == 2 and notes[0].startswith("split")
     if not repair and not (split and only_split):
         options = "--split or --repair" if only_split else "--repair"
-        raise error.located(error.where, f"{options} would mend it ({'; '.join(notes)})")
+        said = f"{error.remedy}; {options} would mend it ({'; '.join(notes)})"
+        raise error.located(error.where, said)
     made: list[Block | None] = [
         replace_block(block, metadata=shape.metadata, repairs=shape.repairs) for block in blocks
     ]

@@ -188,7 +188,7 @@ def test_contacts_among_good_blocks_are_found_beside_defective_ones(
     path = tmp_path / "model.json"
     blocks = [block(), block("b", 1.0), block("open", 4.0, faces=FACES[1:])]
     path.write_text(json.dumps({"blocks": blocks}), encoding="utf-8")
-    code, out, _ = answer(capsys, "inspect", str(path), "--supports", "open", "--json")
+    code, out, _ = answer(capsys, "inspect", str(path), "--supports", "gone", "--json")
     told = json.loads(out)
     assert code == 2
     assert told["contacts"]["pairs"] == 1
