@@ -16,7 +16,6 @@ from drystone import (
 )
 from drystone.checks import check_forces, mechanism_defects
 from drystone.models import a_model, arch, concave, cube_curve, h_model, shelf, stool, vault, wedge
-from drystone.stability import could_hold
 
 STANDING = {
     "arch": (arch(0.15), 0.9, None),
@@ -27,11 +26,6 @@ STANDING = {
     "shelf without two": (shelf().without([9, 10]), 0.9, None),
     "wedge d tilted about xy 48": (wedge("d"), 0.84, ((3**0.5, 1, 0), 48.0)),
 }
-WEDGED = {
-    "wedge b tilted 57": (wedge("b"), 0.84, ((1, 0, 0), 57.0)),
-    "wedge c tilted 44": (wedge("c"), 0.84, ((1, 0, 0), 44.0)),
-}
-"""What stiffnesses exist for; left to themselves the ends of their joints decide."""
 FALLING = {
     "H": (h_model(), 0.6, None),
     "A": (a_model(), 0.6, None),
@@ -51,10 +45,10 @@ def build(case):
     return model, find_contacts(model, friction=friction).contacts, load
 
 
-@pytest.mark.parametrize("name", [*STANDING, *WEDGED])
+@pytest.mark.parametrize("name", STANDING)
 def test_what_stands_stands_for_every_analysis(name):
-    model, contacts, load = build((STANDING | WEDGED)[name])
-    result = (could_hold if name in WEDGED else check)(Model(model, contacts, load))
+    model, contacts, load = build(STANDING[name])
+    result = check(Model(model, contacts, load))
     assert result.verdict is Verdict.STABLE
     again = check_forces(Model(model, contacts, load), result.force, result.displacement)
     assert again.largest <= 1e-8
@@ -121,5 +115,4 @@ def test_uniform_stiffness_alone_gives_the_same_verdict_on_the_vault():
     quick = check(Model(model, contacts), options=CheckOptions(samples=0))
     full = check(Model(model, contacts))
     assert quick.verdict is full.verdict is Verdict.STABLE
-    assert quick.samples.tried == 1
     assert np.allclose(quick.force, full.force)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from benchmarks.reference import solve_cra_reference
 from drystone import (
     InputError,
     LoadCase,
@@ -12,7 +13,6 @@ from drystone import (
     solve_cra,
 )
 from drystone.models import arch, stool, wedge
-from drystone.stability.programs.reference import solve_cra_reference
 
 X = (1.0, 0.0, 0.0)
 CASES = {

@@ -78,7 +78,6 @@ PLAN = planned()
 
 SHARED: dict[str, Callable[..., Any]] = {
     "check": lambda **how: drystone.check(ARCH, **how),
-    "could_hold": lambda **how: stability.could_hold(SENSITIVE, **how),
     "solve_cra": lambda **how: drystone.solve_cra(SENSITIVE, **how),
     "solve_cra_penalty": lambda **how: drystone.solve_cra_penalty(SENSITIVE, **how),
     "settle": lambda **how: drystone.settle(SENSITIVE, **how),

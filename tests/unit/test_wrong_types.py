@@ -141,8 +141,8 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: CheckOptions(samples=2.5), "samples is 2.5; give a whole number"),
         (lambda: CheckOptions(samples=True), "samples is True; give a whole number"),
         (lambda: CheckOptions(samples=-1), "cannot be negative"),
-        (lambda: CheckOptions(search="yes"), "search is 'yes'; give True or False"),
-        (lambda: CheckOptions(stiffness_ratio="x"), "stiffness_ratio is 'x', not a number"),
+        (lambda: CheckOptions(settle="yes"), "settle is 'yes'; give True or False"),
+        (lambda: limits.LimitOptions(width="x"), "width is 'x', not a number"),
         (lambda: RBEOptions(objective="cubic"), "give one of 'quadratic', 'linear'"),
         (lambda: RBEOptions(cone=8), r"cone is 8; give FrictionCone\("),
         (lambda: stability.Weights(tension=-1.0), "tension is -1; give 0 or more"),
@@ -199,5 +199,5 @@ def test_a_number_of_numpy_times_a_load_case_is_a_load_case() -> None:
 def test_an_analysis_keeps_its_signature() -> None:
     parameters = inspect.signature(check).parameters
     assert list(parameters)[:2] == ["given", "options"]
-    assert check.__module__ == "drystone.stability.check"
+    assert check.__module__ == "drystone.stability.verdict"
     assert isinstance(check(Assembly(TOWER.blocks, TOWER.fixed)), drystone.Result)

@@ -14,7 +14,8 @@ from drystone.base.settings import Options
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check, check_near
+from drystone.stability import CheckOptions, check
+from drystone.stability.check_options import SAMPLES
 from drystone.stability.resting import stands_for_all, try_rest
 from drystone.stability.screening import stage_screening
 
@@ -89,16 +90,15 @@ def stands_near(
     model: Model,
     near: dict[int, Floats],
     *,
-    samples: int | None = None,
+    samples: int = SAMPLES,
     stop: Callable[[], bool] | None = None,
 ) -> bool:
-    """Whether a model stands for all contact stiffnesses, begun at rest states that it updates."""
-    count = CheckOptions().samples if samples is None else samples
-    options = CheckOptions(samples=count, settle=False, uniform=True)
-    result, rests = check_near(model, near, options=options, stop=stop)
-    stands = result.stable and result.samples.standing == result.samples.tried == count + 1
-    if stands:
-        near.update(rests)
+    """Whether a model stands for all contact stiffnesses, begun at a rest state that it updates."""
+    options = CheckOptions(samples=samples, settle=False, uniform=True)
+    result = check(model, options=options, start=near.get(0), stop=stop)
+    stands = result.stable and result.samples.standing == result.samples.tried == samples + 1
+    if stands and result.displacement is not None:
+        near[0] = result.displacement
     return stands
 
 
@@ -163,7 +163,7 @@ class DesignMargin(Options):
         settle
             Follow settlement also where it cannot make the structure meet the margin.
         """
-        options = CheckOptions(settle=settle or not self.robust)
+        options = self.options(settle)
         first = check(model, options=options, stop=stop)
         if not self.meets(first):
             return first
@@ -197,7 +197,7 @@ class DesignMargin(Options):
         cases = (model, *self.cases(model))
         if near is not None and (quick or self.robust):
             near.extend({} for _ in cases[len(near) :])
-            samples = 0 if quick else None
+            samples = 0 if quick else SAMPLES
             return all(
                 stands_near(case, rests, samples=samples, stop=stop)
                 for case, rests in zip(cases, near, strict=True)
@@ -207,6 +207,11 @@ class DesignMargin(Options):
         if self.robust:
             return all(stands_for_all(case, stop=stop) for case in cases)
         return all(check(case, stop=stop).stable for case in cases)
+
+    def options(self, settle: bool = False) -> CheckOptions:
+        """Of the check of each case; with ``settle`` blocks are followed in any case."""
+        samples = SAMPLES if self.robust else 0
+        return CheckOptions(samples=samples, settle=settle or not self.robust)
 
     def meets(self, result: Result) -> bool:
         """Whether a result is good enough."""

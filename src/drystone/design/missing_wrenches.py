@@ -24,7 +24,7 @@ from drystone.stability.problem import Problem
 from drystone.stability.programs.rbe import BALANCE_TOLERANCE
 from drystone.stability.proofs import FALLING_SHARE
 
-_AS_IT_LIES = PenaltyOptions(search=False)
+_AS_IT_LIES = PenaltyOptions(settle=False)
 """Joints are as stiff as they are: what shims could hold needs help all the same."""
 
 _UNIQUE = 1e-8

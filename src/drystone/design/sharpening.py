@@ -24,7 +24,7 @@ from drystone.design.plane_joints import PlaneJoints
 from drystone.design.search import bracket
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
-from drystone.stability import CheckOptions, check
+from drystone.stability import check
 
 _TENSE = 0.01
 """A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
@@ -235,7 +235,7 @@ class _Sharpening:
     def tense(self, model: Model) -> Bools:
         """The joints (j,) that show tension, in the first case of the margin that falls."""
         margin = self.options.margin
-        options = CheckOptions(settle=not margin.robust)
+        options = margin.options()
         for case in (model, *margin.cases(model)):
             if not margin.meets(check(case, options=options)):
                 tension = self.joints.tension(case)

@@ -18,7 +18,7 @@ from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.held_still import held_still
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
-from drystone.limits.search import VerdictSearch
+from drystone.limits.search import VerdictSearch, Width
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -85,7 +85,7 @@ def bisected_bound(
     stop: Stop | None = None,
 ) -> Bracket:
     """The limit of equilibrium between a value where it is expected and one where it is not."""
-    return _search(family, cone, stop).run(start, end, width=width, scan=1).bracket
+    return _search(family, cone, stop).run(start, end, width=Width(width), scan=1).bracket
 
 
 def _search(family: Family, cone: FrictionCone, stop: Stop | None) -> VerdictSearch:
@@ -174,7 +174,7 @@ def _confirmed(
                 return Bracket(low, high, search.results[low], search.results[high], value)
     except Stopped:
         return search.so_far(start).bracket
-    return search.run(start, end, width=width, scan=1).bracket
+    return search.run(start, end, width=Width(width), scan=1).bracket
 
 
 def _nearest(

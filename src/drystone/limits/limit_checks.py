@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from dataclasses import replace
+from typing import TypeAlias
 
-from drystone import stability
-from drystone.base.arrays import Floats
-from drystone.base.progress import Clock, Stop
+from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.check_options import CheckOptions
-from drystone.stability.problem import Problem
-from drystone.stability.stiffness_samples import TriedStiffnesses
-from drystone.stability.verdict.cascade import Cascade
+from drystone.stability import QUICK, CheckOptions, check, try_rest
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
@@ -24,98 +19,38 @@ SEARCHED = 500
 :func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
 ones are made instead."""
 
-_UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
+_UNIFORM = QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
 the quick level gives the same limits as the patient one in half of the time."""
 
 
-@dataclass(eq=False)
-class RestStates:
-    """Rest states that one check of a search hands to the next.
-
-    Attributes
-    ----------
-    displacement : (n, 6) [m, rad] each
-        Of the last model that stands with every stiffness, by the number of the contact stiffness,
-        0 for the uniform one. Empty: there is none yet.
-    tried
-        What was tried on each model, so that it is tried once.
-    """
-
-    displacement: Mapping[int, Floats] = field(default_factory=dict)
-    tried: dict[Model, TriedStiffnesses] = field(default_factory=dict)
-
-    def tried_on(self, model: Model) -> TriedStiffnesses:
-        """What was tried on this model, for checks to add to."""
-        return self.tried.setdefault(model, TriedStiffnesses())
-
-    def cascade(
-        self, model: Model, options: CheckOptions, stop: Stop | None, **how: Any
-    ) -> Cascade:
-        """The check of a model, which adds to what was tried on it."""
-        clock = Clock(float("inf"), stop)
-        return Cascade(
-            Problem.build(model), options, None, clock, tried=self.tried_on(model), **how
-        )
-
-
-def one_stiffness(
-    model: Model, *, near: RestStates | None = None, stop: Stop | None = None
-) -> Result:
-    """Whether it stands with uniform contact stiffness: the fastest proof.
-
-    Its rest state is kept for other checks of the same model; it begins at no other model.
-    """
-    near = near or RestStates()
+def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """Whether it stands with uniform contact stiffness: the fastest proof."""
     if model.contacts.corner_count > SEARCHED:
-        tried = near.tried_on(model)
-        return stability.try_rest(model, screening=_UNIFORM, tried=tried, stop=stop)
-    return near.cascade(model, CheckOptions(samples=0, settle=False), stop).run()
+        return try_rest(model, screening=_UNIFORM, stop=stop)
+    return check(model, options=CheckOptions(settle=False), stop=stop)
 
 
-def every_stiffness(
-    model: Model, *, near: RestStates | None = None, stop: Stop | None = None
-) -> Result:
-    """Whether it stands with every contact stiffness of :func:`drystone.check`: robust.
+def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """Whether it stands with every contact stiffness that is tried: robust.
 
-    No blocks are followed, and the first stiffness that does not hold the blocks ends the check.
-
-    Parameters
-    ----------
-    model
-    near
-        Rest states of a similar model with the same blocks, from which this check begins. Those of
-        this model take their place where it stands with every stiffness.
-    stop
+    Where they slide far they are followed, and must come to rest.
 
     Returns
     -------
     Result
-        That of :func:`drystone.check` where it stands with all of them. Otherwise UNSTABLE where
-        no forces balance the loads, or else UNDECIDED.
+        STABLE where it stands with all of them. Otherwise UNSTABLE where no forces balance the
+        loads or the blocks fall, or else UNDECIDED.
     """
-    near = near or RestStates()
-    options = CheckOptions(settle=False)
-    cascade = near.cascade(model, options, stop, known=near.displacement, robust=True)
-    found = cascade.run()
-    if not found.stable:
-        return found
-    if model.assembly.free.size and not cascade.stiffnesses.robustly:
-        return replace(found, verdict=Verdict.UNDECIDED)
-    near.displacement = cascade.stiffnesses.rests
-    return replace(found, options=CheckOptions())  # the answer of the check with these
+    options = replace(CheckOptions.robust(), uniform=True)
+    found = check(model, options=options, stop=stop)
+    everywhere = found.samples.standing == found.samples.tried
+    return found if everywhere or not found.stable else replace(found, verdict=Verdict.UNDECIDED)
 
 
-def verdict(model: Model, *, near: RestStates | None = None, stop: Stop | None = None) -> Result:
-    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides.
-
-    After the first stiffness that does not hold the blocks no other is tried: following them
-    decides. Where they were followed to a fall, the mechanism of the result is the motion that was
-    followed. Parameters as for :func:`every_stiffness`.
-    """
-    near = near or RestStates()
-    known = near.displacement
-    return near.cascade(model, CheckOptions(), stop, known=known, witness=False).run()
+def verdict(model: Model, *, stop: Stop | None = None) -> Result:
+    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
+    return check(model, options=CheckOptions(), stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

@@ -37,27 +37,6 @@ class Family(Protocol):
         """The model at a value."""
 
 
-class ModelsOnce:
-    """A family that makes the model of each value once, so that checks can share what they find.
-
-    It is sent to other processes without the models.
-    """
-
-    def __init__(self, family: Family) -> None:
-        self.family = family
-        self.parameter, self.unit = family.parameter, family.unit
-        self._made: dict[float, Model] = {}
-
-    def __call__(self, value: float) -> Model:
-        """The model at a value; the same object each time."""
-        if value not in self._made:
-            self._made[value] = self.family(value)
-        return self._made[value]
-
-    def __reduce__(self) -> tuple[type[ModelsOnce], tuple[Family]]:
-        return ModelsOnce, (self.family,)
-
-
 @dataclass(frozen=True, eq=False)
 class Tilt(OneLine):
     """The assembly rotated counter-clockwise about an axis; loads keep their direction.

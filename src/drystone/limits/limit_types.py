@@ -29,12 +29,15 @@ class LimitOptions(Options):
         Friction cone of the equilibrium limit.
     full
         Whether to search the full verdict too.
+    robust
+        Whether to search the limit of standing for every contact stiffness too.
     """
 
     width: float | None = None
     scan: int = 6
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
     full: bool = True
+    robust: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -63,7 +66,7 @@ class Limit(LimitAnswer):
         ``None`` with another check.
     robust
         It stands for every tried contact stiffness. ``None`` with another check, and if not
-        searched.
+        asked for.
     islands
         Ranges beyond the first fall in which it stands again, as far as they were tried.
     evaluations
@@ -109,7 +112,7 @@ class Limit(LimitAnswer):
 
     @property
     def falls(self) -> float | None:
-        """The first value beyond at which it falls, by the verdict where that was asked for."""
+        """The first value beyond it at which it falls; ``None`` where it stands at all."""
         return self.best.falls
 
     @property
@@ -121,24 +124,28 @@ class Limit(LimitAnswer):
     def sensitive_between(self) -> tuple[float, float] | None:
         """Values between which contact stiffness decides whether it stands.
 
-        The first is the last value at which it stands for every tried stiffness. The second is the
-        value at which it falls by the verdict and for uniform stiffness. ``None`` if the verdict
-        changes at one value.
+        Between them either uniform stiffness holds it or the blocks come to rest, not both; or,
+        where the limit for every stiffness was asked for, some stiffness does not hold it. ``None``
+        if the verdict changes at one value.
         """
-        if self.robust is None or self.rest is None:
+        if self.uniform is None or self.rest is None:
             return None
-        low = self.start if self.robust.stands is None else self.robust.stands
-        known = (
-            self.rest.stands,
-            self.rest.falls,
-            None if self.uniform is None else self.uniform.falls,
-        )
-        high = max((v for v in known if v is not None), key=lambda v: abs(v - self.start))
         falling = self.rest.falling
         # at the start, without any forces that balance the loads or without any that press
-        at_once = high == self.start and falling is not None and falling.settlement is None
-        changes_once = (low, high) == (self.rest.stands, self.rest.falls)
-        return None if changes_once or at_once or self.robust.stands == high else (low, high)
+        at_once = self.rest.falls == self.start and (falling is None or falling.settlement is None)
+        inner = (self.uniform, self.rest, *([] if self.robust is None else [self.robust]))
+        low = min(self._from_start(one.stands) for one in inner)
+        outer = (self.rest.stands, self.rest.falls, self.uniform.falls)
+        high = max(self._from_start(value) for value in outer)
+        here = tuple(self._from_start(value) for value in (self.rest.stands, self.rest.falls))
+        if at_once or (low, high) == here or low == self._from_start(self.end):
+            return None
+        way = 1.0 if self.end > self.start else -1.0
+        return self.start + way * low, self.start + way * high
+
+    def _from_start(self, value: float | None) -> float:
+        """Distance from the start; none where no value was found."""
+        return 0.0 if value is None else abs(value - self.start)
 
     @property
     def is_sensitive(self) -> bool:

@@ -22,7 +22,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.inside import bisected, searched
+from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
@@ -33,7 +33,6 @@ from drystone.limits.limit_families import (
     found,
 )
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search_settings import SearchSettings
 from drystone.loads import LoadCase
 
 AXES = {
@@ -92,15 +91,14 @@ def limit_tilt(
     >>> round(limit.equilibrium.value, 1), round(limit.rest.value, 1)
     (31.0, 31.0)
     """
-    chosen = LimitOptions.of(options)
     family = Tilt(supported_model(given, **how), axis_vector(axis))
-    settings = SearchSettings(check, chosen, executor, progress, stop, time_limit_s)
-    return tilt_limit(family, upper, settings)
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    return tilt_limit(family, upper, means)
 
 
-def tilt_limit(family: Tilt, upper: float, settings: SearchSettings) -> Limit:
+def tilt_limit(family: Tilt, upper: float, means: Means) -> Limit:
     """As :func:`limit_tilt`."""
-    chosen = settings.options
+    chosen = means.options
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
         raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
@@ -113,7 +111,7 @@ def tilt_limit(family: Tilt, upper: float, settings: SearchSettings) -> Limit:
             tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
             width,
         ),
-        settings,
+        means,
     )
 
 
@@ -143,14 +141,13 @@ def limit_friction(
     options
         The default width is 0.001.
     """
-    chosen = LimitOptions.of(options)
     model = supported_model(given, **how)
     family = Friction(model, scaled)
     largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = SearchSettings(check, chosen, executor, progress, stop, time_limit_s)
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -180,7 +177,8 @@ def limit_load(
     options
         The default width is 1e-4 of the limit.
     """
-    chosen = LimitOptions.of(options)
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    chosen = means.options
     model = supported_model(given, **how)
     case = LoadCase.of(model.assembly, live)
     family = LoadFactor(model, case)
@@ -196,7 +194,7 @@ def limit_load(
         lambda stop: load_factor_bound(
             family, last, share=_SHARE, width=chosen.width, cone=chosen.cone, stop=stop
         ),
-        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
+        means,
         _SHARE,
     )
 
@@ -218,16 +216,9 @@ def limit_shrink(
     Its inverse is a geometric safety factor, after Heyman 1982: the size of the joints divided by
     the required size. The default width is 0.001.
     """
-    chosen = LimitOptions.of(options)
-    model = supported_model(given, **how)
-    family = Shrunk(model)
-    return bisected(
-        family,
-        1.0,
-        0.0,
-        1e-3,
-        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
-    )
+    family = Shrunk(supported_model(given, **how))
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    return bisected(family, 1.0, 0.0, 1e-3, means)
 
 
 @checked_call
@@ -271,7 +262,6 @@ def limit_thickness(
     >>> round(limit.rest.value, 3)
     0.1
     """
-    chosen = LimitOptions.of(options)
     of_type(build, Callable, "what builds the model", "give a function")  # type: ignore[arg-type]
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
@@ -279,13 +269,8 @@ def limit_thickness(
     finder = find if find is not None else partial(found, friction)
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
-    return bisected(
-        family,
-        first,
-        last,
-        width,
-        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
-    )
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    return bisected(family, first, last, width, means)
 
 
 def axis_vector(axis: Any) -> Any:

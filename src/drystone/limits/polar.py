@@ -19,14 +19,12 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.brackets import Bracket
-from drystone.limits.inside import answers_at_start
+from drystone.limits.inside import Means
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import Tilt
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import tilt_limit
-from drystone.limits.search_settings import SearchSettings
 from drystone.model import Model
-from drystone.results import Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,12 +222,7 @@ def tilt_sweep(
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
     clock = Clock(time_limit_s, stop)
     model = supported_model(given, **how)
-    chosen = LimitOptions.of(options)
-    at_start: tuple[Result | None, Result | None] = (None, None)
-    if check is None and chosen.full and directions > 1 and not model.assembly.fixed.all():
-        # the same in all directions
-        at_start = answers_at_start(Tilt(model, axes[0])(0.0), clock.late)
-    means = SearchSettings(check, chosen, None, None, clock.late, at_start=at_start)
+    means = Means.of(check, options, None, None, clock.late, float("inf"))
     task = partial(_one, model, upper, means)
     limits: list[Limit] = []
     with WorkerPool(executor) as pool:
@@ -248,7 +241,7 @@ def tilt_sweep(
     return TiltSweep(azimuth[:known], tuple(limits), missing, stopped)
 
 
-def _one(model: Model, upper: float, means: SearchSettings, axis: Floats) -> Limit:
+def _one(model: Model, upper: float, means: Means, axis: Floats) -> Limit:
     return tilt_limit(Tilt(model, axis), upper, means)
 
 

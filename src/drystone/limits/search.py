@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,17 @@ from drystone.results import Result, Verdict
 
 _GROWTH = 4.0
 """Of a step from a guess to the next: less than the bisections that follow."""
+
+
+class Width(NamedTuple):
+    """How wide a bracket may be: the larger of a length, and a share of its value."""
+
+    least: float
+    share: float = 0.0
+
+    def at(self, *values: float) -> float:
+        """The width at some values."""
+        return max(self.least, self.share * max(abs(value) for value in values))
 
 
 class VerdictSearch:
@@ -80,7 +91,7 @@ class VerdictSearch:
             raise Stopped
 
     def run(
-        self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
+        self, start: float, end: float, *, width: Width, scan: int, beyond: Bracket | None = None
     ) -> FoundBracket:
         """Bracket the first change of the verdict between ``start`` and ``end``.
 
@@ -91,7 +102,7 @@ class VerdictSearch:
         end
             Either above or below it.
         width
-            Width of the bracket, if no value in it is undecided.
+            Of the bracket, if no value in it is undecided.
         scan
             Number of steps of the scan; 1 tries the two ends only.
         beyond
@@ -103,38 +114,21 @@ class VerdictSearch:
             If the search was stopped: the result of the values tried so far.
         """
         try:
-            return self._run(start, end, width, scan, beyond)
+            self.evaluate(np.linspace(start, end, max(scan, 1) + 1).tolist())
+            return self._closed((start, end), width, beyond)
         except Stopped:
             return self.so_far(start, beyond)
 
     def from_start(
-        self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
+        self, start: float, end: float, *, width: Width, scan: int, beyond: Bracket | None = None
     ) -> FoundBracket:
         """As :meth:`run`; where it falls at the start no other value is tried."""
         try:
-            held = self.stands(start)
+            if self.stands(start) is False:
+                return self.so_far(start)
         except Stopped:
             return self.so_far(start, beyond)
-        if held is False:
-            return self.so_far(start)
         return self.run(start, end, width=width, scan=scan, beyond=beyond)
-
-    def so_far(self, start: float, beyond: Bracket | None = None) -> FoundBracket:
-        """The result of the values tried so far, in order from the start."""
-        tried = sorted(self.results, key=lambda value: abs(value - start))
-        held = [self.meaning[self.results[value].verdict] for value in tried]
-        first = next((i for i, stands in enumerate(held) if stands is not True), len(tried))
-        inside = tried[first - 1] if first else None
-        outside = next((tried[i] for i, s in enumerate(held) if i >= first and s is False), None)
-        bracket = Bracket(
-            inside,
-            outside,
-            None if inside is None else self.results[inside],
-            None if outside is None else self.results[outside],
-        )
-        if outside is None and beyond is not None:
-            bracket = replace(bracket, falls=beyond.falls, falling=beyond.falling)
-        return self._found(bracket, _runs(tried, held, first))
 
     def around(
         self,
@@ -142,10 +136,9 @@ class VerdictSearch:
         far: float,
         span: tuple[float, float],
         *,
-        width: float,
+        width: Width,
         beyond: Bracket | None = None,
         closing: float = 0.0,
-        inward: bool = False,
     ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
@@ -160,34 +153,36 @@ class VerdictSearch:
         width, beyond
             As for :meth:`run`.
         closing
-            Distance from a guess that stands to the fall ``beyond`` within which nothing is tried.
-        inward
-            Whether steps then grow from the fall towards the start, where the change is expected
-            near the fall although ``near`` is far from it.
+            Widths from a guess that stands to the fall ``beyond`` within which nothing is tried.
 
-        Raises
-        ------
-        Stopped
-            The search was asked to stop.
+        Returns
+        -------
+        FoundBracket
+            If the search was stopped: the result of the values tried so far.
         """
         start, end = span
-        self._walk(near, start, width, True)
-        held = self.stands(near)
-        if held and beyond is not None and beyond.closes(near, closing):
+        try:
+            self._walk(near, start, width.at(near), True)
+            held = self.stands(near)
+            if held and beyond is not None and beyond.closes(near, closing * width.at(near)):
+                return self.so_far(start, beyond)
+            if held is not False:
+                self._walk(far, end, width.at(far), False)
+            return self._closed(span, width, beyond)
+        except Stopped:
             return self.so_far(start, beyond)
-        if held is not False:
-            self._walk(far, end, width, False)
-        bracket = self.so_far(start, beyond).bracket
-        if inward and bracket.stands is not None and bracket.falls is not None:
-            self._walk(bracket.falls, bracket.stands, width, True)
-            bracket = self.so_far(start, beyond).bracket
-        inside, outside = bracket.stands, bracket.falls
-        if inside is not None and inside != end:
-            ends = abs(inside - start), np.inf if outside is None else abs(outside - start)
-            in_order = sorted(self.results, key=lambda value: abs(value - start))
-            doubtful = [value for value in in_order if ends[0] < abs(value - start) < ends[1]]
-            self._close(inside, outside, doubtful, width)
-        return self.so_far(start, beyond)
+
+    def so_far(self, start: float, beyond: Bracket | None = None) -> FoundBracket:
+        """The result of the values tried so far, in order from the start."""
+        tried, held = self._in_order(start)
+        first = next((i for i, stands in enumerate(held) if stands is not True), len(tried))
+        inside = tried[first - 1] if first else None
+        outside = next((tried[i] for i, s in enumerate(held) if i >= first and s is False), None)
+        return self._found(start, inside, outside, beyond)
+
+    def _in_order(self, start: float) -> tuple[list[float], list[bool | None]]:
+        tried = sorted(self.results, key=lambda value: abs(value - start))
+        return tried, [self.meaning[self.results[value].verdict] for value in tried]
 
     def _walk(self, guess: float, towards: float, step: float, stands: bool) -> None:
         """Growing steps from a guess to the first value that stands, or that falls."""
@@ -197,43 +192,21 @@ class VerdictSearch:
             here = towards if abs(left) <= step else here + float(np.copysign(step, left))
             step *= _GROWTH
 
-    def _run(
-        self, start: float, end: float, width: float, scan: int, beyond: Bracket | None
+    def _closed(
+        self, span: tuple[float, float], width: Width, beyond: Bracket | None
     ) -> FoundBracket:
-        grid = np.linspace(start, end, max(scan, 1) + 1).tolist()
-        self.evaluate(grid)
-        held = [self.stands(value) for value in grid]
-        first = next((i for i, stands in enumerate(held) if stands is not True), len(grid))
-        if first == len(grid):
-            falls = None if beyond is None else beyond.falls
-            falling = None if beyond is None else beyond.falling
-            bracket = Bracket(grid[-1], falls, self.results[grid[-1]], falling)
-            return self._found(bracket, ())
-        fallen = next((i for i, s in enumerate(held) if i >= first and s is False), None)
-        if first == 0:
-            at = None if fallen is None else grid[fallen]
-            bracket = Bracket(None, at, None, None if at is None else self.results[at])
-            return self._found(bracket, _runs(grid, held, 0))
-        if fallen is None:
-            falls = None if beyond is None else beyond.falls
-            inside, outside = self._close(grid[first - 1], falls, grid[first:], width)
-        else:
-            inside, outside = self._close(grid[first - 1], grid[fallen], grid[first:fallen], width)
-        falling = None
-        if outside is not None:
-            proof = None if beyond is None else beyond.falling
-            falling = self.results.get(outside, proof)
-        bracket = Bracket(inside, outside, self.results[inside], falling)
-        return self._found(bracket, _runs(grid, held, first))
-
-    def _close(
-        self, inside: float, outside: float | None, doubtful: list[float], width: float
-    ) -> tuple[float, float | None]:
-        """Bisect between a value that stands and one that falls.
+        """Bisect between the last value that stands and the first beyond it that falls.
 
         Undecided values between them are enclosed from both sides.
         """
-        doubtful = list(doubtful)
+        start, end = span
+        known = self.so_far(start, beyond).bracket
+        inside, outside = known.stands, known.falls
+        if inside is None or inside == end:
+            return self.so_far(start, beyond)
+        ends = abs(inside - start), np.inf if outside is None else abs(outside - start)
+        in_order, _ = self._in_order(start)
+        doubtful = [value for value in in_order if ends[0] < abs(value - start) < ends[1]]
         while True:
             near = doubtful[0] if doubtful else outside
             gaps = [] if near is None else [(inside, near)]
@@ -241,25 +214,37 @@ class VerdictSearch:
                 gaps.append((doubtful[-1], outside))
             low, high = max(gaps, key=lambda gap: abs(gap[1] - gap[0]))
             middle = 0.5 * (low + high)
-            if abs(high - low) <= width * (1.0 + 1e-9) or middle in (low, high):
-                return inside, outside
+            if abs(high - low) <= width.at(low, high) * (1.0 + 1e-9) or middle in (low, high):
+                return self._found(start, inside, outside, beyond)
             stands = self.stands(middle)
-            if low == inside:
-                if stands is True:
-                    inside = middle
-                elif stands is False:
-                    outside, doubtful = middle, []
-                else:
-                    doubtful.insert(0, middle)
-            elif stands is True:
-                inside, doubtful = middle, []
+            if stands is True:
+                doubtful = doubtful if low == inside else []
+                inside = middle
             elif stands is False:
                 outside = middle
+                doubtful = [one for one in doubtful if abs(one - start) < abs(middle - start)]
             else:
-                doubtful.append(middle)
+                doubtful = sorted([*doubtful, middle], key=lambda value: abs(value - start))
 
-    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> FoundBracket:
-        return FoundBracket(bracket, islands, self.evaluations())
+    def _found(
+        self,
+        start: float,
+        inside: float | None,
+        outside: float | None,
+        beyond: Bracket | None,
+    ) -> FoundBracket:
+        """The bracket between two values, and the runs of standing values beyond it."""
+        proof = beyond if beyond is not None and outside in (None, beyond.falls) else Bracket()
+        falls = proof.falls if outside is None else outside
+        bracket = Bracket(
+            inside,
+            falls,
+            None if inside is None else self.results[inside],
+            proof.falling if falls is None else self.results.get(falls, proof.falling),
+        )
+        tried, held = self._in_order(start)
+        after = 0 if inside is None else tried.index(inside) + 1
+        return FoundBracket(bracket, _runs(tried, held, after), self.evaluations())
 
     def evaluations(self) -> tuple[Evaluation, ...]:
         """Tried values, in ascending order."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from drystone.base.arrays import Floats
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.stages import Stage, StageAnswer, mask_of
-from drystone.stability.verdict.following import SETTLES_ALIKE
 
 CHECKED = 1000
 """Most corners of a connected part with which every stage of a plan is checked, also where a quick
@@ -45,10 +45,7 @@ def checked_step(
     """
     checked = evaluator.model.largest[1] <= CHECKED
 
-    def sure(stage: Stage) -> StageAnswer:
-        found = evaluator.answer(stage, forces=True, checked=checked)
-        return evaluator.followed(stage) if SETTLES_ALIKE in found.settled else found
-
+    sure = partial(evaluator.answer, forces=True, checked=checked)
     after = Stage(before | mask_of(blocks), mask_of(props), False, near)
     answer = sure(after)
     during = []

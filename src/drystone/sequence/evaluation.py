@@ -6,7 +6,7 @@ import functools
 import logging
 import pickle
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import replace
 
@@ -23,8 +23,6 @@ from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, members
 from drystone.sequence.structure import Structure
 from drystone.stability.attempts import Candidate
-from drystone.stability.stiffness_samples import NONE_FOUND
-from drystone.stability.verdict.following import FOLLOWED, SETTLES_ALIKE
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
@@ -197,15 +195,6 @@ class Evaluator(OneLine):
                 self._known[part] = found
         return self.answer(stage)
 
-    def followed(self, stage: Stage) -> StageAnswer:
-        """A stage without what is only known of a similar one: its own blocks are followed."""
-        for part in self.model.parts(stage):
-            if self.answer(part, forces=True, checked=True).settled == SETTLES_ALIKE:
-                near = {n: rest for n, rest in self._rests_near(part).items() if n != FOLLOWED}
-                self._known[part._replace(near=None)] = self.solver.solve(part, near)
-                self.solved += 1
-        return self.answer(stage, forces=True, checked=True)
-
     def save(self) -> None:
         """Write the checkpoint, if there is one."""
         self._saved = time.monotonic()
@@ -219,27 +208,21 @@ class Evaluator(OneLine):
         seen = self._known.get(part._replace(quick=True)) if checked is None else None
         return seen if seen is not None and (seen.stands or part.quick) else checked
 
-    def _rests_near(self, part: Stage) -> dict[int, Floats]:
-        """Known rest states of a part and of its similar stage.
-
-        Displacements (n, 6) by the number of the contact stiffness; empty where none was found.
-        """
-        out: dict[int, Floats] = {}
+    def _rest_near(self, part: Stage) -> Floats | None:
+        """Displacements (n, 6) of the known rest states of a part and of its similar stage."""
+        out: Floats | None = None
         for stage in (part.near, (part.placed, part.held)):
             for other in () if stage is None else self.model.parts(Stage(*stage)):
                 moving = other.placed & ~other.held
                 found = self._find(other) if moving & part.placed else None
                 if found is None or not found.stands:
                     continue
-                if not found.rests:  # from a checkpoint
-                    rests = self.solver.solve(other._replace(quick=True)).rests
-                    found = self._known[other] = replace(found, rests=rests)
-                for number, motion in found.rests.items():
-                    whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
-                    if len(motion) and len(whole):
-                        whole[list(members(moving))] = motion
-                    else:
-                        out[number] = NONE_FOUND
+                if not len(found.rest):  # from a checkpoint
+                    rest = self.solver.solve(other._replace(quick=True)).rest
+                    found = self._known[other] = replace(found, rest=rest)
+                out = np.zeros((len(self.model.assembly), 6)) if out is None else out
+                if len(found.rest):
+                    out[list(members(moving))] = found.rest
         return out
 
     def _screened(self, part: Stage) -> Candidate | None:
@@ -264,7 +247,7 @@ class Evaluator(OneLine):
             except LOST_WORKER as error:
                 self._revive(error)
         for part in left:
-            yield part, self.solver.solve(part, self._rests_near(part), self._screened(part))
+            yield part, self.solver.solve(part, self._rest_near(part), self._screened(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
@@ -280,8 +263,8 @@ class Evaluator(OneLine):
         executor = self._start()
         if executor is None:
             raise BrokenExecutor("no workers are left")
-        known, rest = self._rests_near(part), self._screened(part)
-        return executor.submit(solve_remote, self._payload, part, known, rest)
+        near, rest = self._rest_near(part), self._screened(part)
+        return executor.submit(solve_remote, self._payload, part, near, rest)
 
     def _revive(self, error: BaseException) -> None:
         """After the failure of a worker: start new ones if possible, else continue without."""
@@ -295,10 +278,10 @@ class Evaluator(OneLine):
 
 
 def solve_remote(
-    payload: bytes, part: Stage, known: Mapping[int, Floats], rest: Candidate | None
+    payload: bytes, part: Stage, near: Floats | None, rest: Candidate | None
 ) -> StageAnswer:
     """The verdict on one part, computed in a worker that unpacks the solver once."""
-    return _unpacked(payload).solve(Stage(*part), known, rest)
+    return _unpacked(payload).solve(Stage(*part), near, rest)
 
 
 @functools.lru_cache(maxsize=2)

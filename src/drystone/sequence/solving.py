@@ -7,7 +7,7 @@ built once for the quick look and the check that may follow.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +26,6 @@ from drystone.sequence.structure import Structure
 from drystone.stability import PATIENT, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
-from drystone.stability.verdict.following import SETTLES_ALIKE
 
 LOADED = 1e-6
 """Corners with less than this share of the largest force of their part are ignored in the required
@@ -57,8 +56,6 @@ class PartSolver(OneLine):
 
     def __init__(self, structure: Structure) -> None:
         self.structure = structure
-        # number (m,) of each interface among those that do not join two fixed blocks
-        self._joints = np.cumsum(structure.model.active) - 1
         self._kept: dict[tuple[int, int], _Part] = {}
         self._lock = threading.Lock()  # threads of an executor may share it
 
@@ -71,7 +68,7 @@ class PartSolver(OneLine):
     def solve(
         self,
         part: Stage,
-        known: Mapping[int, Floats] | None = None,
+        near: Floats | None = None,
         rest: Candidate | None = None,
     ) -> StageAnswer:
         """The answer of one connected part. Stages are checked, and looked at, only here.
@@ -79,9 +76,8 @@ class PartSolver(OneLine):
         Parameters
         ----------
         part
-        known : (n, 6) [m, rad] each
-            Displacements of all blocks in rest states to start from, by the number of the contact
-            stiffness; empty where none was found.
+        near : (n, 6) [m, rad]
+            Displacements of all blocks in a rest state to start from.
         rest
             The rest state with uniform stiffness that a quick look at this part found.
         """
@@ -91,24 +87,18 @@ class PartSolver(OneLine):
             return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
         blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
         some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
-        near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
-        rests: Mapping[int, Floats] = {}
+        start = None if near is None else near[blocks]
         uniform = None
         if part.quick:
             level = PATIENT if self.structure.quick is None else self.structure.quick
-            result = try_rest(found.problem, screening=level, start=near.get(0))
+            result = try_rest(found.problem, screening=level, start=start)
             uniform = _rest_of(result)
         elif self.structure.check is check_both:
-            within = self._joints[chosen], int(self._joints[-1]) + 1
-            result, rests = check_both_near(found.problem, near, within, rest)
+            result = check_both_near(found.problem, start, rest)
         else:
             result = self.structure.check(stage)
-        if not rests and result.displacement is not None:
-            rests = {0: result.displacement}
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
-        if result.message.startswith(SETTLES_ALIKE):
-            settled = SETTLES_ALIKE
         if not result.stable or result.force is None:
             return StageAnswer(result.verdict, result.message, falling, settled=settled)
         reaction = {}
@@ -121,7 +111,9 @@ class PartSolver(OneLine):
         used = _friction_used(contacts, result.force)
         corner = np.flatnonzero(chosen[self.structure.contacts.interface])
         force = np.array(result.force)
-        moved = {n: motion[~some.fixed] if len(motion) else motion for n, motion in rests.items()}
+        moved = np.zeros((0, 6))
+        if result.displacement is not None:
+            moved = result.displacement[~some.fixed]
         return StageAnswer(
             result.verdict,
             result.message,

@@ -17,15 +17,10 @@ from drystone.base.display import OneLine
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import SettlementOptions
-from drystone.stability import (
-    CheckOptions,
-    RBEOptions,
-    check,
-    check_near,
-    solve_rbe,
-)
+from drystone.stability import CheckOptions, RBEOptions, check, solve_rbe
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
+from drystone.stability.verdict import check_problem
 
 
 class Stage(NamedTuple):
@@ -94,10 +89,9 @@ class StageAnswer(OneLine):
         Corners of the whole model with ``force`` (c, 3) [N]; empty if not kept.
     settled
         Result of following the blocks, where contact stiffness decides; else empty.
-    rests : (b, 6) [m, rad] each
-        Rest states of a part, as starts for similar stages: displacements of its moving blocks,
-        ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty. An
-        empty one: none was found.
+    rest : (b, 6) [m, rad]
+        Rest state of a part, as a start for similar stages: displacements of its moving blocks,
+        ascending; empty if not kept.
     uniform
         The rest state of a part with uniform stiffness, where a quick look found it.
     """
@@ -109,7 +103,7 @@ class StageAnswer(OneLine):
     used: float = 0.0
     corner: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
-    rests: Mapping[int, Floats] = field(default_factory=dict)
+    rest: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     settled: str = ""
     uniform: Candidate | None = None
 
@@ -139,24 +133,25 @@ def check_both(model: Model) -> Result:
     """Stands with uniform contact stiffness, and by the verdict of :func:`drystone.check`.
 
     The default for stages. A stage that falls with uniform stiffness is not relied upon, although
-    it may stand after settling. Where other stiffnesses let it fall, settlement decides.
+    it may stand after settling. Where it slides far, settlement decides.
     """
     return check(model, options=BOTH)
 
 
 def check_both_near(
-    given: Model | Problem,
-    known: Mapping[int, Floats],
-    within: tuple[Ints, int] | None = None,
-    rest: Candidate | None = None,
-) -> tuple[Result, Mapping[int, Floats]]:
-    """As :func:`check_both`, begun at known rest states; see :func:`drystone.stability.check_near`.
+    problem: Problem, near: Floats | None = None, rest: Candidate | None = None
+) -> Result:
+    """As :func:`check_both` of the problem of a stage, begun at a known rest state.
 
-    A stage with one block more or less has almost the same rest states, if its joints have the same
-    stiffness: ``within`` has the number (m,) of each interface in the complete structure, and how
-    many that has. ``rest`` is the rest state with uniform stiffness, where it is known already.
+    Parameters
+    ----------
+    problem
+    near : (n, 6) [m, rad]
+        The rest state of a similar stage: one with a block more or less has almost the same one.
+    rest
+        The rest state with uniform stiffness, where it is known already.
     """
-    return check_near(given, known, options=BOTH, within=within, rest=rest)
+    return check_problem(problem, options=BOTH, near=near, rest=rest)
 
 
 def check_thoroughly(model: Model) -> Result:

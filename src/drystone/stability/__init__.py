@@ -3,7 +3,6 @@
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
-from drystone.stability.check import check, check_near, could_hold
 from drystone.stability.check_many import check_many
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.programs.cra import CRAOptions, solve_cra
@@ -11,6 +10,7 @@ from drystone.stability.programs.penalty import PenaltyOptions, solve_cra_penalt
 from drystone.stability.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
 from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
+from drystone.stability.verdict import check
 
 __all__ = [
     "PATIENT",
@@ -30,8 +30,6 @@ __all__ = [
     "build_rbe_penalty",
     "check",
     "check_many",
-    "check_near",
-    "could_hold",
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",

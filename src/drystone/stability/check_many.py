@@ -23,8 +23,8 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability.check import check, check_side_by_side
 from drystone.stability.check_options import CheckOptions
+from drystone.stability.verdict import check, check_side_by_side
 
 COLUMNS: Mapping[str, Callable[[str], Any]] = {
     "number": int,

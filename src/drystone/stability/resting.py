@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -10,22 +10,16 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.formulations.rest import compliance
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.rest_state import Start
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
-from drystone.settlement import Outcome
-from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempts, Candidate
-from drystone.stability.check_options import CheckOptions
+from drystone.stability.attempts import Attempt, Candidate
+from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, Screening
-from drystone.stability.stiffness_samples import TriedStiffnesses
-from drystone.stability.verdict.check_answers import Answers
-from drystone.stability.verdict.each_stiffness import EachStiffness
+from drystone.stability.verdict import check
 
 
 @checked_call
@@ -35,7 +29,6 @@ def try_rest(
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
-    tried: TriedStiffnesses | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -57,9 +50,6 @@ def try_rest(
         ``displacement`` of the rest state of a similar model with the same blocks. The first law
         begins there, which halves the steps where few blocks differ. The size of the motion does
         not matter. A patient level that finds nothing from the start also begins from nothing.
-    tried
-        Keeps a rest state of the stick-slip law that is found from nothing, for other checks of the
-        same model.
 
     Returns
     -------
@@ -77,121 +67,83 @@ def try_rest(
     if progress is not None:
         progress("rest state", 0, 1)
     problem = Problem.of(given)
-    model = problem.model
-    verdict, message = Verdict.UNDECIDED, "no rest state was found; nothing shows that it falls"
-    force = displacement = residuals = None
-    attempts = Attempts(problem, clock)
+    tried: tuple[Candidate, ...] = ()
+    falling: tuple[int, ...] = ()
     if problem.statics.free_count == 0:
-        verdict, message, residuals = Verdict.STABLE, "every block is fixed", Residuals()
-        force, displacement = (
+        model = problem.model
+        force, motion = (
             np.zeros((model.contacts.corner_count, 3)),
             np.zeros((len(model.assembly), 6)),
         )
-    elif not _falls_freely(problem, screening, clock):
-        near = None if start is None else _start(attempts, start, screening.slip_lengths[0])
-        found = None if near is None else attempts.nearby(*near)
-        if found is None:
-            found = _first_standing(attempts, screening, near and near[1])
-            first = attempts.tried == 1 and screening.slip_lengths[0] is None and start is None
-            if tried is not None and first:
-                tried.uniform = found
-        if found is not None:
-            verdict, message, residuals = Verdict.STABLE, "stands", found.residuals
-            force, displacement = found.force, found.displacement
-    falling: tuple[int, ...] = ()
-    for state in attempts.falling[-1:] if verdict is Verdict.UNDECIDED else ():
-        share = problem.ground_share(state.ground)
-        chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
-        falling = tuple(int(i) for i in chosen)
+        found, message = Candidate(force, motion, Residuals()), "every block is fixed"
+    elif _falls_freely(problem):
+        found, message = Candidate(np.zeros(0), np.zeros(0), Residuals(equilibrium=np.inf)), ""
+    else:
+        tried = tuple(_by_each_law(problem, screening, start, clock.late))
+        found, message = tried[-1], "stands"
+    if not found.stands:
+        message = "no rest state was found; nothing shows that it falls"
+        leaning = [one.falling for one in tried if one.falling is not None]
+        for state in leaning[-1:]:
+            share = problem.ground_share(state.ground)
+            chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
+            falling = tuple(int(i) for i in chosen)
+    stands = found.stands
+    ended = sum(one.stands or one.falling is not None or not clock.late() for one in tried)
     return Result(
         method="rest",
-        verdict=verdict,
+        verdict=Verdict.STABLE if stands else Verdict.UNDECIDED,
         model=problem.model,
         message=message,
         falling=falling,
-        samples=Samples(attempts.tried, len(attempts.standing)),
-        force=force,
-        displacement=displacement,
-        residuals=residuals,
+        samples=Samples(ended, sum(one.stands for one in tried)),
+        force=found.force if stands else None,
+        displacement=found.displacement if stands else None,
+        residuals=found.residuals if stands else None,
         stopped=clock.reason,
         solver="rest state by interior points",
-        iterations=attempts.iterations,
+        iterations=sum(one.steps for one in tried),
         time_s={"solve": clock.elapsed_s},
     )
 
 
-@one_blas_thread()
-def stands_for_all(
-    model: Model,
-    *,
-    samples: int | None = None,
-    seed: int = 0,
-    stop: Stop | None = None,
-) -> bool:
-    """Whether a model stands for all contact stiffnesses of a check, for searches.
+def _by_each_law(
+    problem: Problem, screening: Screening, start: Floats | None, late: Callable[[], bool]
+) -> Iterator[Candidate]:
+    """What each friction law of a level comes to, up to the first that leads to rest."""
+    for slip in screening.slip_lengths:
+        attempt = Attempt(problem, compliance.uniform(problem.statics, slip=slip), late)
+        found = None if start is None else attempt.begun_at(start, screening)
+        start = None
+        found = attempt.from_nothing(screening) if found is None else found
+        yield found
+        if found.stands:
+            return
 
-    True where :func:`drystone.check` finds a rest state with each of them. Where the blocks slide
-    far they are followed, as there, and must come to rest. It ends at the first stiffness without a
-    rest state, and looks for no proof that the model falls.
+
+def _falls_freely(problem: Problem) -> bool:
+    """Whether nothing presses on some blocks beside supports."""
+    model, falling = problem.model, problem.unpressed
+    return bool(falling.any()) and beside_supports(model.assembly, model.contacts, falling)
+
+
+def stands_for_all(
+    model: Model, *, samples: int = SAMPLES, seed: int = 0, stop: Stop | None = None
+) -> bool:
+    """Whether a model stands for all contact stiffnesses that are tried, for searches.
+
+    Where the blocks slide far they are followed, and must come to rest.
 
     Parameters
     ----------
     model
     samples
-        Number of stiffness distributions besides the uniform one; those of a check when left out.
+        Number of stiffness distributions besides the uniform one.
     seed
         Of the random ones.
     stop
         Asked often; True ends the analysis, and what is left counts as not found.
     """
-    chosen = CheckOptions()
-    options = replace(chosen, samples=chosen.samples if samples is None else samples, seed=seed)
-    answers = Answers(Problem.build(model), options, None, Clock(float("inf"), stop))
-    problem, attempts = answers.problem, answers.attempts
-    if problem.statics.free_count == 0:
-        return True
-    if _falls_freely(problem, PATIENT, answers.clock):
-        return False
-    stiffnesses = EachStiffness(answers, {}, None, TriedStiffnesses(), first_ends=True)
-    if not stiffnesses.uniform.stands:
-        if attempts.falling or answers.clock.late() or answers.collapse is not None:
-            return False
-        stiffnesses.try_smooth()
-    if not stiffnesses.uniform.stands:
-        return False
-    stiffnesses.try_others()
-    if len(attempts.standing) < attempts.tried or answers.clock.late():
-        return False
-    if stiffnesses.robustly:
-        return True
-    return settle_for_verdict(model, options=options.settlement, stop=stop).outcome is Outcome.RESTS
-
-
-def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
-    """Springs of the first friction law, and their start from a motion (n, 6) [m, rad]."""
-    springs = compliance.uniform(attempts.problem.statics, slip=slip)
-    return springs, attempts.start(springs, motion)
-
-
-def _first_standing(
-    attempts: Attempts, screening: Screening, start: Start | None = None
-) -> Candidate | None:
-    for slip in screening.slip_lengths:
-        springs = compliance.uniform(attempts.problem.statics, slip=slip)
-        found = attempts.attempt(springs, screening, start=start)
-        if start is not None and screening.patient and not found.stands:
-            found = attempts.attempt(springs, screening, again=True)
-        start = None
-        if found.stands:
-            return found
-    return None
-
-
-def _falls_freely(problem: Problem, screening: Screening, clock: Clock) -> bool:
-    """Whether nothing presses on some blocks beside supports and the others stand without them."""
-    assembly, contacts = problem.model.assembly, problem.model.contacts
-    falling = problem.unpressed
-    if not falling.any() or not beside_supports(assembly, contacts, falling):
-        return False
-    others = problem.without(falling)
-    return others is None or _first_standing(Attempts(others, clock), screening) is not None
+    options = CheckOptions(samples=samples, seed=seed, uniform=True)
+    found = check(model, options=options, stop=stop)
+    return found.stable and not found.stopped and found.samples.standing == found.samples.tried

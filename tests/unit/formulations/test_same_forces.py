@@ -60,9 +60,9 @@ def test_every_sample_is_near_the_forces_of_the_uniform_one(number):
 
 def test_all_stiffnesses_cost_little_more_than_one():
     alone = check(LEANING, options=CheckOptions(samples=0, settle=False))
-    whole = check(LEANING)
+    whole = check(LEANING, options=CheckOptions.robust())
     assert (whole.samples.tried, whole.samples.standing) == (5, 5)
-    assert whole.iterations <= 2.5 * alone.iterations
+    assert whole.iterations <= 5.0 * alone.iterations
 
 
 def test_the_share_of_the_force_at_corners_that_slide():

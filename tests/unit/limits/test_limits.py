@@ -1,5 +1,6 @@
 """Public limits: what they take, refuse and tell; sweeps, thrust bounds, imperfections."""
 
+import itertools
 import json
 import pickle
 from collections.abc import Callable
@@ -11,7 +12,6 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
-from drystone.checks import mechanism_defects
 from drystone.limits import (
     Bracket,
     Evaluation,
@@ -22,7 +22,6 @@ from drystone.limits import (
     Tilt,
     imperfect,
     imperfections,
-    inside,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -31,13 +30,8 @@ from drystone.limits import (
     thrust_bounds,
     tilt_sweep,
 )
-from drystone.limits.limit_checks import RestStates, every_stiffness, verdict
-from drystone.limits.limit_families import ModelsOnce
 from drystone.model import Model
-from drystone.models import arch, concave, ferris_wall, h_model, incline, tower, wedge
-from drystone.results import Samples
-from drystone.stability.attempts import Attempts
-from drystone.stability.similar_attempts import SimilarAttempts
+from drystone.models import arch, concave, h_model, incline, tower, wedge
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -161,21 +155,6 @@ def test_a_sweep_is_the_same_with_one_and_two_workers() -> None:
     assert json.loads(json.dumps(alone.to_dict()))["azimuth"] == [0.0, 120.0, 240.0]
 
 
-def test_a_sweep_asks_about_the_upright_model_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    check = inside.one_stiffness
-
-    def counted(model: Model, **means: Any) -> Result:
-        asked.append(model.load.name)
-        return check(model, **means)
-
-    monkeypatch.setattr(inside, "one_stiffness", counted)
-    sweep = tilt_sweep(Model(TOWER, JOINTS), 2, options=QUICK)
-    assert sum(name.endswith("tilt 0 deg") for name in asked) == 1
-    alone = limit_tilt(Model(TOWER, JOINTS), (0.0, 1.0, 0.0), options=QUICK)
-    assert str(sweep.limits[0].best) == str(alone.best)
-
-
 def test_an_azimuth_is_the_direction_of_the_lean() -> None:
     # a plate that reaches beyond its foot towards +x falls first when it leans that way
     slope = incline(10.0)  # slides towards +x
@@ -287,150 +266,6 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)
 
 
-def test_a_value_is_not_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    # uniform stiffness holds the wall, the first sample does not; then its blocks are followed
-    wall = ferris_wall(2)
-    push = LoadFactor(Model(wall, touching_faces(wall, 0.65)), LoadCase.seismic(wall, 1.0))
-    family, near = ModelsOnce(push), RestStates()
-    assert every_stiffness(family(0.56), near=near).verdict is Verdict.UNDECIDED
-
-    def never(*given: object, **how: object) -> None:
-        raise AssertionError(given, how)
-
-    monkeypatch.setattr(Attempts, "attempt", never)
-    monkeypatch.setattr(SimilarAttempts, "attempt_from", never)
-    assert every_stiffness(family(0.56), near=near).verdict is Verdict.UNDECIDED
-    again = verdict(family(0.56), near=near)
-    assert again.settlement is not None
-    assert again.stable
-    assert again.samples == Samples(2, 1)
-    sent = pickle.loads(pickle.dumps(family))
-    np.testing.assert_array_equal(sent(0.56).load.wrench, family(0.56).load.wrench)
-
-
-def stands_up_to(degrees: float, standing: int) -> Callable[..., Result]:
-    """A check of the tower: at larger angles it falls."""
-
-    def check(model: Model, **how: object) -> Result:
-        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
-        stands = lean < degrees
-        count = 5 if stands and lean < 8.0 else standing if stands else 0
-        verdict = Verdict.STABLE if stands else Verdict.UNSTABLE
-        return Result("given", verdict, model, samples=Samples(5, count))
-
-    return check
-
-
-@pytest.mark.parametrize("searched", [0, 500])
-@pytest.mark.parametrize("verdict", [9.0, 15.0])
-def test_a_limit_where_stiffness_decides_is_that_of_the_verdict(
-    searched: int, verdict: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from drystone.limits import inside
-
-    # robust up to 8 degrees; uniform stiffness stands up to 10
-    monkeypatch.setattr(inside, "one_stiffness", stands_up_to(10.0, 1))
-    monkeypatch.setattr(inside, "verdict", stands_up_to(verdict, 2))
-    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
-    monkeypatch.setattr(inside, "SEARCHED", searched)
-    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    for bracket, value in ((limit.uniform, 10.0), (limit.rest, verdict), (limit.robust, 8.0)):
-        assert bracket is not None
-        assert bracket.value == pytest.approx(value, abs=0.1)
-    assert limit.is_sensitive
-    assert limit.sensitive_between == pytest.approx((8.0, max(verdict, 10.0)), abs=0.1)
-    assert "depends on the stiffness of the joints" in limit.remarks[0]
-    assert limit.to_dict()["sensitive_between"] == list(limit.sensitive_between)
-
-
-def test_the_mechanism_at_the_limit_proves_the_fall_beyond_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from drystone.limits import bounds
-
-    wall = ferris_wall(1)
-    asked: list[Model] = []
-    ask = bounds.solve_rbe
-
-    def noted(model: Model, **how: Any) -> Result:
-        asked.append(model)
-        return ask(model, **how)
-
-    monkeypatch.setattr(bounds, "solve_rbe", noted)
-    load, options = LoadCase.seismic(wall, 1.0), LimitOptions(full=False)
-    found = limit_load(wall, load, friction=0.65, options=options).equilibrium
-    assert len(asked) == 1  # below the limit
-    assert found.falling is not None
-    assert found.falling.mechanism is not None
-    violation, power = mechanism_defects(found.falling.model, found.falling.mechanism)
-    assert violation < 1e-5
-    assert power > 0.0
-    assert found.value == pytest.approx(0.64286, abs=1e-5)  # Ferris and Tin-Loi 2001
-
-
-def asked_of(
-    name: str, asked: list[str], check: Callable[[Model], Result]
-) -> Callable[..., Result]:
-    """A check that notes that it was asked."""
-
-    def noted(model: Model, **how: object) -> Result:
-        asked.append(name)
-        return check(model)
-
-    return noted
-
-
-def test_a_robust_limit_needs_one_verdict_on_either_side(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drystone.limits import inside
-
-    asked: list[str] = []
-    check = stands_up_to(7.0, 5)
-    for name in ("verdict", "every_stiffness"):
-        monkeypatch.setattr(inside, name, asked_of(name, asked, check))
-    monkeypatch.setattr(inside, "one_stiffness", check)
-    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    assert asked == ["every_stiffness", "verdict"]
-    assert limit.sensitive_between is None
-    assert limit.remarks == ()
-
-
-def test_blocks_that_fall_beyond_the_robust_limit_are_followed_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from drystone.limits import inside
-
-    asked: list[str] = []
-    monkeypatch.setattr(inside, "one_stiffness", stands_up_to(10.0, 1))
-    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
-    monkeypatch.setattr(inside, "verdict", asked_of("verdict", asked, stands_up_to(8.0, 5)))
-    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    assert limit.rest is not None
-    assert limit.rest.value == pytest.approx(8.0, abs=0.1)
-    assert asked == ["verdict"]
-
-
-def test_a_uniform_stiffness_that_falls_at_the_start_is_tried_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    from drystone.limits import inside
-
-    asked: list[float] = []
-
-    def falls(model: Model, **how: object) -> Result:
-        asked.append(1.0)
-        return Result("given", Verdict.UNSTABLE, model, samples=Samples(1, 0))
-
-    monkeypatch.setattr(inside, "one_stiffness", falls)
-    monkeypatch.setattr(inside, "verdict", stands_up_to(10.0, 2))
-    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
-    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(width=0.1))
-    assert limit.uniform is not None
-    assert (limit.uniform.stands, limit.uniform.falls) == (None, 0.0)
-    assert limit.rest is not None
-    assert limit.rest.value == pytest.approx(10.0, abs=0.1)
-    assert len(asked) == 1
-
-
 def after(calls: int) -> Callable[[], bool]:
     """Says so once only: who hears it must remember."""
     left = iter([False] * calls + [True])
@@ -499,13 +334,14 @@ def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
 def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
     # jammed in its slab the plank could carry any load, so the convex limit tells no scale
     plank = Model.of(concave("short"), friction=0.3)
-    limit = limit_load(plank, (9.81, 0.0, 0.0))
+    asked = LimitOptions(robust=True)
+    limit = limit_load(plank, (9.81, 0.0, 0.0), options=asked)
     assert limit.equilibrium.falls is None
     assert limit.robust is not None
     assert limit.robust.stands is not None
     assert limit.robust.falls is not None
     assert limit.robust.falls - limit.robust.stands <= 2e-3 * limit.robust.falls
-    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9)
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9, options=asked)
     assert near.robust is not None
     assert near.robust.stands == pytest.approx(limit.robust.stands, rel=2e-3)
     assert near.best.stands == pytest.approx(limit.best.stands, rel=2e-3)
@@ -579,24 +415,6 @@ def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
         _ = some.weakest
 
 
-def test_a_stopped_search_keeps_the_fall_that_was_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    # wedge b: 3DEC falls at 58.7 degrees (Kao 2023); forces could hold it much farther
-    seen: set[Verdict] = set()
-
-    def noted(model: Model, **how: Any) -> Result:
-        found = verdict(model, **how)
-        seen.add(found.verdict)
-        return found
-
-    monkeypatch.setattr(inside, "verdict", noted)
-    both = {Verdict.STABLE, Verdict.UNSTABLE}
-    model = Model.of(wedge("b", longer=0.2), friction=0.84)
-    few = LimitOptions(scan=1, width=1.0)
-    limit = limit_tilt(model, "x", options=few, stop=lambda: both <= seen)
-    assert limit.stopped
-    assert limit.rest.stands < limit.rest.falls < limit.equilibrium.stands
-
-
 def test_a_time_limit_ends_every_search_with_what_is_known() -> None:
     model = Model(TOWER, JOINTS)
     push = LoadCase.seismic(TOWER, 1.0)
@@ -644,3 +462,33 @@ def test_check_says_the_same_on_both_sides_of_a_limit(
     assert check(family(stands)).stable
     assert check(family(falls)).falls
     assert check(family(falls + margin)).falls
+
+
+def test_a_limit_tells_where_stiffness_decides_and_for_every_stiffness_if_asked() -> None:
+    # wedge b: 3DEC falls at 58.7 degrees (Kao 2023), uniform stiffness holds it to 42
+    model = Model.of(wedge("b", longer=0.2), friction=0.84)
+    limit = limit_tilt(model, "x", options=LimitOptions(scan=1, width=1.0, robust=True))
+    assert (limit.stands, limit.falls) == (limit.rest.stands, limit.rest.falls)
+    assert limit.stands == pytest.approx(57.5, abs=1.5)
+    assert limit.robust.stands <= limit.uniform.stands + 1.0
+    assert limit.uniform.stands == pytest.approx(42.0, abs=1.5)
+    low, high = limit.sensitive_between
+    assert low == pytest.approx(limit.robust.stands)
+    assert high == pytest.approx(limit.falls)
+    assert "depends on the stiffness of the joints" in limit.remarks[0]
+    assert limit.to_dict()["sensitive_between"] == [low, high]
+    assert limit_tilt(model, "x", options=LimitOptions(scan=1, width=20.0)).robust is None
+
+
+def test_a_stopped_search_keeps_the_fall_that_was_followed() -> None:
+    model = Model.of(wedge("b", longer=0.2), friction=0.84)
+    few = LimitOptions(scan=1, width=4.0)
+    whole = limit_tilt(model, "x", options=few)
+    calls = itertools.count()
+    limit_tilt(model, "x", options=few, stop=lambda: next(calls) < 0)
+    late = iter([False] * (next(calls) - 2))
+    limit = limit_tilt(model, "x", options=few, stop=lambda: next(late, True))
+    assert limit.stopped
+    assert limit.rest.stands <= whole.rest.stands
+    assert limit.rest.falls >= whole.rest.falls
+    assert limit.rest.falls < limit.equilibrium.stands

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drystone import LoadCase, Model, Verdict, check, plan
+from drystone import CheckOptions, LoadCase, Model, Verdict, check, plan
 from drystone.models import tower, wedge
 from drystone.sequence import check_both, check_once
 
@@ -36,11 +36,11 @@ def test_a_structure_that_settles_into_a_fall_is_refused() -> None:
 def test_a_stage_that_stands_for_one_stiffness_only_gets_the_verdict_of_check() -> None:
     # uniform stiffness holds it, others do not
     model = tilted(36.0)
-    once, both, whole = check_once(model), check_both(model), check(model)
+    once, both = check_once(model), check_both(model)
+    whole = check(model, options=CheckOptions.robust())
     assert once.stable
     assert whole.samples.standing < whole.samples.tried
     assert both.verdict is whole.verdict
-    assert both.settlement is not None
 
 
 def test_robust_stages_are_not_followed() -> None:

@@ -145,7 +145,7 @@ def test_a_check_from_a_similar_rest_state_has_the_same_verdict_sooner():
 def test_a_path_that_does_not_converge_goes_over_longer_slips():
     """Least thickness 0.1075: the path of one of five friction laws leads away, far above it."""
     model = Model.of(models.arch(0.112, 100), friction=0.8)
-    found = check(model, options=CheckOptions(settle=False))
+    found = check(model, options=CheckOptions(samples=4, settle=False))
     assert found.message == "stands, whichever joints press more (5 contact stiffnesses tried)"
     assert stands_for_all(model)
     assert not stands_for_all(Model.of(models.arch(0.107, 100), friction=0.8))
@@ -309,8 +309,6 @@ def test_that_nothing_balances_is_proved_where_most_blocks_stand_still(friction,
     ("options", "wrong"),
     [
         (CheckOptions, {"samples": -1}),
-        (CheckOptions, {"stiffness_ratio": 0.5}),
-        (CheckOptions, {"stiffness_ratio": float("inf")}),
         (CheckOptions, {"seed": -1}),
         (CRAOptions, {"tolerance": float("nan")}),
         (CRAOptions, {"slide_limit": -1.0}),

@@ -1,7 +1,6 @@
 """Verdicts where the contact stiffness decides: the blocks are followed."""
 
 import itertools
-import re
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from drystone.models import concave, cube_curve, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.settling import settle_many
-from drystone.stability import could_hold, try_rest
+from drystone.stability import try_rest
 from drystone.stability.resting import stands_for_all
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -107,12 +106,6 @@ def test_what_is_followed_into_a_fall_is_unstable_though_it_could_be_wedged() ->
     assert found.mechanism is not None
     assert "forces could balance the loads, but the loads alone do not" in found.message
     assert "shims or prestress might hold it: sensitive" in found.message
-    assert could_hold(model).verdict is Verdict.STABLE
-
-
-def test_a_search_in_which_no_corner_is_pressed_ends_without_a_state() -> None:
-    few = CheckOptions(search_tries=1)
-    assert could_hold(tilted(wedge("a"), X, 85.0), options=few).verdict is Verdict.UNSTABLE
 
 
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:
@@ -198,7 +191,7 @@ def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed
 def test_a_rest_state_that_slides_far_is_followed() -> None:
     # close to its limit the hood slides 100 times its overlap; with other friction it falls
     model = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.7)
-    assert every_stiffness(model).verdict is Verdict.UNDECIDED
+    assert every_stiffness(model).verdict is Verdict.UNSTABLE
     assert not stands_for_all(model)
     found = check(model)
     assert found.verdict is Verdict.UNSTABLE
@@ -207,13 +200,13 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     assert settle(model).outcome is Outcome.FALLS
     # one that comes to rest stands for a search as well
     rests = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.3)
-    assert every_stiffness(rests).verdict is Verdict.UNDECIDED
+    assert every_stiffness(rests).verdict is Verdict.STABLE
     assert stands_for_all(rests)
     found = check(rests)
     assert found.stable
     assert found.samples.standing == found.samples.tried
     # one that comes to rest is as certain as any other
-    near = check(tilted(wedge("a"), X, 59.1))
+    near = check(tilted(wedge("a"), X, 59.1), options=CheckOptions.robust())
     assert near.settlement is None
     assert "whichever joints press more" in near.message
 
@@ -238,14 +231,3 @@ def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
         assert found.verdict is not Verdict.UNSTABLE
     assert Verdict.UNDECIDED in verdicts
     assert check(model, options=MOVING).stable
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_a_wedge_that_could_be_held_by_joints_ten_times_as_stiff_is_found_with_any_seed(
-    seed: int,
-) -> None:
-    found = could_hold(tilted(wedge("b"), Y, 110.5), options=CheckOptions(seed=seed))
-    assert found.stable
-    told = re.search(r"one joint is ([\d.]+) times as stiff", found.message)
-    assert told is not None
-    assert float(told[1]) < 12.0

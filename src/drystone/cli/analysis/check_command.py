@@ -27,7 +27,10 @@ def check(
     finding: Finding,
     strict: Annotated[
         bool,
-        Option("Exit code 0 only if it stands for every contact stiffness.", expert=True),
+        Option(
+            "Try other contact stiffnesses too: exit code 0 only if it stands for all of them.",
+            expert=True,
+        ),
     ] = False,
     time_limit: options.TimeLimit = None,
     wanted: Written,
@@ -40,7 +43,7 @@ def check(
     """
     model = subject.prepared(waiting, finding, seismic)
     wanted.require_through(model.assembly)
-    result = verdict.solve(model, waiting, time_limit)
+    result = verdict.solve(model, waiting, time_limit, strict)
     if result.falls and not result.stopped:
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))

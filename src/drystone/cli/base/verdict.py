@@ -15,14 +15,18 @@ NEGLIGIBLE = 1e-6
 """Share of the largest force below which a force is rounding and is printed as 0."""
 
 
-def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
-    """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it."""
+def solve(model: Model, waiting: Waiting, time_limit: float | None, robust: bool = False) -> Result:
+    """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.
+
+    With ``robust`` other contact stiffnesses are tried as well.
+    """
     waiting.end_stage()  # the import is no part of the stage before
-    from drystone.stability import check
+    from drystone.stability import CheckOptions, check
 
     waiting.stage("solve", "solving")
     with waiting.keywords(time_limit) as common:
-        result = check(model, **common)
+        options = CheckOptions.robust() if robust else None
+        result = check(model, options=options, **common)
     waiting.end_stage()
     return result
 

@@ -35,7 +35,7 @@ from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability import QUICK, CheckOptions, check_near, try_rest
+from drystone.stability import QUICK, check, try_rest
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -216,11 +216,9 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
             self.known(message, wish, FOLLOWED)[0] = found.result.displacement
     else:
         known = self.known(message, wish)
-        result, rests = check_near(made.part, known, options=CheckOptions(), **limits)
-        surely = result.stable and result.samples.standing == result.samples.tried
-        if known and rests and not surely:  # the start shall not decide
-            result, rests = check_near(made.part, {}, options=CheckOptions(), **limits)
-        known.update(rests)
+        result = check(made.part, start=known.get(0), **limits)
+        if result.stable and result.settlement is None and result.displacement is not None:
+            known[0] = result.displacement
         found = Found.at_rest(result)
     self.require()
     _show(self, "whole", wish, made, found, began)

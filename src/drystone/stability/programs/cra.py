@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import frozen_floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.base.workers import WorkerPool
 from drystone.checks import check_forces, corner_motion
 from drystone.formulations.coupled import equal_overlap
-from drystone.formulations.improvement import CompatibleState, improve
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
-from drystone.formulations.stiffness_range import stiffness_ratio
 from drystone.io.opening import Given, How, as_model
-from drystone.results import Residuals, Result, Verdict
+from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.check_options import CheckOptions
+from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.verdict.cascade import Cascade
-from drystone.stability.verdict.search_starts import SEARCH_LIMIT, StateSearch
+from drystone.stability.verdict import Asked, decided
+
+LOADED = 1e-7
+"""Share of the largest normal force from which on a corner counts as loaded."""
+
+BEGUN = RestOptions(ground=1e-8, tolerance=1e-8, polish=1e-7)
+"""The path of equal overlaps starts best from a state that the relaxed law led to."""
+
+HANGS = 0.1
+"""Share of a block's load on the ground from which on no path is followed."""
 
 
 @dataclass(frozen=True)
@@ -58,16 +62,6 @@ class CRAOptions(Options):
             )
         if not self.slide_limit >= 0.0:
             raise InputError(f"the slide limit is {self.slide_limit}", remedy="give 0 or more")
-
-
-@dataclass(frozen=True, eq=False)
-class _OverlapState:
-    force: Floats
-    displacement: Floats
-    residuals: Residuals
-    slide: float
-    stiffness_ratio: float
-    iterations: int
 
 
 @checked_call
@@ -104,114 +98,87 @@ def solve_cra(
     InputError
         What was given cannot be made into a model.
     """
+    del executor  # the paths are short
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
     problem.model.require_dry(
         "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
     )
-    shimmed = CheckOptions(samples=2, settle=False, search=True)
-    with WorkerPool(executor) as pool:
-        base = Cascade(problem, shimmed, progress, clock, pool.executor).run()
-        if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
-            method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
-            return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
+    best: Result | None = None
+    for slip in chosen.slips if problem.statics.free_count else ():
         if progress is not None:
-            progress("equal overlaps", 0, 1)
-        best = _best(_states(problem, base, chosen, clock, pool), chosen, clock)
-    time_s = {"solve": clock.elapsed_s}
-    if best is None or best.residuals.largest > chosen.tolerance:
-        left = f" (best: {best.residuals.largest:.1e})" if best is not None else ""
-        message = f"it comes to rest, but no state with equal overlaps was found{left}"
-        if clock.late():
-            message += f" before {clock.reason}"
-        return replace(
-            base,
-            method="rest",
-            message=message,
-            stopped=clock.reason,
-            options=chosen,
-            time_s=time_s,
-        )
-    message = f"stands, eq. 5.6 is met; the largest displacement is {best.slide:.3g} overlaps"
-    if best.slide > chosen.slide_limit:
-        message += f", more than the {chosen.slide_limit:g} asked for"
-    return replace(
-        base,
-        method="cra" if best.slide <= chosen.slide_limit else "rest",
-        message=message,
-        force=best.force,
-        displacement=best.displacement,
-        residuals=best.residuals,
-        eta=best.slide,
-        stiffness_ratio=None if base.stiffness_ratio is None else best.stiffness_ratio,
-        stopped=clock.reason,
-        options=chosen,
-        solver="equal-overlap path",
-        iterations=base.iterations + best.iterations,
-        time_s=time_s,
-    )
-
-
-def _best(
-    states: Iterator[_OverlapState], options: CRAOptions, clock: Clock
-) -> _OverlapState | None:
-    """The first state that meets all conditions; the best one where none does."""
-    best: _OverlapState | None = None
-    for state in states:
-        if best is None or _worst(state, options) < _worst(best, options):
+            progress("equal overlaps", chosen.slips.index(slip), len(chosen.slips))
+        state = _with_equal_overlaps(problem, slip, clock)
+        if state is not None and (best is None or _worst(state, chosen) < _worst(best, chosen)):
             best = state
-        if best.residuals.largest <= options.tolerance and best.slide <= options.slide_limit:
+        if clock.late() or (best is not None and _meets(best, chosen)):
             break
-        if clock.late():
-            break
-    return best
+    told: dict[str, Any] = {
+        "options": chosen,
+        "stopped": clock.reason,
+        "time_s": {"solve": clock.elapsed_s},
+    }
+    if best is not None and _left(best) <= chosen.tolerance:
+        met = f"stands, eq. 5.6 is met; the largest displacement is {best.eta:.3g} overlaps"
+        if _meets(best, chosen):
+            return replace(best, message=met, **told)
+        wider = f"{met}, more than the {chosen.slide_limit:g} asked for"
+        return replace(best, method="rest", message=wider, **told)
+    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock))
+    told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
+    if not problem.statics.free_count or base.falls:
+        return replace(base, method="cra", **told)
+    if not base.stable:
+        return replace(base, method="check", **told)
+    left = f" (best: {_left(best):.1e})" if best is not None else ""
+    message = f"it comes to rest, but no state with equal overlaps was found{left}"
+    if clock.late():
+        message += f" before {clock.reason}"
+    return replace(base, method="rest", message=message, **told)
 
 
-def _worst(state: _OverlapState, options: CRAOptions) -> tuple[bool, float, float]:
-    met = state.residuals.largest <= options.tolerance
-    return (not met, 0.0 if met else state.residuals.largest, state.slide)
+def _left(state: Result) -> float:
+    """The worst residual."""
+    return np.inf if state.residuals is None else state.residuals.largest
 
 
-def _states(
-    problem: Problem, base: Result, options: CRAOptions, clock: Clock, pool: WorkerPool
-) -> Iterator[_OverlapState]:
-    """Candidates for eq. 5.6: the equal-overlap path per slip length, convex steps, the search."""
-    statics = problem.statics
-    # the path of equal overlaps starts best from a state that the relaxed law led to
-    loose = RestOptions(ground=1e-8, tolerance=1e-8, polish=1e-7)
-    for slip in options.slips:
-        start = find_rest(
-            problem.system, compliance.uniform(statics, slip=slip), loose, stop=clock.late
-        )
-        if problem.ground_share(start.ground).max() > 0.1 or clock.late():
-            continue
-        path = equal_overlap(problem.system, start, slip, stop=clock.late)
-        yield _examined(problem, path.state.motion, path.state.force, path.iterations)
-    if statics.corner_count <= SEARCH_LIMIT and base.displacement is not None:
-        motion = statics.scaled_motion(base.displacement, statics.mean_length)
-        found = improve(statics, motion, stop=clock.late)
-        yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in StateSearch(problem, clock, pool=pool).equal_overlap_states():
-        yield _examined(problem, found.motion, found.force, found.iterations)
+def _meets(state: Result, options: CRAOptions) -> bool:
+    """Whether all conditions are met, the bound on displacements as well."""
+    slide = np.inf if state.eta is None else state.eta
+    return _left(state) <= options.tolerance and slide <= options.slide_limit
 
 
-def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _OverlapState:
-    physical, displacement = problem.force(force), problem.displacement(motion)
-    residuals = check_forces(problem.model, physical, displacement)
-    moved = corner_motion(problem.model.assembly, problem.model.contacts, displacement)
-    normal = physical[:, 0]
-    loaded = normal > 1e-7 * normal.max(initial=0.0)
-    overlap = -moved[loaded, 0]
-    mean = float(overlap.mean()) if len(overlap) and overlap.mean() > 0.0 else 1.0
-    spread = float(np.abs(overlap / mean - 1.0).max(initial=0.0))
-    deeper = float((np.maximum(0.0, -moved[:, 0] / mean - 1.0)).max(initial=0.0))
-    slide = float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean
-    return _OverlapState(
-        physical,
-        displacement,
-        replace(residuals, overlap=max(spread, deeper)),
-        slide,
-        stiffness_ratio(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
-        iterations,
+def _worst(state: Result, options: CRAOptions) -> tuple[bool, float, float]:
+    left = _left(state)
+    met = left <= options.tolerance
+    return (not met, 0.0 if met else left, state.eta or 0.0)
+
+
+def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result | None:
+    """The end of the path of equal overlaps, for a slip length of the friction law."""
+    springs = compliance.uniform(problem.statics, slip=slip)
+    start = find_rest(problem.system, springs, BEGUN, stop=clock.late)
+    if problem.ground_share(start.ground).max() > HANGS or clock.late():
+        return None
+    path = equal_overlap(problem.system, start, slip, stop=clock.late)
+    model, force = problem.model, problem.force(path.state.force)
+    displacement = problem.displacement(path.state.motion)
+    residuals = check_forces(model, force, displacement)
+    moved = corner_motion(model.assembly, model.contacts, displacement)
+    overlap = -moved[:, 0]
+    pressed = overlap[force[:, 0] > LOADED * force[:, 0].max(initial=0.0)]
+    mean = float(pressed.mean()) if len(pressed) and pressed.mean() > 0.0 else 1.0
+    spread = float(np.abs(pressed / mean - 1.0).max(initial=0.0))
+    deeper = float((np.maximum(0.0, overlap / mean - 1.0)).max(initial=0.0))
+    return Result(
+        method="cra",
+        verdict=Verdict.STABLE,
+        model=model,
+        force=force,
+        displacement=displacement,
+        residuals=replace(residuals, overlap=max(spread, deeper)),
+        eta=float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean,
+        solver="equal-overlap path",
+        iterations=path.iterations,
     )

@@ -23,7 +23,7 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
-from drystone.stability.verdict.cascade import Cascade
+from drystone.stability.verdict import Asked, decided
 from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)
@@ -43,12 +43,12 @@ class PenaltyOptions(Options):
     ----------
     ground
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
-    search
-        Whether a structure that could stand with shims (:func:`drystone.could_hold`) needs no help.
+    settle
+        Whether a structure that comes to rest after settling needs no help.
     """
 
     ground: float = 1e-8
-    search: bool = True
+    settle: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -100,8 +100,8 @@ def solve_cra_penalty(
         "the penalty form of coupled rigid-block analysis",
         "it measures the pull that dry joints do not have",
     )
-    shimmed = CheckOptions(samples=2, settle=False, search=chosen.search)
-    dry = Cascade(problem, shimmed, progress, clock, executor).run()
+    asked = CheckOptions(settle=chosen.settle)
+    dry = decided(Asked(problem, asked, clock, progress), executor)
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
     if dry.stable:

@@ -16,10 +16,10 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from benchmarks.shims.compatible import compatible_motion
 from drystone.base.errors import InputError, MissingDependency
 from drystone.base.progress import Clock
 from drystone.checks import check_forces
-from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.io.opening import Given, How, as_model

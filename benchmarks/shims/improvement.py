@@ -3,7 +3,7 @@
 All corners in compression overlap by the same depth. The motion changes step by step until
 compatible forces balance the loads. Each step is a quadratic program in forces and motion,
 linearised about the present motion, with a trust region on the slides. No stiffness is assumed.
-:mod:`drystone.formulations.stiffness_range` allows different overlaps.
+:mod:`benchmarks.shims.stiffness_range` allows different overlaps.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
-from drystone.base.arrays import Bools, Floats, Ints
-from drystone.formulations.compatible import (
+from benchmarks.shims.compatible import (
     NORMAL,
     compatible_forces,
     edge_of_friction,
     slide_directions,
 )
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import Entries, ProgramBuilder, Variable
 from drystone.statics import Statics

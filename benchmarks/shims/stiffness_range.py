@@ -7,7 +7,7 @@ slide, up to its limit. The motion changes step by step until such forces balanc
 
 Each step is a linear program in motion and forces, linearised about the present motion within a
 trust region on the slides. It is elastic: cohesion and unbalanced load are slack variables
-(:mod:`drystone.formulations.range_program`). With enough cohesion almost every motion has forces
+(:mod:`benchmarks.shims.range_program`). With enough cohesion almost every motion has forces
 that balance the loads, so the iteration rarely stops at a motion without such forces.
 """
 
@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.shims.compatible import compatible_forces, slide_directions
+from benchmarks.shims.improvement import CompatibleState
+from benchmarks.shims.range_program import TrustRegion, elastic_forces
 from drystone.base.arrays import Floats
-from drystone.formulations.compatible import compatible_forces, slide_directions
-from drystone.formulations.improvement import CompatibleState
-from drystone.formulations.range_program import TrustRegion, elastic_forces
 from drystone.statics import Statics
 
 TOUCHING = 1e-7

@@ -12,17 +12,9 @@ from typing import TypeVar
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
-from drystone.base.arrays import Bools, Floats
-from drystone.base.progress import Clock
-from drystone.base.workers import WorkerPool
-from drystone.formulations.compatible import compatible_motion
-from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import solve_equilibrium
-from drystone.formulations.improvement import CompatibleState, improve
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions
-from drystone.formulations.stiffness_range import (
+from benchmarks.shims.compatible import compatible_motion
+from benchmarks.shims.improvement import CompatibleState, improve
+from benchmarks.shims.stiffness_range import (
     BALANCED,
     ROUNDING,
     SMALL_RATIO,
@@ -30,6 +22,14 @@ from drystone.formulations.stiffness_range import (
     stiffness_ratio,
     with_reduced_ratio,
 )
+from drystone.base.arrays import Bools, Floats
+from drystone.base.progress import Clock
+from drystone.base.workers import WorkerPool
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Problem
 from drystone.statics import Statics

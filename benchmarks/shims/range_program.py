@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.shims.compatible import NORMAL, slide_directions
+from benchmarks.shims.improvement import add_trust_region, turned_friction
 from drystone.base.arrays import Floats, Ints
-from drystone.formulations.compatible import NORMAL, slide_directions
-from drystone.formulations.improvement import add_trust_region, turned_friction
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import Entries, ProgramBuilder, Term
 from drystone.statics import Statics

@@ -1,0 +1,1 @@
+"""Rest states with joints of different stiffness, such as shims make."""
