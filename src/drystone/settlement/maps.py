@@ -8,11 +8,9 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
-from drystone.base.ragged import runs_by_length
+from drystone.formulations.rest.tangent import SparseTangent, full_factors
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.springs import BlockPositions, Placed
-from drystone.solvers.dense_factor import inverse
-from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
 """Largest number of free blocks with a dense tangent matrix: from timings."""
@@ -38,7 +36,6 @@ class DenseMaps:
         rows = np.zeros((len(placed.gap), 3, self.width))
         part = corner_rows(self.bodies, pose, placed, self.corner, self.block, self.sign)
         rows.reshape(-1)[self.place] = part
-        self.rows = rows
         self.flat = rows.reshape(-1, self.width)
 
     def moved(self, motion: Floats) -> Floats:
@@ -59,9 +56,7 @@ class DenseMaps:
         SolverError
             The matrix is singular.
         """
-        matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
-        matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
-        return inverse(matrix)
+        return full_factors(self.flat, tangent, weight)
 
 
 class SparseMaps:
@@ -76,47 +71,32 @@ class SparseMaps:
         f, k = len(bodies.free), len(bodies.block_a)
         begins = np.ones(k, dtype=bool)
         begins[1:] = (np.diff(bodies.block_a) != 0) | (np.diff(bodies.block_b) != 0)
-        self.first = first = np.flatnonzero(begins)
-        self.joint = np.cumsum(begins) - 1
-        self.groups = runs_by_length(first, k)
+        first, joint = np.flatnonzero(begins), np.cumsum(begins) - 1
         m = len(first)
         self.block_a, self.block_b = bodies.block_a[first], bodies.block_b[first]
-        self.a, self.b = a, b = bodies.slot[self.block_a], bodies.slot[self.block_b]
-        keys, sources = [np.arange(f) * (f + 1)], []
-        for kind, (i, j) in enumerate(((a, a), (a, b), (b, a), (b, b))):
-            here = np.flatnonzero((i >= 0) & (j >= 0))
-            keys.append(i[here] * f + j[here])
-            sources.append(kind * m + here)
-        unique, where = np.unique(np.concatenate(keys), return_inverse=True)
-        source = np.concatenate(sources)
-        self.diagonal = where[:f]
-        self.sum = sparse.csr_matrix(
-            (np.ones(len(source)), (where[f:], source)), shape=(len(unique), 4 * m)
-        )
-        self.ordering = BlockOrdering(bodies.centroid[bodies.free], unique // f, unique % f, 6)
+        self.a, self.b = bodies.slot[self.block_a], bodies.slot[self.block_b]
+        near, far = bodies.slot[bodies.block_b], bodies.slot[bodies.block_a]
+        self.tangent = SparseTangent(near, far, joint, bodies.centroid[bodies.free])
         self.gather = [
             sparse.csr_matrix(
                 (np.ones(int((slot >= 0).sum())), (slot[slot >= 0], np.flatnonzero(slot >= 0))),
                 shape=(f, m),
             )
-            for slot in (a, b)
+            for slot in (self.a, self.b)
         ]
         self.carry = np.tile(np.eye(6), (m, 1, 1))
-        columns = (6 * self.joint[:, None, None] + np.arange(6)).repeat(3, axis=1)
+        columns = (6 * joint[:, None, None] + np.arange(6)).repeat(3, axis=1)
         ends = np.arange(0, 18 * k + 1, 6)
         self.across = sparse.csr_matrix(
             (np.zeros(18 * k), columns.ravel(), ends), shape=(3 * k, 6 * m)
         )
         self.back = self.across.T  # of the same numbers
-        self.parts = np.zeros((4, m, 6, 6))
-        self.tangent: Floats | None = None  # that of the parts, unless the rows have changed
 
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         bodies, corner = self.bodies, np.arange(len(placed.gap))
-        self.rows = corner_rows(bodies, pose, placed, corner, bodies.block_b, 1.0)
-        self.across.data[:] = self.rows.ravel()
-        self.tangent = None
+        rows = corner_rows(bodies, pose, placed, corner, bodies.block_b, 1.0)
+        self.across.data[:] = rows.ravel()
         # motion of a as if it were fixed to the centroid of b
         radius = bodies.radius[self.block_a]
         x, y, z = ((pose.place[self.block_b] - pose.place[self.block_a]) / radius[:, None]).T
@@ -126,6 +106,7 @@ class SparseMaps:
         carry[:, 2, 3], carry[:, 2, 4] = y, -x
         turned = bodies.radius[self.block_b] / radius
         carry[:, 3, 3] = carry[:, 4, 4] = carry[:, 5, 5] = turned
+        self.tangent.at(rows, carry)
 
     def moved(self, motion: Floats) -> Floats:
         """As in :class:`DenseMaps`."""
@@ -141,35 +122,7 @@ class SparseMaps:
 
     def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """As in :class:`DenseMaps`."""
-        self._renew(tangent)
-        blocks = np.asarray(self.sum @ self.parts.reshape(-1, 36)).reshape(-1, 6, 6)
-        index = np.arange(6)
-        blocks[self.diagonal[:, None], index, index] += weight
-        return self.ordering.factorise(blocks).solve
-
-    def _renew(self, tangent: Floats) -> None:
-        """The stiffness of each joint. Where no tangent has changed it is that of the last time.
-
-        Between two steps of Newton's method more than half of the joints of a vault do not change.
-        """
-        last, self.tangent = self.tangent, tangent
-        if last is None:
-            changed = np.ones(len(self.first), dtype=bool)
-        else:
-            differs = (tangent != last).any(axis=(1, 2))
-            changed = np.logical_or.reduceat(differs, self.first)
-        for joints, corners in self.groups:
-            here = changed[joints]
-            corner = corners.reshape(len(joints), -1)[here]
-            rows = self.rows[corner]
-            along = tangent[corner] @ rows
-            shape = len(rows), 3 * corner.shape[1], 6
-            back = rows.reshape(shape).swapaxes(1, 2)
-            self.parts[3, joints[here]] = back @ along.reshape(shape)
-        part, carry = self.parts[3, changed], self.carry[changed]
-        back = carry.swapaxes(1, 2)
-        on_a = -(part @ carry)
-        self.parts[:3, changed] = -(back @ on_a), -(back @ part), on_a
+        return self.tangent.factorise(tangent, weight)
 
 
 def imposed(bodies: Bodies, pose: BlockPositions, placed: Placed, motion: Floats) -> Floats:

@@ -50,7 +50,24 @@ class TangentSystem:
     @cached_property
     def sparse(self) -> SparseTangent:
         """The tangent by its blocks, for models that are not small."""
-        return SparseTangent(self.statics, self.position)
+        statics, k = self.statics, self.statics.corner_count
+        begins = np.ones(k, dtype=bool)
+        np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
+        # about the centroid of the smaller block: to take a wrench to a smaller one loses digits
+        length = np.append(statics.length, np.inf)  # a support has the number -1
+        a, b = statics.block_a, statics.block_b
+        of_a = length[a] < length[b]
+        near, far = np.where(of_a, a, b), np.where(of_a, b, a)
+        lever = np.where(of_a[:, None], statics.lever_a, statics.lever_b)
+        axes = np.swapaxes(statics.frame, 1, 2)
+        rows = np.concatenate([axes, skew(lever) @ axes], axis=1).swapaxes(1, 2)
+        first = np.flatnonzero(begins)
+        ratio = np.ones(len(first))
+        np.divide(length[near[first]], length[far[first]], out=ratio, where=far[first] >= 0)
+        other = np.where(of_a[:, None], statics.lever_b, statics.lever_a)[first]
+        made = SparseTangent(near, far, np.cumsum(begins) - 1, self.position)
+        made.at(rows, _carry(other - ratio[:, None] * lever[first], ratio))
+        return made
 
     @property
     def small(self) -> bool:
@@ -70,18 +87,32 @@ class TangentSystem:
         SolverError
             The matrix is singular.
         """
-        few, size = self.statics.full_transposed, 6 * self.statics.free_count
-        if few is None or not self.small:
-            blocks = self.sparse.blocks(tangent, weight)
-            if rough and self.statics.free_count >= SINGLE_FROM:
-                try:
-                    return self.sparse.ordering.factorise(blocks.astype(np.float32)).solve
-                except SolverError:
-                    pass  # singular only to so few digits
-            return self.sparse.ordering.factorise(blocks).solve
-        matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
-        matrix.reshape(-1)[:: size + 1] += weight.ravel()
-        return inverse(matrix)
+        few = self.statics.full_transposed
+        if few is not None and self.small:
+            return full_factors(few, tangent, weight)
+        return self.sparse.factorise(tangent, weight, rough=rough)
+
+
+def full_factors(rows: Floats, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
+    """From wrenches to motions (n, 6), with full rows (3 k, 6 n) of few blocks.
+
+    Parameters
+    ----------
+    rows
+        Corner displacements by motions.
+    tangent : (k, 3, 3)
+    weight : (n, 6)
+        On the diagonal.
+
+    Raises
+    ------
+    SolverError
+        The matrix is singular.
+    """
+    size = rows.shape[1]
+    matrix = rows.T @ (tangent @ rows.reshape(-1, 3, size)).reshape(-1, size)
+    matrix.reshape(-1)[:: size + 1] += weight.ravel()
+    return inverse(matrix)
 
 
 class _Parts(NamedTuple):
@@ -100,40 +131,22 @@ class _Parts(NamedTuple):
 class SparseTangent:
     """The blocks of the tangent that are not zero, and their elimination order.
 
+    Corners of a joint follow each other. Their motions are rows for the motion of one block of the
+    joint, the near one; that of the far one is carried to it.
+
     Parameters
     ----------
-    statics
-    position : (n, 3) [m] of the free blocks
+    near, far : (k,) free numbers of the blocks of each corner, -1 for a support
+    joint : (k,) in order, from 0
+    position : (n, 3) of the free blocks, for the elimination order
     """
 
-    def __init__(self, statics: Statics, position: Floats) -> None:
-        self.statics = statics
-        n = statics.free_count
-        k = statics.corner_count
-        begins = np.ones(k, dtype=bool)
-        np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
-        first = np.flatnonzero(begins)
-        self.joints = len(first)
-        interface = np.cumsum(begins) - 1
-        a, b = statics.block_a[first], statics.block_b[first]
-        # about the centroid of the smaller block: to take a wrench to a smaller one loses digits
-        length = np.append(statics.length, np.inf)  # a support has the number -1
-        of_a = length[a] < length[b]
-        near, far = np.where(of_a, a, b), np.where(of_a, b, a)
-        lever = np.where(of_a[interface, None], statics.lever_a, statics.lever_b)
-        other = np.where(of_a[:, None], statics.lever_b[first], statics.lever_a[first])
-        axes = np.swapaxes(statics.frame, 1, 2)
-        spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
-        self.gather = np.ascontiguousarray(spread.transpose(2, 1, 0))
-        self.groups = [
-            (joints, corners, _side_by_side(spread[corners], len(joints)))
-            for joints, corners in runs_by_length(first, k)
-        ]
-        ratio = np.ones(len(first))
-        np.divide(length[near], length[far], out=ratio, where=far >= 0)
-        self.to_far = _carry(other - ratio[:, None] * lever[first], ratio)
-        self.from_far = np.ascontiguousarray(np.swapaxes(self.to_far, 1, 2))
-        row, column, source, kind = _pattern(far, near)
+    def __init__(self, near: Ints, far: Ints, joint: Ints, position: Floats) -> None:
+        n, k = len(position), len(joint)
+        self.first = first = np.flatnonzero(np.diff(joint, prepend=-1))
+        self.joints, self.count = len(first), n
+        self.runs = runs_by_length(first, k)
+        row, column, source, kind = _pattern(far[first], near[first])
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
         self.row, self.column = unique // n, unique % n
@@ -147,6 +160,35 @@ class SparseTangent:
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
         self._free: list[_Parts] = []
 
+    def at(self, rows: Floats, carry: Floats) -> None:
+        """Give the maps, or renew them.
+
+        Parameters
+        ----------
+        rows : (k, 3, 6)
+            Motion of each corner by that of its near block.
+        carry : (m, 6, 6)
+            Motion of the near block that moves corners as a motion of the far one.
+        """
+        self.carry, self.back = carry, np.ascontiguousarray(carry.swapaxes(1, 2))
+        self.gather = np.ascontiguousarray(rows.transpose(1, 2, 0))
+        self.groups = [
+            (joints, corners, rows[corners].reshape(len(joints), -1, 6).swapaxes(1, 2))
+            for joints, corners in self.runs
+        ]
+
+    def factorise(
+        self, tangent: Floats, weight: Floats, *, rough: bool = False
+    ) -> Callable[[Floats], Floats]:
+        """As :meth:`TangentSystem.factorise`."""
+        blocks = self.blocks(tangent, weight)
+        if rough and self.count >= SINGLE_FROM:
+            try:
+                return self.ordering.factorise(blocks.astype(np.float32)).solve
+            except SolverError:
+                pass  # singular only to so few digits
+        return self.ordering.factorise(blocks).solve
+
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
@@ -156,9 +198,9 @@ class SparseTangent:
             self._gathered(tangent, local)
             for joints, corners, spread in self.groups:
                 parts[3, joints] = spread @ local[corners].reshape(len(joints), -1, 6)
-            np.matmul(self.to_far, parts[3], out=parts[1])
-            np.matmul(parts[1], self.from_far, out=parts[0])
-            np.matmul(parts[3], self.from_far, out=parts[2])
+            np.matmul(self.back, parts[3], out=parts[1])
+            np.matmul(parts[1], self.carry, out=parts[0])
+            np.matmul(parts[3], self.carry, out=parts[2])
             np.negative(parts[1:3], out=parts[1:3])
             out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
             self._free.append(memory)
@@ -195,12 +237,6 @@ class SparseTangent:
             return _Parts(np.empty((corners, 3, 6)), np.empty((4, self.joints, 6, 6)))
 
 
-def _side_by_side(maps: Floats, count: int) -> Floats:
-    """(j, 6, 3 c) of the maps (j c, 6, 3) of all corners of each of the j = count interfaces."""
-    each = maps.reshape(count, -1, 6, 3).swapaxes(1, 2)
-    return each.reshape(count, 6, -1)
-
-
 def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:
     """The matrix whose row i sums the entries ``column[start[i]:start[i + 1]]`` of a vector."""
     wide = max(len(column), *shape) >= 2**31
@@ -210,7 +246,7 @@ def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matri
 
 
 def _carry(apart: Floats, ratio: Floats) -> Floats:
-    """Maps (m, 6, 6) from a wrench about one centroid to the same wrench about another.
+    """Motions (m, 6, 6) about one centroid that move corners as motions about another.
 
     Each block has its own unit of length, by which its lever arms and moments are divided.
 
@@ -220,7 +256,7 @@ def _carry(apart: Floats, ratio: Floats) -> Floats:
     ratio : (m,) first unit by the second
     """
     maps = np.tile(np.eye(6), (len(ratio), 1, 1))
-    maps[:, 3:, :3] = skew(apart)
+    maps[:, :3, 3:] = -skew(apart)
     maps[:, 3:, 3:] *= ratio[:, None, None]
     return maps
 
