@@ -25,7 +25,8 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.geometry.frames import rotation_about, unit
-from drystone.geometry.split import Piece, split
+from drystone.geometry.glue import cut_cell, glue
+from drystone.geometry.polyhedron import Piece
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan, PlanOptions, Status, check_both, plan
@@ -372,7 +373,7 @@ def split_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
     Raises
     ------
     InputError
-        The cut misses the block, or lies on a face of it.
+        The cut misses the block, or only touches it.
 
     Examples
     --------
@@ -382,10 +383,13 @@ def split_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
     [1.5, 0.5]
     """
     normals, points = cut.planes()
-    if cut.wedge_deg < 0.0:  # a ridge is the groove of the part below, seen upside down
-        below, above = split(block.vertices, block.faces, -normals, points)
-    else:
-        above, below = split(block.vertices, block.faces, normals, points)
+    ridge = cut.wedge_deg < 0.0  # the groove of the part below, seen upside down
+    normals = normals if ridge else -normals
+    offsets = (normals * points).sum(axis=1)
+    inside, outside = cut_cell([(block.vertices, list(block.faces))], normals, offsets)
+    if len(normals) > 1:
+        outside = glue(outside)
+    above, below = (outside, inside) if ridge else (inside, outside)
     if not above or not below:
         raise InputError(f"the cut misses block '{block.name}'", remedy="move it into the block")
     return _blocks(above, block, "above"), _blocks(below, block, "below")

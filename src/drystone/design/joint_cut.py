@@ -25,7 +25,7 @@ from drystone.design.joint_plane import (
 )
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.split import Piece
+from drystone.geometry.polyhedron import Piece
 from drystone.model import Model
 
 KEPT = 1e-9

@@ -12,8 +12,7 @@ from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop
-from drystone.geometry.split import Piece
+from drystone.geometry.polyhedron import Loop, Piece
 from drystone.model import Model
 
 _WHOLE = 0.999

@@ -13,16 +13,10 @@ from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.halved import halved
 from drystone.geometry.merge import merge_coplanar
-from drystone.geometry.planar import overlay, valid
+from drystone.geometry.planar import half_plane, overlay, parts_of, rings_of, valid
 from drystone.geometry.polygon import area_vector, area_vectors
-from drystone.geometry.polyhedron import Loop, edge_defects, loop_edges
+from drystone.geometry.polyhedron import Loop, Piece, edge_defects, loop_edges
 from drystone.geometry.soup import split_solids
-from drystone.geometry.split import (
-    Piece,
-    half_plane,
-    parts_of,
-    rings_of,
-)
 
 _TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times

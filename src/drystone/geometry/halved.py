@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.geometry.polyhedron import Loop, loop_edges
-from drystone.geometry.split import Piece
+from drystone.geometry.polyhedron import Loop, Piece, loop_edges
 
 
 def halved(

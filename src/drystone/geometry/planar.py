@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -10,10 +11,14 @@ import shapely
 from numpy.typing import NDArray
 
 from drystone.base.arrays import Floats, Ints
+from drystone.geometry.holes import faces_with_holes
 
 Regions: TypeAlias = NDArray[Any]
 """(q,) shapely polygons."""
 _Overlay: TypeAlias = Callable[..., Any]
+
+_LEVEL = 1e-9
+"""Slope below which a plane is level: above the rounding of unit vectors."""
 
 
 def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
@@ -131,3 +136,45 @@ def _halved(polygon: Any) -> list[Any]:
     side = far * along
     halves = [shapely.polygons(np.concatenate([ends, ends[::-1] + s * side])) for s in (1.0, -1.0)]
     return [overlay(shapely.intersection, polygon, half) for half in halves]
+
+
+def half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
+    """The region ``slope . x + height >= 0`` up to ``reach``; first edge on the line."""
+    size = float(np.linalg.norm(slope))
+    if size < _LEVEL:
+        return None
+    across = slope / size
+    along = np.array([-across[1], across[0]])
+    foot = -height / size * across
+    reach += abs(height) / size
+    return shapely.Polygon(
+        [
+            foot - reach * along,
+            foot + reach * along,
+            foot + reach * (along + across),
+            foot + reach * (across - along),
+        ]
+    )
+
+
+def parts_of(shape: shapely.Geometry, kind: str) -> list[shapely.Geometry]:
+    """The simple parts of one kind."""
+    found = []
+    for part in shapely.get_parts(shape):
+        found += parts_of(part, kind) if part.geom_type.startswith(("Multi", "Geom")) else [part]
+    return [part for part in found if part.geom_type == kind and not part.is_empty]
+
+
+def rings_of(polygon: shapely.Polygon, least: float) -> list[Floats]:
+    """A polygon as counter-clockwise loops (c, 2) without holes; slivers are left out."""
+    if polygon.area < least:
+        return []
+    oriented = shapely.geometry.polygon.orient(polygon)
+    rings = [np.array(ring.coords)[:-1] for ring in (oriented.exterior, *oriented.interiors)]
+    if len(rings) == 1:
+        return rings
+    flat = np.concatenate(rings)
+    start = np.cumsum([0, *(len(ring) for ring in rings)])
+    loops = [tuple(range(a, b)) for a, b in pairwise(start.tolist())]
+    raised = np.column_stack([flat, np.zeros(len(flat))])
+    return [flat[list(loop)] for loop in faces_with_holes(raised, [loops])]

@@ -22,6 +22,8 @@ from drystone.geometry.polygon import area_vectors
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]
+Piece = tuple[Floats, list[Loop]]
+"""Vertices (v, 3) [m], and faces as loops of them."""
 
 
 @dataclass(frozen=True)

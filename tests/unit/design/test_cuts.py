@@ -74,11 +74,17 @@ def test_a_cut_through_the_legs_of_a_stool_leaves_four_feet():
     assert (len(above), len(below)) == (1, 4)
 
 
-def test_a_cut_beside_the_block_or_on_a_face_is_refused():
+def test_a_cut_may_go_on_from_a_step():
+    step = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], (0.0, 1.0))
+    above, below = split_block(step, Cut((0.0, 0.0, 1.0), Z))
+    assert [piece.volume for piece in (*above, *below)] == pytest.approx([1.0, 2.0])
+
+
+def test_a_cut_beside_the_block_or_on_its_end_is_refused():
     cube = box((1.0, 1.0, 1.0))
     with pytest.raises(InputError, match="misses"):
         split_block(cube, Cut((0.0, 0.0, 3.0), Z))
-    with pytest.raises(InputError, match="lies on a face"):
+    with pytest.raises(InputError, match="misses"):
         split_block(cube, Cut((0.0, 0.0, 1.0), Z))
 
 
