@@ -173,7 +173,8 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     flat = corners[kept] @ frame[1:].T
     lines = [shapely.LineString(flat[list(edge)]) for edge in open_edges]
     section = shapely.Polygon()
-    for ring in shapely.get_parts(shapely.polygonize(lines)):
+    # where a face lies in the plane, an edge may run on along it
+    for ring in shapely.get_parts(shapely.polygonize([shapely.union_all(lines)])):
         section = overlay(shapely.symmetric_difference, section, shapely.Polygon(ring.exterior))
     return [
         offset * normal + ring @ frame[1:]
