@@ -246,6 +246,10 @@ class Joints:
             (np.cumsum(chosen) - 1)[contacts.interface[kept]].astype(np.intp),
         )
 
+    def rows(self, body: Block) -> Floats:
+        """Rows (c, 6) of :func:`twist_rows` of the block, one for each corner."""
+        return twist_rows(self.corner, self.normal[self.interface], body.centroid, body.size)
+
 
 @dataclass(frozen=True)
 class Obstacle(OneLine):

@@ -220,71 +220,55 @@ def handling(
     model = plan.model.model
     up = plan.model.up.tolist()
     finder = PathFinder(model, options if options is not None else PathOptions(up=tuple(up)))
-    placements: list[Placement] = []
-    holds: list[Hold] = []
-    notes: list[str] = []
-    turn = 0
-    total = sum(len(step.blocks) for step in plan.steps)
+    jobs = list(_in_order(plan))
     clock = Clock(time_limit_s, stop)
+    paths: list[RemovalPath | NoPath] = []
     with WorkerPool(executor) as pool:
-        paths = []
-        for found in pool.answers(partial(_path, finder), _in_order(plan), clock.late):
+        for found in pool.answers(partial(_path, finder), jobs, clock.late):
             paths.append(found)
             if progress is not None:
-                progress("paths of insertion", len(paths), total)
-    if len(paths) < total:
-        notes.append(f"{clock.reason} after {len(paths)} of {counted(total, 'path')}")
-    for number, step in enumerate(plan.steps):
-        here = _placed_before(plan, number)
-        busy: set[int] = set()
-        for place, block in enumerate(step.blocks):
-            body = model.assembly.blocks[block]
-            if len(placements) == len(paths):
-                return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
-            who = _next(team, turn, busy, body)
-            if who is None and team:
-                free = [robot for i, robot in enumerate(team) if i not in busy]
-                notes.append(f"'{body.name}': {_why_none(free, body)}")
-            robot = "" if who is None else team[who].name
-            found = paths[len(placements)]
-            if isinstance(found, NoPath):
-                notes.append(f"'{body.name}': no path was found: {found.reason}")
-            after = here.copy()
-            after[block] = True
-            for other in step.blocks[:place]:
-                after[other] = True
-            grips = grip_faces(body, Joints.of(model.contacts, block, after))
-            placements.append(_placed(number, block, body, robot, found, grips))
-            here[block] = True
-            if place < len(step.blocks) - 1:
-                wrench = [a.reaction[block] for a in step.during if block in a.reaction]
-                most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
-                last = model.assembly.names[step.blocks[-1]]
-                holds.append(Hold(block, body.name, robot, last, most[:3], most[3:]))
-                busy |= set() if who is None else {who}
-            turn = turn if who is None else who + 1
+                progress("paths of insertion", len(paths), len(jobs))
+    notes: list[str] = []
+    if len(paths) < len(jobs):
+        notes.append(f"{clock.reason} after {len(paths)} of {counted(len(jobs), 'path')}")
+    placements: list[Placement] = []
+    holds: list[Hold] = []
+    turn, busy = 0, set[int]()
+    for (number, block, here), found in zip(jobs, paths, strict=False):
+        step, body = plan.steps[number], model.assembly.blocks[block]
+        busy = busy if block != step.blocks[0] else set()
+        who = _next(team, turn, busy, body)
+        if who is None and team:
+            free = [robot for i, robot in enumerate(team) if i not in busy]
+            notes.append(f"'{body.name}': {_why_none(free, body)}")
+        robot = "" if who is None else team[who].name
+        if isinstance(found, NoPath):
+            notes.append(f"'{body.name}': no path was found: {found.reason}")
+        grips = grip_faces(body, Joints.of(model.contacts, block, here))
+        placements.append(_placed(number, block, body, robot, found, grips))
+        if block != step.blocks[-1]:
+            wrench = [a.reaction[block] for a in step.during if block in a.reaction]
+            most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
+            last = model.assembly.names[step.blocks[-1]]
+            holds.append(Hold(block, body.name, robot, last, most[:3], most[3:]))
+            busy |= set() if who is None else {who}
+        turn = turn if who is None else who + 1
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
 
 
-def _placed_before(plan: Plan, number: int) -> Bools:
-    """The blocks (n,) that are in place before a step."""
-    here = np.array(plan.model.assembly.fixed)
-    here[list(plan.impossible)] = True
-    here[list(members(placed_before(plan, number)))] = True
-    return here
-
-
-def _in_order(plan: Plan) -> Iterator[tuple[int, Bools]]:
-    """Each block in the order of placement, with the blocks (n,) that are in place before."""
+def _in_order(plan: Plan) -> Iterator[tuple[int, int, Bools]]:
+    """Step of each block in the order of placement, the block, and the blocks (n,) in place."""
     for number, step in enumerate(plan.steps):
-        here = _placed_before(plan, number)
+        here = np.array(plan.model.assembly.fixed)
+        here[list(plan.impossible)] = True
+        here[list(members(placed_before(plan, number)))] = True
         for block in step.blocks:
-            yield block, here.copy()
             here[block] = True
+            yield number, block, here.copy()
 
 
-def _path(finder: PathFinder, job: tuple[int, Bools]) -> RemovalPath | NoPath:
-    return finder.path(*job)
+def _path(finder: PathFinder, job: tuple[int, int, Bools]) -> RemovalPath | NoPath:
+    return finder.path(*job[1:])
 
 
 def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int | None:

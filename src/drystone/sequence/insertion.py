@@ -18,9 +18,6 @@ from drystone.sequence.freedom import (
     Joints,
     free_twists,
     freedom,
-    in_words,
-    obstacles,
-    twist_rows,
 )
 from drystone.sequence.path_search import PathFinder
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
@@ -90,23 +87,13 @@ class RemovalTest(OneLine):
 
     def reason(self, block: int, placed: int) -> str:
         """Why a block cannot be removed, with the blocking faces."""
-        joints = self._joints(*self._key(block, placed))
-        body = self.model.assembly.blocks[block]
-        rows = twist_rows(joints.corner, joints.normal[joints.interface], body.centroid, body.size)
-        twists = free_twists(rows, self.tolerance)
-        if not twists.blocked:
-            found = self.path(block, placed)
-            return found.reason if isinstance(found, NoPath) else ""
-        which = np.unique(joints.interface[twists.blocking]).tolist()
-        faces = in_words(obstacles(self.model.assembly, joints, which))
-        return f"its joints block every motion, straight or with rotation: {faces}"
+        found = self.path(block, placed)
+        return found.reason if isinstance(found, NoPath) else ""
 
     def _turns(self, block: int, placed: int) -> bool:
         """Whether a block without a straight path has one with rotation."""
-        joints = self._joints(*self._key(block, placed))
-        body = self.model.assembly.blocks[block]
-        rows = twist_rows(joints.corner, joints.normal[joints.interface], body.centroid, body.size)
-        if free_twists(rows, self.tolerance).blocked:
+        joints = Joints.of(self.model.contacts, *self._around(block, placed))
+        if free_twists(joints.rows(self.model.assembly.blocks[block]), self.tolerance).blocked:
             return False
         return isinstance(self.path(block, placed), RemovalPath)
 
@@ -124,12 +111,13 @@ class RemovalTest(OneLine):
         here[list(members(placed))] = True
         return here
 
+    def _around(self, block: int, placed: int) -> tuple[int, Bools]:
+        return block, self._here(self._key(block, placed)[1])
+
     def _normals(self, block: int, placed: int) -> Floats:
         """Normals (j, 3) into a block of its joints with those in place."""
         if block not in self._all:
-            self._all[block] = self._joints(block, self.model.everything)
+            everything = self._here(self.model.everything)
+            self._all[block] = Joints.of(self.model.contacts, block, everything)
         joints = self._all[block]
         return joints.normal[self._here(placed)[joints.other]]
-
-    def _joints(self, block: int, placed: int) -> Joints:
-        return Joints.of(self.model.contacts, block, self._here(placed))

@@ -31,7 +31,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.freedom import Joints, free_twists, twist_rows
+from drystone.sequence.freedom import Joints, free_twists
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
 from drystone.stability import RBEOptions, check, solve_rbe
@@ -157,8 +157,7 @@ def _alone(model: Model, block: int) -> bool:
     here = np.ones(len(model.assembly), dtype=bool)
     joints = Joints.of(model.contacts, block, here)
     body = model.assembly.blocks[block]
-    normal = joints.normal[joints.interface]
-    return free_twists(twist_rows(joints.corner, normal, body.centroid, body.size)).blocked
+    return free_twists(joints.rows(body)).blocked
 
 
 def _opening(rows: sparse.csr_matrix) -> Floats | None:

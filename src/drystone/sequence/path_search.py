@@ -29,7 +29,6 @@ from drystone.sequence.freedom import (
     in_words,
     obstacles,
     opens,
-    twist_rows,
 )
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.sweeps import (
@@ -153,9 +152,7 @@ class _PathSearch:
         self.body = self.assembly.blocks[block]
         self.mover = finder.mover(block)
         self.around = Surroundings(finder._solids, others)
-        self.rows = twist_rows(
-            joints.corner, joints.normal[joints.interface], self.body.centroid, self.body.size
-        )
+        self.rows = joints.rows(self.body)
         middle, radius = self.around.extent
         self.far = (
             float(np.linalg.norm(middle - self.body.centroid)) + radius + 2.0 * self.body.size
