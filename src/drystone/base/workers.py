@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import (
     BrokenExecutor,
     CancelledError,
@@ -147,35 +147,24 @@ class WorkerPool:
         taken: deque[Item] = deque()
         futures: deque[Future[Found]] = deque()
         self._futures = futures
-        alone, suspect = 0, None
+        deaths = _Deaths()
         try:
             while not late():
                 try:
-                    for item in islice(left, (1 if alone else window) - len(taken)):
+                    for item in islice(left, (1 if deaths.alone else window) - len(taken)):
                         taken.append(item)
                         futures.append(self._submit(task, item))
-                    if not taken:
+                    if not taken or not _done(futures[0], late):
                         return
-                    future = futures[0]
-                    while not future.done() and not late():
-                        with suppress(TimeoutError):
-                            future.result(timeout=_POLL_S)
-                    if not future.done():
-                        return
-                    answer = future.result()
+                    answer = futures[0].result()
                 except LOST_WORKER as error:
                     self._revive(error)
                     again = list(taken)
-                    if parts is not None and not alone:
+                    if parts is not None and not deaths.alone:
                         again = [part for item in again for part in parts(item)]
                     taken.clear()
                     futures.clear()
-                    if not alone:  # they are asked one by one: which one was it?
-                        alone = len(again)
-                    elif suspect is not again[0]:  # another program may have ended it: once more
-                        suspect = again[0]
-                    else:
-                        alone -= 1
+                    if deaths.caused_by(again):
                         if failed is None:
                             raise InputError(
                                 "a worker process ended twice at the same part of the work",
@@ -186,7 +175,7 @@ class WorkerPool:
                 else:
                     taken.popleft()
                     futures.popleft()
-                    alone = max(alone - 1, 0)
+                    deaths.alone = max(deaths.alone - 1, 0)
                     yield answer
         finally:
             for future in futures:
@@ -218,6 +207,36 @@ class WorkerPool:
         # the thread that looks after them closes a pipe, to which Python writes when it exits
         self._executor.shutdown(wait=bool(ended), cancel_futures=True)
         self._executor = None
+
+
+@dataclass
+class _Deaths:
+    """The search for the item that ends its worker: after a death items are asked one by one."""
+
+    alone: int = 0
+    suspect: object = None
+
+    def caused_by(self, items: Sequence[object]) -> bool:
+        """Whether the first of the items, with which a worker died, did it: twice, and alone.
+
+        Another program may have ended the worker once.
+        """
+        if not self.alone:
+            self.alone = len(items)
+        elif self.suspect is not items[0]:
+            self.suspect = items[0]
+        else:
+            self.alone -= 1
+            return True
+        return False
+
+
+def _done(future: Future[Any], late: Callable[[], bool]) -> bool:
+    """Wait for an answer; False when it is late before."""
+    while not future.done() and not late():
+        with suppress(TimeoutError):
+            future.result(timeout=_POLL_S)
+    return future.done()
 
 
 @contextmanager
