@@ -14,12 +14,13 @@ import pytest
 import drystone
 from drystone.detection import find_contacts, gap_sweep
 from drystone.fall import Film
+from drystone.io import Inspection
 from drystone.limits import limit_thickness, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
 from drystone.sequence import PlanOptions, Rules, scaffolding
 from drystone.settlement import move_supports, push, support_response
-from drystone.view import Frame, mended_scene, save_inspection, save_report
+from drystone.view import Frame, mended_scene, save_page, save_report
 from drystone.view.paper.instructions import save_instructions
 from drystone.view.scenes.subjects import Subject
 from tests.page.browser import Tab
@@ -116,7 +117,7 @@ def test_a_page_of_every_kind_opens_and_obeys(opened: Callable[..., Tab], kind: 
 def test_the_page_of_a_search_for_contacts_has_its_sweep(opened: Callable[..., Tab]) -> None:
     swept = gap_sweep(tower(3), [1e-5, 1e-3])
     found = find_contacts(tower(3))
-    tab = opened(lambda path: save_inspection(tower(3), found, path, swept))
+    tab = opened(lambda path: save_page(Inspection(tower(3), found, swept), path))
     assert "Gap tolerance" in tab.text("#controls")
     use_all_controls(tab)
 

@@ -10,9 +10,10 @@ import pytest
 import drystone
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
+from drystone.io import Inspection
 from drystone.models import arch, box, shelf, tower
 from drystone.results import Result
-from drystone.view import save_inspection
+from drystone.view import save_page
 from tests.page.browser import Tab
 
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
@@ -190,7 +191,7 @@ def test_the_page_of_a_plan_brings_each_block_in(opened):
 def test_the_page_of_contacts_draws_near_misses(opened):
     blocks = (box((2.0, 2.0, 0.5)), box((1.0, 1.0, 1.0), (0.5, 0.5, 0.51), "cube"))
     model = Assembly(blocks)
-    tab = opened(lambda path: save_inspection(model, find_contacts(model), path))
+    tab = opened(lambda path: save_page(Inspection(model, find_contacts(model)), path))
     assert tab.text("h1") == "2 blocks, 0 interfaces, 1 near miss"
     assert "near misses" in tab.text("#legend")
 

@@ -15,7 +15,9 @@ import pytest
 import drystone
 from drystone import LoadCase, Model, limits, sequence
 from drystone.answer import Answer, Role
+from drystone.detection import gap_sweep
 from drystone.fall import Film
+from drystone.io import Inspection
 from drystone.models import arch, tower
 
 
@@ -51,6 +53,8 @@ def answers() -> Iterator[Answer]:
     yield from (order, sequence.scaffolding(order))
     yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
+    found = drystone.find_contacts(tower(3))
+    yield Inspection(tower(3), found, gap_sweep(tower(3), [1e-4, 1e-3]))
 
 
 ANSWERS = {type(one): one for one in answers()}

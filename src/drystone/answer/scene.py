@@ -235,7 +235,7 @@ class SceneStage(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Scene(OneLine):
-    """A model with its stages, facts and panels.
+    """A model with its stages, facts and charts.
 
     Attributes
     ----------
@@ -250,8 +250,6 @@ class Scene(OneLine):
         A number to write on each block, 0 for none: the order of assembly.
     charts
         For the panel beside the model.
-    panels
-        HTML for the panel beside the model.
     made
         Date, and version of drystone.
     still
@@ -272,7 +270,6 @@ class Scene(OneLine):
     title: str = "drystone"
     facts: Mapping[str, str] = field(default_factory=dict)
     number: Ints | None = None
-    panels: tuple[str, ...] = ()
     charts: tuple[Chart, ...] = ()
     made: str = field(default_factory=now)
     still: int = 0

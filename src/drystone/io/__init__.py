@@ -6,6 +6,7 @@ True
 """
 
 from drystone.io.draft import Contents
+from drystone.io.inspection import Inspection
 from drystone.io.opening import as_model, read
 from drystone.io.registry import FORMATS, Format, format_of, inspect, read_file, write
 
@@ -13,6 +14,7 @@ __all__ = [
     "FORMATS",
     "Contents",
     "Format",
+    "Inspection",
     "as_model",
     "format_of",
     "inspect",

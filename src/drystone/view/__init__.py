@@ -5,7 +5,6 @@ from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.plots import save_chart, save_front, save_gravity
 from drystone.view.paper.report import save_report
-from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.mend_scenes import mended_scene
 from drystone.view.scenes.subjects import scene_of
 from drystone.view.style.presets import PRESETS, Preset
@@ -23,7 +22,6 @@ __all__ = [
     "Scene",
     "SceneStage",
     "State",
-    "inspection_scene",
     "interact",
     "mended_scene",
     "page_text",
@@ -32,7 +30,6 @@ __all__ = [
     "save_figure",
     "save_front",
     "save_gravity",
-    "save_inspection",
     "save_page",
     "save_report",
     "scene_of",

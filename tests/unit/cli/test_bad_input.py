@@ -172,7 +172,7 @@ def test_inspect_lists_every_defect_and_exits_2(
     code, out, _ = answer(capsys, "inspect", str(path), "--json")
     told = json.loads(out)
     assert code == 2
-    assert [one["name"] for one in told["blocks"]] == ["a", "a"]
+    assert [one["block"] for one in told["blocks"]] == ["a", "a"]
     assert ["open mesh" in one["what"] for one in told["defects"]] == [True, False]
     page = tmp_path / "page.html"
     code, out, _ = answer(capsys, "inspect", str(path), "--html", str(page))

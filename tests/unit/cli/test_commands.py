@@ -274,7 +274,7 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     assert main(["inspect", file(tmp_path, arch()), "--supports", "lowest"]) == 0
     out, _ = capsys.readouterr()
     assert f"{len(arch())} blocks, 2 of them fixed" in out
-    assert "--all lists every block" in out
+    assert "--json lists all" in out
 
 
 def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:

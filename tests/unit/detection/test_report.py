@@ -11,8 +11,8 @@ from drystone import Assembly, Block, InputError, find_contacts
 from drystone.assembly import replace_block
 from drystone.detection import DetectionOptions, Reason, gap_sweep
 from drystone.geometry.frames import rotation_about
+from drystone.io.inspection import missed_layers
 from drystone.models import box, concave, random_pack, tower
-from drystone.view.scenes.inspection_scenes import missed_layers
 
 SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
 

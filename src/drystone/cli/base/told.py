@@ -73,6 +73,8 @@ class Told:
         That of the answer when left out.
     notes, files, written
         As of :class:`Printed`.
+    everything
+        Print every row of the tables.
     """
 
     answer: Answer
@@ -82,6 +84,7 @@ class Told:
     notes: Sequence[str] = ()
     files: Callable[[], Files] | None = None
     written: Sequence[str] = ()
+    everything: bool = False
 
     @property
     def code(self) -> int:
@@ -100,7 +103,7 @@ class Told:
 
     def show(self, screen: Screen) -> None:
         """Print it for people."""
-        _show(screen, self.answer, self._subject)
+        _show(screen, self.answer, self._subject, self.everything)
         told = {sentence.text for sentence in self.answer.sentences()}
         for one in self.also.values():
             for sentence in one.sentences():
@@ -109,7 +112,7 @@ class Told:
         screen.dim(self.answer.asked.line())
 
 
-def _show(screen: Screen, answer: Answer, subject: str) -> None:
+def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> None:
     """Its sentences, the first one with what was asked about, and its tables."""
     first, *others = answer.sentences()
     screen.line(subject, first.text, STYLE[first.role.value])
@@ -121,7 +124,13 @@ def _show(screen: Screen, answer: Answer, subject: str) -> None:
         heads, rows = table.cells()
         named = len(rows) > 0 and isinstance(next(iter(table.columns.values()))[0], str)
         screen.line(f"{table.title.replace('_', ' ')}:")
-        screen.table(heads, grouped(rows) if named else rows)
+        if everything:
+            screen.table(heads, rows, len(rows))
+            continue
+        shown = grouped(rows) if named else rows
+        screen.table(heads, shown)
+        if len(shown) < len(rows):
+            screen.dim("equal rows share a line (--json lists all)")
 
 
 def finish(answer: Printed | Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:

@@ -88,9 +88,7 @@ class Addition:
 
 def page_text(scene: Scene) -> str:
     """The page as text: HTML with its style, its script and its data inside."""
-    return page_of_data(
-        to_text(encode(scene)), scene.title, "\n".join((*map(panel, scene.charts), *scene.panels))
-    )
+    return page_of_data(to_text(encode(scene)), scene.title, "\n".join(map(panel, scene.charts)))
 
 
 def page_of_data(data: str, title: str, aside: str = "", added: Addition | None = None) -> str:

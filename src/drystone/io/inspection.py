@@ -1,0 +1,308 @@
+"""What an inspection of blocks says of itself: sizes, defects, contacts and near misses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import (
+    Answer,
+    Asked,
+    Layer,
+    LayerKind,
+    Role,
+    Scene,
+    SceneStage,
+    Sentence,
+)
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.drawing import interface_layers, state_of
+from drystone.assembly import Assembly, Block
+from drystone.base import units
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError, counted
+from drystone.base.files import digest
+from drystone.base.ragged import Ragged
+from drystone.base.table import Table
+from drystone.contacts import Contacts
+from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.io.build import Built
+from drystone.model import Model
+from drystone.supports import ground_of, select
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection(Answer):
+    """Blocks, the defects of their meshes, and the contacts between them.
+
+    Attributes
+    ----------
+    usable
+        The blocks without defects; ``None`` where there are none.
+    found
+        Their contacts, and what the search missed.
+    sweep
+        Number of contacts for many gaps, where that was asked for.
+    built
+        All blocks of the file, and the defects; ``None`` of an assembly.
+    file
+        Its name; empty of an assembly.
+    """
+
+    usable: Assembly | None
+    found: Detection | None
+    sweep: GapSweep | None = None
+    built: Built | None = None
+    file: str = ""
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks that can be used.
+
+        Raises
+        ------
+        InputError
+            There are none.
+        """
+        if self.usable is None:
+            raise InputError("no block can be used", where=self.file, remedy="mend the defects")
+        return self.usable
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts between them."""
+        return Contacts.empty() if self.found is None else self.found.contacts
+
+    @property
+    def model(self) -> Model:
+        """The blocks with their contacts, under their weight."""
+        return Model(self.assembly, self.contacts)
+
+    @cached_property
+    def asked(self) -> Asked:
+        """The file, and the blocks that can be used."""
+        known = self.usable is not None
+        asked = Asked.of(self.model, made=self.when) if known else Asked.of_nothing(made=self.when)
+        sha256 = digest(self.file) if self.file else ""
+        return replace(asked, load="", acceleration=(), file=self.file, sha256=sha256)
+
+    @property
+    def _blocks(self) -> list[Block]:
+        if self.built is None:
+            return list(self.assembly.blocks)
+        return [block for block in self.built.blocks if block is not None]
+
+    @property
+    def _defects(self) -> tuple[InputError, ...]:
+        return () if self.built is None else self.built.defects
+
+    @cached_property
+    def _fixed(self) -> list[bool]:
+        if self.built is None:
+            return [bool(one) for one in self.assembly.fixed]
+        names = () if self.usable is None else self.usable.names
+        chosen = {} if self.usable is None else dict(zip(names, self.usable.fixed, strict=True))
+        each = zip(self.built.blocks, self.built.fixed, strict=True)
+        return [bool(chosen.get(one.name, was)) for one, was in each if one is not None]
+
+    @property
+    def title(self) -> str:
+        """How many blocks touch, and how many nearly."""
+        told = counted(len(self._blocks), "block")
+        if self.found is None:
+            return told
+        missed = sum(not miss.joined for miss in self.found.report.missed)
+        near = f", {counted(missed, 'near miss', 'near misses')}" if missed else ""
+        return f"{told}, {counted(self.contacts.count, 'interface')}{near}"
+
+    @property
+    def code(self) -> int:
+        """0 where every block can be used, else 2: it is bad input."""
+        return 2 if self._defects else 0
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Sizes, defects by kind, what the contact search found and missed."""
+        blocks, fixed = self._blocks, sum(self._fixed)
+        told = [f"{counted(len(blocks), 'block')}, {fixed} of them fixed"]
+        if blocks:
+            bounds = np.array([block.bounds for block in blocks])
+            extent = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
+            volume = sum(float(block.volume) for block in blocks)
+            weight = sum(float(block.mass) for block in blocks)
+            told += [units.extent(extent), f"{volume:,.4g} m3", units.mass(weight)]
+        said = [Sentence(", ".join(told), Role.BAD if self._defects else Role.GOOD)]
+        kinds: dict[str, list[InputError]] = {}
+        for error in self._defects:
+            kinds.setdefault(error.kind or error.what, []).append(error)
+        for kind, errors in kinds.items():
+            more = f" ({len(errors) - 1} more: {kind}; --json lists all)" if errors[1:] else ""
+            said.append(Sentence(f"defect: {errors[0]}{more}", Role.REMARK))
+        lines = [] if self.found is None else list(self.found.report.summary())
+        lines += [] if self.sweep is None else self.sweep.summary()
+        return [*said, *map(Sentence, lines)]
+
+    def tables(self) -> Sequence[Table]:
+        """The blocks."""
+        blocks = self._blocks
+        columns = {
+            "block": [one.name for one in blocks],
+            "fixed": self._fixed,
+            "volume": [float(one.volume) for one in blocks],
+            "mass": [float(one.mass) for one in blocks],
+            "size": np.array([one.bounds[1] - one.bounds[0] for one in blocks]).reshape(-1, 3),
+            "faces": [len(one.faces) for one in blocks],
+        }
+        return [Table("blocks", columns, {"volume": "m3", "mass": "kg", "size": "m"})]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Where the blocks are, the defects, the contact report and the sweep."""
+        blocks = self._blocks
+        return {
+            "volume": sum(float(one.volume) for one in blocks),
+            "places": [
+                {
+                    "block": one.name,
+                    "centroid": one.centroid,
+                    "bounds": one.bounds,
+                    "vertices": len(one.vertices),
+                    "repairs": one.repairs,
+                }
+                for one in blocks
+            ],
+            "defects": [
+                {"what": one.what, "where": one.where, "remedy": one.remedy, "kind": one.kind}
+                for one in self._defects
+            ],
+            "contacts": None if self.found is None else self.found.report.to_dict(),
+            "sweep": None if self.sweep is None else self.sweep.to_dict(),
+        }
+
+    def layers(self) -> Scene:
+        """The interfaces, and near misses between blocks that do not touch in orange.
+
+        Examples
+        --------
+        >>> from drystone.detection import find_contacts
+        >>> from drystone.models import tower
+        >>> Inspection(tower(3), find_contacts(tower(3))).layers().title
+        'drystone: 3 blocks, 2 interfaces'
+        """
+        assembly, contacts = self.assembly, self.contacts
+        parts = [*interface_layers(contacts), *_edge_layers(contacts)]
+        message, charts = "", []
+        if self.found is not None:
+            report = self.found.report
+            parts += missed_layers(report)
+            first, *rest = report.summary()
+            advice = [f"suggestion: {text}" for text in report.suggestions()]
+            told = [first, *advice, *(line for line in rest if line not in advice)]
+            message = "; ".join(told)
+            charts.append(Chart("Contact search", caption="\n".join(report.summary())))
+        bare = () if self.built is None else self.built.bare
+        parts += _polygon_layer("defects", "faces at holes", "help", bare)
+        stage = SceneStage("contacts", self.title, message, state_of(assembly), layers=tuple(parts))
+        if self.sweep is not None:
+            charts.append(self.chart(self.sweep))
+        count = f"{len(assembly)} blocks, {contacts.count} interfaces"
+        return Scene(
+            assembly, contacts, (stage,), f"drystone: {count}", self.asked.facts(),
+            charts=tuple(charts),
+        )  # fmt: skip
+
+    def chart(self, sweep: GapSweep) -> Chart:
+        """The number of pairs that touch, by the gap; the plateau is shaded."""
+        low, high = sweep.plateau
+        pairs = sweep.pairs.astype(float)
+        ends = np.array([low, high])
+        marks = (
+            Marks(MarkKind.AREA, ends, np.full(2, pairs.max()), low=np.zeros(2)),
+            Marks(MarkKind.LINE, sweep.gap, pairs),
+        )
+        used = None if self.found is None else self.found.report.options.gap
+        shown = used is not None and sweep.gap[0] <= used <= sweep.gap[-1]
+        told = sweep.summary()[-1]
+        if used is not None:
+            told += f". Dashed: {used:g}, the one used here."
+        return Chart(
+            "Gap tolerance", marks, "gap by block size", "pairs that touch", caption=told,
+            lines=((used, ""),) if shown and used is not None else (), logarithmic=True,
+        )  # fmt: skip
+
+
+def usable(built: Built, supports: str | None = None) -> tuple[Assembly | None, list[str]]:
+    """The blocks of a file that can be used, with their supports, and notes."""
+    assembly, notes = built.assembly, list(built.notes)
+    if assembly is not None:
+        assembly, chosen = ground_of(assembly, supports)
+        return assembly if supports is None else select(assembly, str(chosen)), notes
+    assembly = built.usable
+    if assembly is None:
+        notes.append("contacts are found, and drawn, once the defects are mended")
+        return None, notes
+    rest = len(built.blocks) - len(assembly)
+    left_out = f"{counted(rest, 'block')} left out" if rest else "as they are"
+    some = counted(len(assembly), "block")
+    notes.append(
+        f"contacts are found among the {some} that can be used, {left_out}: mend the defects first"
+    )
+    if supports is not None:
+        try:
+            assembly = select(assembly, supports)
+        except InputError as error:
+            notes.append(f"--supports waits for the defects: {error}")
+    return assembly, notes
+
+
+def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
+    """Near misses of pairs of blocks that do not touch elsewhere."""
+    missed = [miss.polygon for miss in report.missed if not miss.joined]
+    areas = [polygon for polygon in missed if len(polygon) > 2]
+    points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)
+    layers = list(_polygon_layer("missed", "near misses", "missed", areas))
+    if len(points):
+        layers.append(
+            Layer(
+                "missed-points",
+                "near misses of corners",
+                LayerKind.LINES,
+                "missed",
+                points[:, 0],
+                points[:, 1] - points[:, 0],
+                width=2.0,
+            )
+        )
+    return tuple(layers)
+
+
+def _polygon_layer(
+    key: str, label: str, colour: str, polygons: Sequence[Floats]
+) -> tuple[Layer, ...]:
+    """Polygons (c, 3) in one colour; no layer where there are none."""
+    if not polygons:
+        return ()
+    start = Ragged.of(polygons).start
+    corner = np.concatenate(polygons)
+    return (Layer(key, label, LayerKind.POLYGONS, colour, corner, start=start.astype(np.intp)),)
+
+
+def _edge_layers(contacts: Contacts) -> tuple[Layer, ...]:
+    """Contacts along a line."""
+    lines = contacts.start[:-1][np.diff(contacts.start) == 2]
+    if len(lines) == 0:
+        return ()
+    position = contacts.point[lines]
+    return (
+        Layer(
+            "lines",
+            "line contacts",
+            LayerKind.LINES,
+            "interface",
+            position,
+            contacts.point[lines + 1] - position,
+            width=2.0,
+        ),
+    )
