@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from drystone.design.buildable import BuildableOptions as BuildableOptions
     from drystone.design.buildable import BuildNeeds as BuildNeeds
     from drystone.design.buildable import TriedLayout as TriedLayout
-    from drystone.design.buildable_search import make_buildable as make_buildable
+    from drystone.design.buildable import make_buildable as make_buildable
     from drystone.design.cuts import Cut as Cut
     from drystone.design.cuts import CutDesign as CutDesign
     from drystone.design.cuts import CutLoop as CutLoop
@@ -81,8 +81,7 @@ _NAMES = {
     "cuts": "Cut CutDesign CutLoop CutOptions Trial cut_until_free design_cuts split_block "
     "tilted_cuts",
     "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
-    "buildable": "BuildNeeds Buildable BuildableOptions TriedLayout",
-    "buildable_search": "make_buildable",
+    "buildable": "BuildNeeds Buildable BuildableOptions TriedLayout make_buildable",
     "recuts": "Recut RecutJoint RecutOptions recut_joints",
     "diagnosed": "Diagnosis Region",
     "diagnosis": "DiagnosisOptions diagnose",

@@ -1,19 +1,33 @@
-"""A shell whose blocks need the least help while it is built: what is asked for, what is found."""
+"""Wedges deepened until a shell can be built with the least help.
+
+Source: Kao 2023, section 7.3: wedges where a plan needs help, as shallow as they can be, since
+sharp corners break.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import contextlib
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from drystone.base.arrays import number
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints, number
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.settings import Options
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import Options, checked_call
+from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
-from drystone.sequence import Plan
-from drystone.shells import Layout, Shell
+from drystone.design.search import improved
+from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence.rules import courses
+from drystone.sequence.stages import check_both
+from drystone.sequence.structure import Structure
+from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 
 WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4)
@@ -63,9 +77,9 @@ class BuildableOptions(Options):
         self._refuse_below(1, "hands", "deepened")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, order=True)
 class BuildNeeds(OneLine):
-    """The help that a shell needs while it is built course by course.
+    """The help that a shell needs while it is built course by course; fewer props are less.
 
     Attributes
     ----------
@@ -79,10 +93,9 @@ class BuildNeeds(OneLine):
     def _summary(self) -> str:
         return f"{self.propped} propped, {self.held} held"
 
-    @property
-    def cost(self) -> tuple[int, int]:
-        """Fewest props first, then fewest held blocks."""
-        return self.propped, self.held
+    def to_dict(self) -> dict[str, int]:
+        """Plain values."""
+        return {"propped": self.propped, "held": self.held}
 
 
 @dataclass(frozen=True)
@@ -109,18 +122,14 @@ class TriedLayout(OneLine):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-
-        def told(needs: BuildNeeds | None) -> dict[str, int] | None:
-            return None if needs is None else {"propped": needs.propped, "held": needs.held}
-
         return {
             "courses": self.layout.courses,
             "blocks": self.layout.blocks,
             "width": self.layout.width,
             "staggered": self.layout.staggered,
             "voussoirs": self.voussoirs,
-            "shallow": told(self.shallow),
-            "deepened": told(self.deepened),
+            "shallow": self.shallow and self.shallow.to_dict(),
+            "deepened": self.deepened and self.deepened.to_dict(),
             "message": self.message,
         }
 
@@ -170,18 +179,235 @@ class Buildable(OneLine):
         """Plain values."""
         return {
             "message": self.message,
-            "propped": self.needs.propped,
-            "held": self.needs.held,
-            "before": {"propped": self.before.propped, "held": self.before.held},
+            **self.needs.to_dict(),
+            "before": self.before.to_dict(),
             "voussoirs": len(self.shell.voussoirs),
             "wedges": list(self.wedges),
             "tried": [one.to_dict() for one in self.tried],
         }
 
 
-def message_of(needs: BuildNeeds, before: BuildNeeds, deeper: Sequence[int], late: bool) -> str:
+_NONE = BuildNeeds(0, 0)
+
+
+@checked_call
+def make_buildable(
+    shape: Shape,
+    layouts: Layout | Sequence[Layout],
+    body: ShellBody | None = None,
+    *,
+    options: BuildableOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+) -> Buildable:
+    """Search the layout and the wedges with which the fewest blocks are propped, then held.
+
+    Each layout is planned with the shallowest wedges. Of those that need least help, the bed lines
+    below courses that need help are made deeper, the lowest first, one alone or all together, as
+    long as the plan of the whole shell then needs less. Then each line is made as shallow as that
+    plan allows.
+
+    Parameters
+    ----------
+    shape
+    layouts
+        One or several; their own wedges are not used.
+    body
+    options
+
+    Raises
+    ------
+    InputError
+        No layout can be built, or it was stopped before the first one was planned.
+
+    Examples
+    --------
+    >>> from drystone.shells import Layout, ShellBody, dome
+    >>> layout, body = Layout(courses=2, blocks=6), ShellBody(thickness=0.5)
+    >>> found = make_buildable(dome(3.0, 2.0), layout, body)
+    >>> found.needs <= found.before
+    True
+    """
+    chosen = BuildableOptions.of(options)
+    several = [layouts] if isinstance(layouts, Layout) else list(layouts)
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        search = _WedgeSearch(shape, body or ShellBody(), chosen, pool, progress, clock.late)
+        return search.run(several)
+
+
+@dataclass(frozen=True, eq=False)
+class _Planned(OneLine):
+    """A shell with wedges, one for each bed line between two courses, and its plan."""
+
+    wedges: tuple[float, ...]
+    shell: Shell
+    plan: Plan
+
+    @property
+    def rank(self) -> tuple[BuildNeeds, float]:
+        """Least help first, then the shallowest wedges."""
+        return needs_of(self.plan), sum(abs(one) for one in self.wedges)
+
+
+class _WedgeSearch:
+    """The search over layouts, and over the wedges of each."""
+
+    def __init__(
+        self,
+        shape: Shape,
+        body: ShellBody,
+        options: BuildableOptions,
+        pool: WorkerPool,
+        progress: Progress | None,
+        late: Stop,
+    ) -> None:
+        self.shape, self.body, self.options = shape, body, options
+        self.pool, self.progress, self.late = pool, progress, late
+        self.seen: set[tuple[Layout, tuple[float, ...]]] = set()
+
+    def run(self, layouts: list[Layout]) -> Buildable:
+        """The best of all layouts."""
+        tried: list[TriedLayout] = []
+        starts: list[tuple[int, _Planned]] = []
+        for done, layout in enumerate(layouts):
+            if self.late():
+                break
+            self.tell("planning layouts", done, len(layouts))
+            try:
+                shallow = self.options.wedges[0]
+                lines = int(course_of(self.built(layout, shallow)).max())
+                first = self.planned(layout, (shallow,) * lines)
+            except InputError as error:
+                tried.append(TriedLayout(layout, 0, None, message=str(error)))
+                continue
+            if first is None:
+                break
+            starts.append((len(tried), first))
+            tried.append(TriedLayout(layout, len(first.shell.voussoirs), needs_of(first.plan)))
+        if not starts:
+            if not tried:
+                raise InputError(
+                    "the search was stopped before its first plan", remedy="give it time"
+                )
+            why = tried[0].message
+            raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
+        starts.sort(key=lambda one: needs_of(one[1].plan))
+        found: list[tuple[int, _Planned]] = []
+        for at, first in starts[: self.options.deepened]:
+            best = improved(first, partial(self.proposals, tried[at].layout), self.late)
+            tried[at] = replace(tried[at], deepened=needs_of(best.plan))
+            found.append((at, best))
+            if needs_of(best.plan) == _NONE or self.late():
+                break
+        at, best = min(found, key=lambda one: one[1].rank)
+        before, needs = tried[at].shallow, needs_of(best.plan)
+        assert before is not None
+        layout = replace(tried[at].layout, wedge=best.wedges)
+        deeper = [i + 1 for i, one in enumerate(best.wedges) if one != self.options.wedges[0]]
+        words = _message(needs, before, deeper, self.late())
+        return Buildable(best.shell, best.plan, layout, needs, before, tuple(tried), words)
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        if self.progress is not None:
+            self.progress(stage, done, total)
+
+    def built(self, layout: Layout, wedges: float | Sequence[float]) -> Shell:
+        return build_shell(self.shape, replace(layout, wedge=wedges), self.body)
+
+    def planned(self, layout: Layout, wedges: tuple[float, ...]) -> _Planned | None:
+        """The shell with wedges and its plan; ``None`` if stopped."""
+        shell = self.built(layout, wedges)
+        rules = Rules(hands=self.options.hands, order=Order.COURSE)
+        found = plan(
+            shell.model(friction=self.options.friction),
+            options=PlanOptions(rules=rules, anyway=True),
+            executor=self.pool.executor,
+            stop=self.late,
+        )
+        return None if found.stopped else _Planned(wedges, shell, found)
+
+    def proposals(self, layout: Layout, now: _Planned) -> Iterator[_Planned]:
+        """Other wedges, each tried once."""
+        for wedges in self.wedges(now):
+            if (layout, wedges) in self.seen:
+                continue
+            self.seen.add((layout, wedges))
+            self.tell("planning wedges", len(self.seen), 0)
+            with contextlib.suppress(InputError):  # the shell cannot have them
+                found = self.planned(layout, wedges)
+                if found is not None:
+                    yield found
+
+    def wedges(self, now: _Planned) -> Iterator[tuple[float, ...]]:
+        """Deeper ones below courses that need help, then shallower ones, the highest line first."""
+        ladder, own = self.options.wedges, now.wedges
+        if needs_of(now.plan) != _NONE:
+            lines = lines_below(now.shell, _helped_courses(now.shell, now.plan))
+            for some in (*([line] for line in lines), lines):
+                least = min((abs(own[i]) for i in some), default=np.inf)
+                for deeper in (one for one in ladder if abs(one) > least):
+                    yield tuple(deeper if i in some else one for i, one in enumerate(own))
+        for line in reversed(range(len(own))):
+            for shallow in ladder[: ladder.index(own[line])]:
+                yield (*own[:line], shallow, *own[line + 1 :])
+
+
+def levels_of(shell: Shell) -> Floats:
+    """Level (n,) of each block in :attr:`drystone.sequence.Order.COURSE`.
+
+    The course; or the number of joints to a support, where courses close between two supports.
+    Ground blocks have none, and come first.
+    """
+    level = courses(Structure(shell.model(), check_both)).astype(np.float64)
+    level[shell.ground] = -1.0
+    return level
+
+
+def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
+    """The bed lines between some courses and those of lower levels, the lowest first.
+
+    Line i is between the courses i and i + 1.
+    """
+    course, level = course_of(shell), levels_of(shell)
+    of_course = [float(level[course == c].min()) for c in range(int(course.max()) + 1)]
+    lines = []
+    for c in sorted(wanted, key=lambda c: of_course[c]):
+        if c > 0 and of_course[c - 1] < of_course[c]:
+            lines.append(c - 1)
+        if c + 1 < len(of_course) and of_course[c + 1] < of_course[c]:
+            lines.append(c)
+    return list(dict.fromkeys(lines))
+
+
+def _helped_courses(shell: Shell, made: Plan) -> set[int]:
+    """The courses with blocks that are propped, held, or cannot be put in."""
+    helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
+    course = dict(zip(shell.assembly.names, course_of(shell).tolist(), strict=True))
+    names = made.model.assembly.names
+    return {course[names[b]] for b, status in enumerate(made.status) if status in helped}
+
+
+def course_of(shell: Shell) -> Ints:
+    """Course (n,) of each block; -1 of ground blocks."""
+    course = [int(block.metadata.get("course", -1)) for block in shell.assembly.blocks]
+    out = np.array(course, dtype=np.intp)
+    out[shell.ground] = -1
+    return out
+
+
+def needs_of(made: Plan) -> BuildNeeds:
+    """The help that a plan needs; a block that cannot be put in counts as propped."""
+    counts = made.counts
+    propped = counts[Status.PROPPED.value] + counts[Status.IMPOSSIBLE.value]
+    return BuildNeeds(propped, counts[Status.HELD.value])
+
+
+def _message(needs: BuildNeeds, before: BuildNeeds, deeper: Sequence[int], late: bool) -> str:
     """What was found, as a sentence."""
-    if needs.cost == (0, 0):
+    if needs == _NONE:
         words = "every block stands when it is placed"
     else:
         words = f"{counted(needs.propped, 'block')} propped, {needs.held} held"

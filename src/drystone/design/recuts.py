@@ -22,6 +22,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.joint_surgery import still_edge, turn_joint, wedge_joint
+from drystone.design.search import improved
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.sequence import Plan, PlanOptions, check_once, plan
@@ -160,42 +161,50 @@ def recut_joints(
     # a prop of what does not stand is one more block that needs help
     thus = replace(chosen.plan, anyway=True)
     planned = partial(plan, options=thus, executor=executor, stop=clock.late)
-    best = planned(model)
-    changes: list[RecutJoint] = []
     tried = 0
-    while any(_need(best)) and not best.stopped:
-        for block, held, why in _helped(best):
-            kept = False
-            for one, other, kind, angle in _changes(model, best, block, chosen.angles_deg):
+
+    def proposals(now: _Planned) -> Iterator[_Planned]:
+        nonlocal tried
+        for block, held, why in _helped(now.plan):
+            changes = _changes(now.model, now.plan, block, chosen.angles_deg)
+            for one, other, kind, angle in changes:
                 if clock.late() or tried >= chosen.most:
-                    ended = clock.reason or "the limit of changes was reached"
-                    return _ended(model, best, changes, tried, f"{ended} before all was free")
+                    return
                 tried += 1
                 if progress is not None:
                     progress("changing joints", tried, chosen.most)
-                made = _changed(model, one, kind, angle, block)
-                if made is None or not _stands(made, best, block, held):
+                made = _changed(now.model, one, kind, angle, block)
+                if made is None or not _stands(made, now.plan, block, held):
                     continue
                 found = planned(made)
-                if not found.stopped and _need(found) < _need(best):
-                    names = model.assembly.names[block], model.assembly.names[other]
-                    changes.append(RecutJoint(names, kind, angle, why))
-                    model, best, kept = made, found, True
-                    break
-            if kept:
-                break
-        else:
-            return _ended(model, best, changes, tried, "no change that is tried needs less help")
-    if best.stopped:
-        return _ended(model, best, changes, tried, f"{best.stopped} before all was free")
-    return _ended(model, best, changes, tried, "every block is free")
+                if not found.stopped:
+                    names = now.model.assembly.names[block], now.model.assembly.names[other]
+                    change = RecutJoint(names, kind, angle, why)
+                    yield _Planned(made, found, (*now.changes, change))
+
+    best = improved(_Planned(model, planned(model), ()), proposals, clock.late)
+    if not any(best.rank) and not best.plan.stopped:
+        words = "every block is free"
+    elif clock.late() or tried >= chosen.most:
+        words = f"{clock.reason or 'the limit of changes was reached'} before all was free"
+    else:
+        words = "no change that is tried needs less help"
+    words += f": {counted(len(best.changes), 'joint')} changed, {counted(tried, 'change')} tried"
+    return Recut(best.model, best.plan, best.changes, tried, words)
 
 
-def _ended(
-    model: Model, best: Plan, changes: Sequence[RecutJoint], tried: int, words: str
-) -> Recut:
-    message = f"{words}: {counted(len(changes), 'joint')} changed, {counted(tried, 'change')} tried"
-    return Recut(model, best, tuple(changes), tried, message)
+@dataclass(frozen=True, eq=False)
+class _Planned:
+    """A model with some joints changed, and its plan."""
+
+    model: Model
+    plan: Plan
+    changes: tuple[RecutJoint, ...]
+
+    @property
+    def rank(self) -> _Need:
+        """What the plan needs."""
+        return _need(self.plan)
 
 
 def _need(found: Plan) -> _Need:

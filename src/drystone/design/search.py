@@ -1,8 +1,9 @@
-"""The least value with which a structure stands: one bisection for every change of a design."""
+"""Searches over changes of a design: the least value that stands, and change after change."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Protocol, TypeVar
 
 from drystone.base.progress import Stop
 
@@ -58,3 +59,34 @@ def least(
             return bracket(stands, low, high, width)[1]
         low = high
     return None
+
+
+class Ranked(Protocol):
+    """A design with the help that it needs; less is better."""
+
+    @property
+    def rank(self) -> Any:
+        """What is compared."""
+
+
+R = TypeVar("R", bound=Ranked)
+
+
+def improved(best: R, proposals: Callable[[R], Iterator[R]], late: Stop) -> R:
+    """The design after the first proposed change that is better, again and again, until none is.
+
+    Parameters
+    ----------
+    best
+    proposals
+        Other designs to try from a design.
+    late
+        True ends the search.
+    """
+    while not late():
+        rank = best.rank
+        better = next((one for one in proposals(best) if one.rank < rank), None)
+        if better is None:
+            break
+        best = better
+    return best
