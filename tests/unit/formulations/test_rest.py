@@ -91,17 +91,6 @@ def test_a_warm_start_takes_fewer_steps():
     assert np.allclose(cold.force, warm.force, atol=1e-8)
 
 
-def test_other_friction_laws_take_fewer_steps_from_the_last_iterate_of_the_relaxed_law():
-    problem = problem_of(wall(8, 8), 0.6)
-    reached = find_rest(problem.system, compliance.uniform(problem.statics))
-    springs = compliance.uniform(problem.statics, slip=10.0)
-    cold = find_rest(problem.system, springs)
-    warm = find_rest(problem.system, springs, RestOptions(polish=1e-4), start=reached.before)
-    assert warm.converged
-    assert warm.iterations <= 0.5 * cold.iterations
-    np.testing.assert_allclose(warm.force, cold.force, atol=1e-6 * abs(cold.force).max())
-
-
 @pytest.mark.parametrize("answer", [lambda right: 0.0 * right, lambda right: np.inf * right])
 def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, monkeypatch):
     problem, asked = problem_of(wall(5, 5), 0.6), []

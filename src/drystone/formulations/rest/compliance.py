@@ -188,11 +188,6 @@ def samples(
             yield Compliance(normal, law, tension=tension)
 
 
-def is_even(statics: Statics, springs: Compliance) -> bool:
-    """Whether the normal stiffness is the uniform one."""
-    return np.array_equal(springs.normal, statics.normal_stiffness)
-
-
 def _bound(statics: Statics) -> FrictionBound:
     if statics.dry:
         return FrictionBound(statics.friction)

@@ -16,16 +16,6 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 
-MOBILISED = 0.82
-"""Share of the bound that a force has at most where its slide is asked of a smooth law. Measured on
-13 models: 427 factorisations for all stiffnesses, 430 with 0.8 and 436 with 0.9."""
-
-STICKS, SLIPPED = 0.98, 1.0001
-"""Share of the bound below which a corner sticks, and share of the slide at the bound from which on
-it slides. Both are off the corner of the law by more than rounding, so that its slope is that of
-the side on which the corner was. Measured on the same models: one factorisation less with 0.98 than
-with 0.999."""
-
 
 @dataclass(frozen=True, eq=False)
 class FrictionResponse:
@@ -113,18 +103,6 @@ class SlipLength:
 
         return FrictionResponse(stiffness[..., None] * slide, slope)
 
-    def slide_of(self, normal: Floats, force: Floats, slide: Floats) -> Floats:
-        """The slides (k, 2) at which normal forces (k,) are resisted by forces (k, 2).
-
-        Forces near the bound or beyond it count as MOBILISED of it.
-        """
-        del slide  # the law is smooth: every force below the bound has one slide
-        length = np.sqrt(force[:, 0] ** 2 + force[:, 1] ** 2)
-        bound = self.bound(normal)
-        share = np.minimum(length / np.where(bound > 0.0, bound, np.inf), MOBILISED)
-        reach = self.slip * share / np.sqrt(1.0 - share**2)
-        return (reach / np.where(length > 0.0, length, 1.0))[:, None] * force
-
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
@@ -163,18 +141,6 @@ class StickSlip:
             )
 
         return FrictionResponse(ratio[..., None] * trial, slope)
-
-    def slide_of(self, normal: Floats, force: Floats, slide: Floats) -> Floats:
-        """The slides (k, 2) at which normal forces (k,) are resisted by forces (k, 2).
-
-        Forces at the bound belong to slides of any length, and have that of given slides (k, 2).
-        """
-        length = np.sqrt(force[:, 0] ** 2 + force[:, 1] ** 2)
-        bound = self.bound(normal)
-        given = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
-        slipped = np.maximum(given, SLIPPED * bound / self.stiffness)
-        reach = np.where(length < STICKS * bound, length / self.stiffness, slipped)
-        return (reach / np.where(length > 0.0, length, 1.0))[:, None] * force
 
 
 def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:

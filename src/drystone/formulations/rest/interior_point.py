@@ -128,7 +128,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.state: RestState | None = None
         self.polish_at = options.polish
         self.since, self.over = 0, False
-        self.best = self.beginning = np.inf
+        self.best = np.inf
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
         self.row_scale = statics.load_scale[:, None]
@@ -136,7 +136,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
     def follow(self, start: RestState | Start | None) -> RestState:
         """The rest state, or the state where the iteration ends."""
         begin = self.evaluate(*self.begin(start))
-        self.best = self.beginning = begin.size
+        self.best = begin.size
         shortest = max(SHORTEST_STEP, self.options.give_up)
         steps = Steps(self.options.iteration_limit, shortest, memory=1)
         point, solved, _ = newton(self, begin, steps)
@@ -157,10 +157,9 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         return self.state is not None
 
     def lost(self, sizes: Sequence[float], point: _Point) -> bool:
-        options, begun = self.options, len(sizes) == 3
+        options = self.options
+        del sizes
         if self.steps >= options.iteration_limit or self.since > options.stall or self.over:
-            return True
-        if begun and self.since == self.steps == 2 and point.size > options.slow * self.beginning:
             return True
         if self.stop is not None and self.stop():
             return True
@@ -211,8 +210,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.steps += steps
         if state is None or (ended and self.carries_much(state.motion)):
             return None
-        before = Start(point.motion, point.normal, point.tau, point.friction.force)
-        return replace(state, iterations=self.steps, before=before, ended=ended)
+        return replace(state, iterations=self.steps, ended=ended)
 
     def begin(self, start: RestState | Start | None) -> tuple[Floats, Floats, float]:
         statics = self.statics
@@ -221,8 +219,6 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
             motion = np.zeros((statics.free_count, 6))
             return motion, self.relaxed_normal(gap, self.unit), 1.0
         tau = self.options.warm_relaxation
-        if isinstance(start, Start) and start.relaxation is not None:
-            tau = start.relaxation
         gap = statics.displacement(start.motion)[:, 0] + self.overlap
         return start.motion, np.clip(start.normal, *self.limits(gap, tau)), tau
 

@@ -42,9 +42,6 @@ class RestOptions:
     polish
         Relative tau at which the unrelaxed law is tried first. Measured: walls, vaults and domes at
         rest take 9 to 14 factorisations where they took 11 to 22 with 1e-7.
-    slow
-        The iteration stops if two steps at the first tau leave more than this share of the merit
-        function.
     end
         Ground and tolerance of the first try of the unrelaxed law, where the ground carries little.
         With weaker ground, the state that is found there is the last one. Other options are not
@@ -60,7 +57,6 @@ class RestOptions:
     stall: int = STALL
     give_up: float = 0.0
     polish: float = 1e-3
-    slow: float = np.inf
     end: RestOptions | None = field(default=None, repr=False)
 
 
@@ -72,16 +68,10 @@ class Start:
     ----------
     motion : (n, 6) q
     normal : (k,) fn, zero or more
-    relaxation
-        Relative tau of an iterate of the relaxed law; ``None`` for other states.
-    friction : (k, 2)
-        Its tangential force T.
     """
 
     motion: Floats
     normal: Floats
-    relaxation: float | None = None
-    friction: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +90,6 @@ class RestState:
         forces that act on it.
     converged
     iterations
-    before
-        The last iterate of the relaxed law, where Newton's method on the unrelaxed law converged
-        from it.
     ended
         Whether it has the ground and the tolerance of :attr:`RestOptions.end`.
     """
@@ -115,14 +102,11 @@ class RestState:
     unbalanced: float
     converged: bool
     iterations: int
-    before: Start | None = None
     ended: bool = False
 
 
 def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:
     """A start with the shape of a motion (n, 6), such as the rest state of a similar model.
-
-    Also several, (s, n, 6), for springs (s, k).
 
     Without an initial overlap the contact law is homogeneous of degree one: the motion is scaled so
     that its forces fit the loads best.
