@@ -21,8 +21,8 @@ import numpy as np
 from benchmarks.machine import ONE_THREAD, ROOT
 from benchmarks.measure import UNIFORM, peak_mib
 from drystone import Model, check, find_contacts, models
-from drystone.formulations.rest import interior_point
-from drystone.formulations.rest.tangent import SparseTangent, TangentSystem
+from drystone.mechanics import rest
+from drystone.mechanics.tangent import SparseTangent, TangentSystem
 from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import attempts
@@ -102,7 +102,7 @@ def profile(courses: int, lengths: int) -> list[str]:
     setattr(BlockFactor, "solve", clock.of("substitute", BlockFactor.solve))  # noqa: B010
     setattr(TangentSystem, "factorise", clock.of("dense", TangentSystem.factorise))  # noqa: B010
     setattr(attempts, "check_forces", clock.of("check", attempts.check_forces))  # noqa: B010
-    path = interior_point._Path
+    path = rest._Path
     setattr(path, "follow", clock.of("states", path.follow))  # noqa: B010
     clock.of("other", check)(model, options=UNIFORM)
     clock.spent["prepare"] += clock.spent["other"]

@@ -26,12 +26,12 @@ from scipy import sparse
 from benchmarks.settlement import limit_of
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools, Floats, Ints, cross
-from drystone.formulations.rest.compliance import respond
+from drystone.mechanics.bodies import Bodies, build_bodies
+from drystone.mechanics.corners import Ends
+from drystone.mechanics.law import respond
+from drystone.mechanics.positions import BlockPositions, place_corners, rotations
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.faces.corners import Ends
-from drystone.settlement.springs import BlockPositions, place_corners, rotations
 
 OVERLAP, TANGENTIAL = 1e-5, SettlementOptions().tangential
 """Those of both schemes. The overlap is ten times the default one: the number of explicit steps

@@ -15,9 +15,9 @@ from diagrams import arrow, label, svg
 
 import drystone
 from drystone.base.files import write_bytes
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions
+from drystone.mechanics import law
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions
 from drystone.models import arch, box
 from drystone.stability.problem import Problem
 
@@ -100,11 +100,11 @@ def coupled() -> str:
 def shares(thickness: float, exponents: Iterable[float]) -> list[tuple[float, float]]:
     """For each ground spring 10^-k, the logarithm of the share of the load that it carries."""
     problem = Problem.build(drystone.Model.of(arch(thickness, 11), friction=0.7))
-    uniform, load = compliance.uniform(problem.statics), problem.statics.load
+    uniform, load = law.uniform(problem.statics), problem.statics.load
     found = []
     for k in exponents:
         state = find_rest(problem.system, uniform, RestOptions(ground=10.0**-k))
-        carried = compliance.wrench_size(state.ground).sum() / compliance.wrench_size(load).sum()
+        carried = law.wrench_size(state.ground).sum() / law.wrench_size(load).sum()
         found.append((k, math.log10(carried)))
     return found
 

@@ -27,9 +27,9 @@ from drystone.base.progress import Clock
 from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions
+from drystone.mechanics import law
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Problem
 from drystone.statics import Statics
@@ -148,7 +148,7 @@ class StateSearch:
         if statics.corner_count > SEARCH_LIMIT:
             return
         yield from self.first
-        springs = compliance.uniform(statics, slip=1.0)
+        springs = law.uniform(statics, slip=1.0)
         leaning = find_rest(self.problem.system, springs, LEANING, stop=self.clock.late)
         self.iterations += leaning.iterations
         if not self.clock.late():

@@ -38,10 +38,10 @@ from drystone.design.changed_model import acceleration_of
 from drystone.design.corner_following import Corners
 from drystone.design.vertex_measures import BlockVertices
 from drystone.formulations.equilibrium import project_on_mechanisms
-from drystone.formulations.rest.compliance import Compliance, uniform
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions, RestState
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.law import Compliance, uniform
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions, RestState
+from drystone.mechanics.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.statics import Statics

@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.tangent import TangentSystem
 from drystone.solvers.cone_scaling import inner
 
 BALANCED = 1e-9

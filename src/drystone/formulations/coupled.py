@@ -16,11 +16,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.friction import FrictionBound, SlipLength
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions, RestState
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.law import Compliance, FrictionBound, SlipLength
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions, RestState
+from drystone.mechanics.tangent import TangentSystem
 
 SPRING_LEFT = 1e-7
 """1 - theta at the end of the path: relative difference of overlaps, a tenth of the tolerance."""

@@ -13,7 +13,7 @@ interior of its cones also where faces are parallel, or more forces than needed 
 
 The primal-dual interior-point method with the scaling of Nesterov and Todd eliminates the forces of
 each corner. What is left is the tangent of blocks on springs, ``M + A D A'``, with the elimination
-order of :class:`drystone.formulations.rest.tangent.TangentSystem`.
+order of :class:`drystone.mechanics.tangent.TangentSystem`.
 
 Several models are taken side by side, as rows of the same arrays: for a small model each operation
 on arrays takes longer to start than to do. Only what is solved is solved model by model, and no
@@ -33,7 +33,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
 from drystone.base.ragged import Ragged
 from drystone.formulations.balancing import BALANCED, balancing_forces
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.tangent import TangentSystem
 from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 
 SOFTNESS = 1e-11

@@ -1,14 +1,14 @@
 """Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
-from drystone.settlement.faces.corners import Carrier
+from drystone.mechanics.corners import Carrier
 from drystone.settlement.first_order import (
     SupportResponse,
     SupportResponseOptions,
     support_forces,
     support_response,
 )
-from drystone.settlement.large.large_displacement import move_supports, push, reduce_friction
-from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.large_displacement import move_supports, push, reduce_friction
+from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
     Outcome,

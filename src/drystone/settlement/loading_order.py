@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
-from drystone.settlement.bodies import Bodies
+from drystone.mechanics.bodies import Bodies
 
 PARTS = 20
 """Of a load that is put on part by part. Chosen: ten models that were measured have the same limit

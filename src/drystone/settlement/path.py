@@ -12,18 +12,18 @@ from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
 from drystone.loads import LoadCase
+from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
+from drystone.mechanics.both_carriers import ends_alike
+from drystone.mechanics.corners import Carrier, flush_ends
+from drystone.mechanics.follow import Bounds, Ended, Follower, Track
+from drystone.mechanics.maps import DENSE
+from drystone.mechanics.meeting import Apart, followed_model, model_with_met
+from drystone.mechanics.positions import BlockPositions, rotation_vectors, rotations
+from drystone.mechanics.soft_springs import STIFFEST
 from drystone.model import Model
-from drystone.settlement.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
-from drystone.settlement.faces.both_carriers import ends_alike
-from drystone.settlement.faces.corners import Carrier, flush_ends
-from drystone.settlement.faces.meeting import Apart, followed_model, model_with_met
-from drystone.settlement.follow import Bounds, Ended, Follower, Track
 from drystone.settlement.loading_order import earlier_loads
-from drystone.settlement.maps import DENSE
 from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import Outcome, SettlementOptions, SettlementPath
-from drystone.settlement.springs import BlockPositions, rotation_vectors, rotations
-from drystone.settlement.steps.soft_springs import STIFFEST
 
 STIFFER = 1e-2
 """Overlap of the next try by the last where springs are too soft."""

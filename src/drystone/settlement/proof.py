@@ -8,9 +8,9 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.checks import check_forces
 from drystone.contacts import Contacts
+from drystone.mechanics.positions import rotations
 from drystone.model import Model
 from drystone.results import Residuals
-from drystone.settlement.springs import rotations
 
 PROVEN = 1e-8
 """Largest residual of a rest state, dimensionless: that of every equilibrium."""

@@ -18,8 +18,8 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.checks import Residuals, block_speed
+from drystone.mechanics.corners import Carrier
 from drystone.model import Model
-from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.proof import moved_model
 

@@ -18,11 +18,11 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.maps import DENSE
+from drystone.mechanics.meeting import Apart, faces_apart
 from drystone.model import Model
 from drystone.results import Residuals
-from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.faces.meeting import Apart, faces_apart
-from drystone.settlement.maps import DENSE
 from drystone.settlement.outcomes import outcome_of
 from drystone.settlement.path import (
     carriers_of,

@@ -10,10 +10,10 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.checks import check_forces
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.interior_point import POLISH_AGAIN, find_rest
-from drystone.formulations.rest.nearby import find_rest_nearby
-from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
+from drystone.mechanics.law import Compliance
+from drystone.mechanics.nearby import find_rest_nearby
+from drystone.mechanics.rest import POLISH_AGAIN, find_rest
+from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
 from drystone.checks import block_speed
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.free_fall import free_acceleration, unpressed
 from drystone.statics import Statics, build_statics

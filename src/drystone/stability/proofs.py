@@ -14,7 +14,7 @@ from drystone.formulations.equilibrium import (
     project_on_mechanisms,
 )
 from drystone.formulations.held_still import held_still
-from drystone.formulations.rest.rest_state import RestState
+from drystone.mechanics.rest_state import RestState
 from drystone.stability.problem import Problem
 
 FORCE_TOLERANCE = 1e-8

@@ -9,7 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
-from drystone.formulations.rest import compliance
+from drystone.mechanics import law
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
@@ -112,7 +112,7 @@ def _by_each_law(
 ) -> Iterator[Candidate]:
     """What each friction law of a level comes to, up to the first that leads to rest."""
     for slip in screening.slip_lengths:
-        attempt = Attempt(problem, compliance.uniform(problem.statics, slip=slip), late)
+        attempt = Attempt(problem, law.uniform(problem.statics, slip=slip), late)
         found = None if start is None else attempt.begun_at(start, screening)
         start = None
         found = attempt.from_nothing(screening) if found is None else found

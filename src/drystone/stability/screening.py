@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from drystone.base.arrays import number, of_type
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.formulations.rest.rest_state import RestOptions
+from drystone.mechanics.rest_state import RestOptions
 
 AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
 """Ground so weak that its forces are below every tolerance."""

@@ -32,9 +32,9 @@ from drystone.formulations.nearest_mechanism import (
     nearest_mechanism,
     nearest_mechanisms,
 )
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.compliance import Compliance
 from drystone.io.opening import Given, How, supported_model
+from drystone.mechanics import law
+from drystone.mechanics.law import Compliance
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, SettlementOptions
@@ -304,7 +304,7 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
         problem = asked.problem.with_felt(force)
         if problem is None or asked.clock.late():
             break
-        springs = compliance.uniform(problem.statics)
+        springs = law.uniform(problem.statics)
         found = Attempt(problem, springs, asked.clock.late).from_nothing()
         asked.steps += found.steps
         if found.stands:
@@ -402,7 +402,7 @@ class Asked:
 
     def attempt(self, springs: Compliance | None = None) -> Attempt:
         """The try of some springs, of uniform ones by default."""
-        chosen = compliance.uniform(self.problem.statics) if springs is None else springs
+        chosen = law.uniform(self.problem.statics) if springs is None else springs
         return Attempt(self.problem, chosen, self.clock.late)
 
     def count(self, found: Candidate) -> None:
@@ -417,7 +417,7 @@ class Asked:
         The first has the springs with which blocks are followed.
         """
         options, statics = self.options, self.problem.statics
-        springs = compliance.samples(
+        springs = law.samples(
             statics, count, options.seed, tangential=options.settlement.tangential
         )
         self.report("stiffness samples", 2)

@@ -12,9 +12,9 @@ import drystone
 from drystone import InputError, LoadCase, Model, Verdict
 from drystone.cli import main
 from drystone.limits import Imperfections, StandingShare, imperfect, imperfections
+from drystone.mechanics.corners import Carrier, joint_ends
 from drystone.models import incline, tower, wedge
 from drystone.settlement import Loading, SettlementOptions, settle
-from drystone.settlement.faces.corners import Carrier, joint_ends
 
 Capsys = pytest.CaptureFixture[str]
 ORDERS = ("at once", "ramp", "turned")

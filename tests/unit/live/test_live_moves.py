@@ -26,10 +26,10 @@ from drystone.models import arch, box, tower
 from drystone.settlement import (
     End,
     LargeDisplacement,
+    large_displacement,
     move_supports,
     support_response,
 )
-from drystone.settlement.large import large_displacement
 from drystone.view import State
 from tests.unit.live.live_client import Window, ask, wish_of
 

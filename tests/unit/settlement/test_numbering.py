@@ -9,6 +9,10 @@ import pytest
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools
 from drystone.contacts import Contacts
+from drystone.mechanics.bodies import build_bodies
+from drystone.mechanics.corners import Carrier, joint_ends
+from drystone.mechanics.positions import BlockPositions, place_corners
+from drystone.mechanics.roles import as_turned, turned_joints
 from drystone.models import arch, box, concave, tower, wedge
 from drystone.settlement import (
     Outcome,
@@ -18,10 +22,6 @@ from drystone.settlement import (
     push,
     reduce_friction,
 )
-from drystone.settlement.bodies import build_bodies
-from drystone.settlement.faces.corners import Carrier, joint_ends
-from drystone.settlement.faces.roles import as_turned, turned_joints
-from drystone.settlement.springs import BlockPositions, place_corners
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 

@@ -8,10 +8,10 @@ import pytest
 from drystone import Assembly, LoadCase, Model
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics.increments import longest_way, travelled
+from drystone.mechanics.roles import turned_joints
 from drystone.models import arch, box, tower
 from drystone.settlement import move_supports, push
-from drystone.settlement.faces.roles import turned_joints
-from drystone.settlement.steps.increments import longest_way, travelled
 
 
 def turned(model: Model, turn: Floats) -> Model:

@@ -6,6 +6,7 @@ import pytest
 import drystone
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics.bodies import gyration_radii
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
 from drystone.models.solids import prism, welded
 from drystone.settlement import (
@@ -15,7 +16,6 @@ from drystone.settlement import (
     follow,
     settle,
 )
-from drystone.settlement.bodies import gyration_radii
 from drystone.settlement.settling import settle_for_verdict
 
 MOVING = SettlementOptions(carrier="moving", fall=0.1)  # type: ignore[arg-type]

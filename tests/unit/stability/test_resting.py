@@ -17,9 +17,9 @@ from drystone import (
 )
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.equilibrium import EquilibriumSolution
-from drystone.formulations.rest.compliance import uniform
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions, RestState
+from drystone.mechanics.law import uniform
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.model import Model
 from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.stability import (

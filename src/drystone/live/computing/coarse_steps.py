@@ -1,6 +1,6 @@
 """Supports that are dragged: the blocks follow in few coarse increments, for a first answer.
 
-Springs, friction and finite rotations are those of :mod:`drystone.settlement.follow`. Two things
+Springs, friction and finite rotations are those of :mod:`drystone.mechanics.follow`. Two things
 are coarser. The blocks come to rest in one increment, under a drag that decreases. Supports then
 move in increments as long as Newton's method finds an equilibrium, where the analysis limits them
 by a block's motion.
@@ -16,14 +16,14 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.mechanics.bodies import build_bodies
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.drive import Driver
+from drystone.mechanics.follow import Bounds
+from drystone.mechanics.meeting import FARTHEST, faces_apart, followed_model
 from drystone.model import Model
-from drystone.settlement.bodies import build_bodies
-from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.faces.meeting import FARTHEST, faces_apart, followed_model
-from drystone.settlement.follow import Bounds
-from drystone.settlement.large.driven import Driver
-from drystone.settlement.large.large_states import large_state
-from drystone.settlement.large.large_types import LargeState
+from drystone.settlement.large_states import large_state
+from drystone.settlement.large_types import LargeState
 from drystone.settlement.path import scaled_motion
 from drystone.settlement.settlement_types import SettlementOptions
 

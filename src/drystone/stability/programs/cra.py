@@ -13,10 +13,10 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces, corner_motion
 from drystone.formulations.coupled import equal_overlap
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions
 from drystone.io.opening import Given, How, as_model
+from drystone.mechanics import law
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.check_options import SAMPLES, CheckOptions
@@ -157,7 +157,7 @@ def _worst(state: Result, options: CRAOptions) -> tuple[bool, float, float]:
 
 def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result | None:
     """The end of the path of equal overlaps, for a slip length of the friction law."""
-    springs = compliance.uniform(problem.statics, slip=slip)
+    springs = law.uniform(problem.statics, slip=slip)
     start = find_rest(problem.system, springs, BEGUN, stop=clock.late)
     if problem.ground_share(start.ground).max() > HANGS or clock.late():
         return None

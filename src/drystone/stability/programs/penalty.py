@@ -12,11 +12,11 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.io.opening import Given, How, as_model
+from drystone.mechanics import law
+from drystone.mechanics.law import Compliance
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.check_options import CheckOptions
@@ -119,7 +119,7 @@ def solve_cra_penalty(
     statics = problem.statics
     glued = glued_state(problem, chosen.ground, clock.late)
     leaning = find_rest(
-        problem.system, compliance.uniform(statics), replace(TO_REST, end=None), stop=clock.late
+        problem.system, law.uniform(statics), replace(TO_REST, end=None), stop=clock.late
     )
     if clock.late():
         return replace(
@@ -187,7 +187,7 @@ def glued_state(
 
 
 def _glue(statics: Statics, stiffness: float) -> Compliance:
-    return compliance.uniform(statics, slip=1.0, glue=stiffness)
+    return law.uniform(statics, slip=1.0, glue=stiffness)
 
 
 def _words(needy: list[str], unheld: set[str]) -> str:

@@ -5,8 +5,8 @@ import pytest
 from scipy import sparse
 
 from drystone import Assembly, Model, models
-from drystone.formulations.rest import tangent as tangents
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics import tangent as tangents
+from drystone.mechanics.tangent import TangentSystem
 from drystone.models import box
 from drystone.solvers.equilibrium_matrix import FEW
 from drystone.statics import build_statics

@@ -28,17 +28,16 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.compliance import Compliance, wrench_size
-from drystone.formulations.rest.friction import FrictionResponse
-from drystone.formulations.rest.nearby import descend
-from drystone.formulations.rest.rest_state import (
+from drystone.mechanics.law import Compliance, FrictionResponse, wrench_size
+from drystone.mechanics.nearby import descend
+from drystone.mechanics.newton import Equation, Steps, newton
+from drystone.mechanics.rest_state import (
     RestOptions,
     RestState,
     Start,
     block_scale,
 )
-from drystone.formulations.rest.tangent import TangentSystem
-from drystone.solvers.newton import Equation, Steps, newton
+from drystone.mechanics.tangent import TangentSystem
 
 SHORTEST_STEP = 2e-3
 """Smallest share of a Newton step: rounding makes a shorter one meaningless."""

@@ -15,20 +15,20 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.compliance import (
+from drystone.mechanics.law import (
     Compliance,
     ContactResponse,
     respond,
     wrench_size,
 )
-from drystone.formulations.rest.rest_state import (
+from drystone.mechanics.newton import Equation, Steps, newton
+from drystone.mechanics.rest_state import (
     RestOptions,
     RestState,
     Start,
     block_scale,
 )
-from drystone.formulations.rest.tangent import TangentSystem
-from drystone.solvers.newton import Equation, Steps, newton
+from drystone.mechanics.tangent import TangentSystem
 
 STALL = 3
 """Largest number of successive steps that do not halve the largest unbalanced share. Measured: of

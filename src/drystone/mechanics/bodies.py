@@ -16,12 +16,11 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.friction import FrictionBound, StickSlip
 from drystone.geometry.polyhedron import fan_triangles
+from drystone.mechanics.corners import Carrier, Ends, joint_ends
+from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
+from drystone.mechanics.roles import as_turned, turned_joints
 from drystone.model import Model
-from drystone.settlement.faces.corners import Carrier, Ends, joint_ends
-from drystone.settlement.faces.roles import as_turned, turned_joints
 
 LEAST_AREA = 0.05
 """Least tributary area of a corner, as a share of the mean of its interface: slivers would make the

@@ -9,7 +9,7 @@ unknown:
 g is the load at the factor one. d and s belong together as displacement and force: the area below
 the curve of s |g| against d is work, and d grows along every mechanism that gravity resists. The
 drag c M q carries at most a millionth of the load. Source: Batoz and Dhatt 1979 (displacement
-control). The springs and the finite rotations are those of :mod:`drystone.settlement.follow`.
+control). The springs and the finite rotations are those of :mod:`drystone.mechanics.follow`.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.compliance import ContactResponse
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.follow import Bounds, Ended, Follower
-from drystone.settlement.springs import BlockPositions, Placed
-from drystone.settlement.steps.increments import EASY, Increment, longest_way, travelled
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.follow import Bounds, Ended, Follower
+from drystone.mechanics.increments import EASY, Increment, longest_way, travelled
+from drystone.mechanics.law import ContactResponse
+from drystone.mechanics.positions import BlockPositions, Placed
 from drystone.solvers.threads import one_blas_thread
 
 LONGEST = 1e-3

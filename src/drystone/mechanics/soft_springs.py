@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.settlement.bodies import Bodies
+from drystone.mechanics.bodies import Bodies
 
 STIFFEST = 1e-9
 """Smallest overlap: below it gaps are lost in rounding."""

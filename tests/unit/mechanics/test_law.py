@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.formulations.rest.compliance import Compliance, respond
-from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
+from drystone.mechanics.law import Compliance, FrictionBound, SlipLength, StickSlip, respond
 
 K = 40
 RNG = np.random.default_rng(2)

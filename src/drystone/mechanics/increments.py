@@ -1,7 +1,7 @@
 """One implicit step of the blocks, by Newton's method.
 
 The step solves ``A f(q) + p + s g - c M q = 0`` for the motion q of the free blocks, see
-:mod:`drystone.settlement.follow`. Where a load g grows, its factor s is one more unknown, and the
+:mod:`drystone.mechanics.follow`. Where a load g grows, its factor s is one more unknown, and the
 displacement ``w . q = d`` with ``w = g / |g|`` is given.
 """
 
@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.compliance import ContactResponse, respond
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.maps import SparseMaps, imposed, maps_of
-from drystone.settlement.springs import BlockPositions, place_corners
-from drystone.solvers.newton import Equation, Steps, newton
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.law import ContactResponse, respond
+from drystone.mechanics.maps import SparseMaps, imposed, maps_of
+from drystone.mechanics.newton import Equation, Steps, newton
+from drystone.mechanics.positions import BlockPositions, place_corners
 
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""

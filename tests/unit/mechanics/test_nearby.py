@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from drystone import LoadCase, find_contacts, models
-from drystone.formulations.rest import tangent
-from drystone.formulations.rest.compliance import uniform
-from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.nearby import find_rest_nearby
-from drystone.formulations.rest.rest_state import RestOptions, Start
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics import tangent
+from drystone.mechanics.law import uniform
+from drystone.mechanics.nearby import find_rest_nearby
+from drystone.mechanics.rest import find_rest
+from drystone.mechanics.rest_state import RestOptions, Start
+from drystone.mechanics.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.problem import Problem
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.faces.corners import slid
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.corners import slid
 
 OUT_OF_REACH = 1.0
 """Gap of a corner that slid off a face, by the mean size of a block: it carries nothing."""

@@ -8,15 +8,15 @@ import pytest
 
 from drystone import LoadCase, Model, settle
 from drystone.base.progress import Clock
-from drystone.formulations.rest.compliance import respond
+from drystone.mechanics.bodies import Bodies, build_bodies
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.law import respond
+from drystone.mechanics.maps import DenseMaps, SparseMaps
+from drystone.mechanics.meeting import Apart, faces_apart
+from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch
 from drystone.settlement import Outcome, SettlementOptions, SettlementPath
-from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.faces.meeting import Apart, faces_apart
-from drystone.settlement.maps import DenseMaps, SparseMaps
 from drystone.settlement.path import path_of
-from drystone.settlement.springs import BlockPositions, place_corners
 
 
 def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:

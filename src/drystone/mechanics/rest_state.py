@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
-from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.tangent import TangentSystem
+from drystone.mechanics.law import Compliance
+from drystone.mechanics.tangent import TangentSystem
 from drystone.statics import Statics
 
 STALL = 20

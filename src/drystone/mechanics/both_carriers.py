@@ -13,10 +13,10 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, lengths
 from drystone.contacts import Contacts
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.faces.corners import Carrier, joint_ends
-from drystone.settlement.faces.roles import as_turned
-from drystone.settlement.springs import BlockPositions
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.corners import Carrier, joint_ends
+from drystone.mechanics.positions import BlockPositions
+from drystone.mechanics.roles import as_turned
 
 ALIKE = 2e-4
 """Distance of the two places of a corner, by the mean size of a block, that decides nothing: as

@@ -8,9 +8,9 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
-from drystone.formulations.rest.tangent import SparseTangent, full_factors
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.springs import BlockPositions, Placed
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.positions import BlockPositions, Placed
+from drystone.mechanics.tangent import SparseTangent, full_factors
 
 DENSE = 24
 """Largest number of free blocks with a dense tangent matrix: from timings."""

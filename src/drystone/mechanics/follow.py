@@ -22,11 +22,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.formulations.rest.compliance import ContactResponse, respond
-from drystone.settlement.bodies import Bodies
-from drystone.settlement.springs import BlockPositions, Placed
-from drystone.settlement.steps.increments import EASY, Increment, Increments, travelled
-from drystone.settlement.steps.soft_springs import SoftSprings
+from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.increments import EASY, Increment, Increments, travelled
+from drystone.mechanics.law import ContactResponse, respond
+from drystone.mechanics.positions import BlockPositions, Placed
+from drystone.mechanics.soft_springs import SoftSprings
 from drystone.solvers.threads import one_blas_thread
 
 MANY = 5.0

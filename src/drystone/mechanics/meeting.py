@@ -16,8 +16,8 @@ from drystone.base.arrays import Bools, Floats, Ints, frozen
 from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
 from drystone.detection.detection_options import LARGEST
+from drystone.mechanics.face_edges import FaceSides
 from drystone.model import Model
-from drystone.settlement.faces.face_edges import FaceSides
 
 FARTHEST = LARGEST["gap"]
 """Largest distance of two faces that may meet, by the smaller block's size."""

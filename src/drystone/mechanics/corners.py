@@ -26,7 +26,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.contacts import Contacts
-from drystone.settlement.faces.face_edges import FaceSides, to_the_end
+from drystone.mechanics.face_edges import FaceSides, to_the_end
 
 STRAIGHT = 1e-6
 """Sine of the angle between two edges below which they are one side."""

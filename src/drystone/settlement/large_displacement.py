@@ -15,19 +15,19 @@ from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.model import Model
-from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.faces.meeting import (
+from drystone.mechanics.bodies import Bodies, build_bodies
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.drive import Driver
+from drystone.mechanics.follow import Bounds, Ended
+from drystone.mechanics.meeting import (
     FARTHEST,
     faces_apart,
     followed_model,
     model_with_met,
 )
-from drystone.settlement.follow import Bounds, Ended
-from drystone.settlement.large.driven import Driver
-from drystone.settlement.large.large_states import large_state, state_of
-from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.model import Model
+from drystone.settlement.large_states import large_state, state_of
+from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.path import STIFFER, scaled_motion, support_motion
 from drystone.settlement.settlement_types import SettlementOptions
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
+from drystone.mechanics.corners import Ends, distance_from_supports
 from drystone.model import Model
-from drystone.settlement.faces.corners import Ends, distance_from_supports
 
 SAME = 1e-6
 """Difference of two lengths, by the size of the blocks, that does not decide."""

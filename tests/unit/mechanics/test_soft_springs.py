@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from drystone.base.arrays import Floats
+from drystone.mechanics.bodies import build_bodies
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.soft_springs import FADING, SOFT_AT_MANY, SoftSprings
 from drystone.model import Model
 from drystone.models import tower
-from drystone.settlement.bodies import build_bodies
-from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.steps.soft_springs import FADING, SOFT_AT_MANY, SoftSprings
 
 
 def too_soft(ways: Floats, shares: Floats) -> bool:

@@ -5,9 +5,9 @@ import pytest
 
 from drystone import LoadCase, Model, settle
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics import both_carriers
 from drystone.models import curve_three_blocks
 from drystone.settlement import Carrier, Outcome
-from drystone.settlement.faces import both_carriers
 
 
 def cradle(tilt: float, turn: float = 0.0) -> Model:

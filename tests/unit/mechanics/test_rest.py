@@ -7,9 +7,9 @@ import pytest
 
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
-from drystone.formulations.rest import compliance
-from drystone.formulations.rest.interior_point import _Path, find_rest
-from drystone.formulations.rest.rest_state import RestOptions
+from drystone.mechanics import law
+from drystone.mechanics.rest import _Path, find_rest
+from drystone.mechanics.rest_state import RestOptions
 from drystone.model import Model
 from drystone.models import arch, box, shelf, tower, wall
 from drystone.stability.problem import Problem
@@ -39,8 +39,8 @@ def test_assembled_tangent_is_the_product_of_its_factors(model):
 def test_newton_tangent_is_the_derivative_of_the_unbalanced_wrench():
     problem = problem_of(arch(0.15, voussoirs=7), 0.5)
     statics = problem.statics
-    for law in (compliance.uniform(statics), compliance.uniform(statics, slip=0.7)):
-        path = _Path(problem.system, law, RestOptions(ground=0.1))
+    for springs in (law.uniform(statics), law.uniform(statics, slip=0.7)):
+        path = _Path(problem.system, springs, RestOptions(ground=0.1))
         rng = np.random.default_rng(1)
         motion = rng.normal(size=(statics.free_count, 6))
 
@@ -60,7 +60,7 @@ def test_newton_tangent_is_the_derivative_of_the_unbalanced_wrench():
 def test_a_block_on_the_ground_sinks_by_weight_over_stiffness():
     problem = problem_of(tower(2), 0.5)
     statics = problem.statics
-    springs = compliance.uniform(statics)
+    springs = law.uniform(statics)
     state = find_rest(problem.system, springs, RestOptions(ground=1e-14))
     assert state.converged
     assert state.motion[0, 2] == pytest.approx(-1.0 / springs.normal.sum(), rel=1e-9)
@@ -73,7 +73,7 @@ def test_a_block_in_the_air_leans_on_the_ground_with_its_whole_weight():
         np.array([True, False]),
     )
     problem = problem_of(pair, 0.5)
-    state = find_rest(problem.system, compliance.uniform(problem.statics))
+    state = find_rest(problem.system, law.uniform(problem.statics))
     assert state.converged
     assert state.ground[0] == pytest.approx([0, 0, -1.0, 0, 0, 0], abs=1e-9)
 
@@ -83,7 +83,7 @@ def test_a_warm_start_takes_fewer_steps():
     contacts = find_contacts(model, friction=0.9).contacts
     level = Problem.build(Model(model, contacts, None))
     tilted = Problem.build(Model(model, contacts, LoadCase.tilt(model, (0, 1, 0), 0.2)))
-    springs = compliance.uniform(level.statics)
+    springs = law.uniform(level.statics)
     cold = find_rest(tilted.system, springs)
     warm = find_rest(tilted.system, springs, start=find_rest(level.system, springs))
     assert cold.converged
@@ -94,7 +94,7 @@ def test_a_warm_start_takes_fewer_steps():
 @pytest.mark.parametrize("answer", [lambda right: 0.0 * right, lambda right: np.inf * right])
 def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, monkeypatch):
     problem, asked = problem_of(wall(5, 5), 0.6), []
-    springs = compliance.uniform(problem.statics)
+    springs = law.uniform(problem.statics)
     expected = find_rest(problem.system, springs)
     factorise = problem.system.factorise
 
@@ -113,7 +113,7 @@ def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, mon
 
 def test_stopping_returns_what_is_there():
     problem = problem_of(arch(0.15), 0.9)
-    state = find_rest(problem.system, compliance.uniform(problem.statics), stop=lambda: True)
+    state = find_rest(problem.system, law.uniform(problem.statics), stop=lambda: True)
     assert not state.converged
     assert state.iterations == 0
 
@@ -126,8 +126,8 @@ def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole()
     within = np.flatnonzero(chosen), whole.contacts.count
     corner = chosen[statics[0].interface]
     drawn = zip(
-        compliance.samples(statics[0], 4, 0, tangential=0.2),
-        compliance.samples(statics[1], 4, 0, within, tangential=0.2),
+        law.samples(statics[0], 4, 0, tangential=0.2),
+        law.samples(statics[1], 4, 0, within, tangential=0.2),
         strict=True,
     )
     for ours, theirs in drawn:
@@ -138,7 +138,7 @@ def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole()
 def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_it_worse():
     # and no fall is sought on a path that makes progress
     problem, asked = problem_of(wall(10, 10), 0.6), []
-    for springs in compliance.samples(problem.statics, 4, 0, tangential=0.2):
+    for springs in law.samples(problem.statics, 4, 0, tangential=0.2):
         state = find_rest(
             problem.system, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
         )
@@ -155,7 +155,7 @@ def test_a_fall_is_sought_where_the_ground_carries_much():
         asked.append(1)
         return True
 
-    springs = compliance.uniform(problem.statics)
+    springs = law.uniform(problem.statics)
     state = find_rest(problem.system, springs, RestOptions(ground=1e-7), falls=falls)
     assert len(asked) == 1
     assert not state.converged
@@ -166,7 +166,7 @@ def test_a_fall_is_sought_where_the_ground_carries_much():
 def test_the_last_state_is_looked_for_at_once_where_the_ground_carries_little(degrees, rests):
     model = arch()
     problem = problem_of(model, 0.93, LoadCase.tilt(model, (0.0, 1.0, 0.0), degrees))
-    springs = compliance.uniform(problem.statics)
+    springs = law.uniform(problem.statics)
     strong, weak = RestOptions(ground=1e-7, tolerance=1e-7), RestOptions(ground=1e-14)
     twice = find_rest(problem.system, springs, strong)
     once = find_rest(problem.system, springs, replace(strong, end=weak))

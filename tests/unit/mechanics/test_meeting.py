@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, LoadCase, Model, Verdict, check, settle
+from drystone.mechanics.corners import joint_ends
+from drystone.mechanics.meeting import faces_apart
 from drystone.models import box, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, End, Outcome, push
-from drystone.settlement.faces.corners import joint_ends
-from drystone.settlement.faces.meeting import faces_apart
 
 WEIGHT = 2400.0 * 9.81
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, frozen
 from drystone.contacts import Contacts
+from drystone.mechanics.bodies import Bodies, numbered_axes, numbered_forces
+from drystone.mechanics.drive import DrivenState
+from drystone.mechanics.meeting import Apart, model_with_met
 from drystone.model import Model
-from drystone.settlement.bodies import Bodies, numbered_axes, numbered_forces
-from drystone.settlement.faces.meeting import Apart, model_with_met
-from drystone.settlement.large.driven import DrivenState
-from drystone.settlement.large.large_types import LargeState
+from drystone.settlement.large_types import LargeState
 from drystone.settlement.path import block_motions
 
 

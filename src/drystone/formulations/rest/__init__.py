@@ -1,1 +1,0 @@
-"""Rest states on contact springs."""

@@ -1,0 +1,1 @@
+"""Blocks on contact springs: one law, one tangent, one Newton loop; rest, follow, drive."""

@@ -1,1 +1,0 @@
-"""Large displacement: what drives the blocks, the states, and the analyses."""

@@ -1,1 +1,0 @@
-"""The steps by which blocks are followed."""
