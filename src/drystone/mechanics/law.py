@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.statics import Statics
 
 COHESIVE_FRICTION = 0.1
@@ -295,7 +295,6 @@ def samples(
     statics: Statics,
     count: int,
     seed: int,
-    within: tuple[Ints, int] | None = None,
     *,
     tangential: float,
 ) -> Iterator[Compliance]:
@@ -310,15 +309,12 @@ def samples(
     statics, count, seed
     tangential
         kt / kn of the first one.
-    within
-        Numbers (m,) of the interfaces in a larger model, and how many interfaces that has. Each
-        interface has the stiffness that it has there, so that all parts of one structure agree.
     """
     rng = np.random.default_rng(seed)
     base = statics.normal_stiffness
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
-    number, joints = within or (None, int(statics.interface.max(initial=-1)) + 1)
-    place = statics.interface if number is None else number[statics.interface]
+    place = statics.interface
+    joints = int(place.max(initial=-1)) + 1
     slips = (None, 10.0, 0.1, 100.0)
     for turn in range(count):
         if turn == 0:

@@ -15,10 +15,6 @@ from drystone.model import Model
 from drystone.stability.free_fall import free_acceleration, unpressed
 from drystone.statics import Statics, build_statics
 
-FARTHER = 1.1
-"""How far blocks may slide on a way that was followed to rest, by its length. Chosen: slides of
-thousands of overlaps change by some percent when a block is added."""
-
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -121,33 +117,10 @@ class Problem:
 
     def slide_by_overlap(self, displacement: Floats) -> float:
         """Largest slide of a pressed corner by the largest overlap, of motions (n, 6) [m, rad]."""
-        return float(lengths(self.slides(displacement)).max(initial=0.0))
-
-    def slides(self, displacement: Floats) -> Floats:
-        """Slides (k, 2) by the largest overlap, zero where nothing presses, of motions (n, 6)."""
         statics = self.statics
         moved = statics.displacement(statics.scaled_motion(displacement, statics.mean_length))
-        pressed = moved[:, 0] < 0.0
-        if not pressed.any():
-            return np.zeros((len(moved), 2))
-        return np.where(pressed[:, None], moved[:, 1:] / -moved[:, 0].min(), 0.0)
-
-    def slide_beyond(self, displacement: Floats, followed: Floats) -> float:
-        """How far a corner slides off the way that it took in a similar model, by the overlap.
-
-        Parameters
-        ----------
-        displacement : (n, 6) [m, rad]
-        followed : (n, 6) [m, rad]
-            Of the other model, with a factor; zero for blocks that it does not have.
-        """
-        statics, here, way = self.statics, self.slides(displacement), self.slides(followed)
-        new = np.append(~followed[statics.free].any(axis=1), False)
-        way[new[statics.block_a] | new[statics.block_b]] = 0.0
-        size = (way**2).sum(axis=1)
-        share = (here * way).sum(axis=1) / np.where(size > 0.0, size, 1.0)
-        off = here - np.clip(share, 0.0, FARTHER)[:, None] * way
-        return float(lengths(off).max(initial=0.0))
+        slide = lengths(moved[moved[:, 0] < 0.0, 1:])
+        return float(slide.max()) / -float(moved[:, 0].min()) if len(slide) else 0.0
 
     def ground_share(self, ground: Floats) -> Floats:
         """Share (n free,) of each block's load that the ground springs (n free, 6) carry."""

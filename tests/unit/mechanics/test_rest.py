@@ -118,23 +118,6 @@ def test_stopping_returns_what_is_there():
     assert state.iterations == 0
 
 
-def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole():
-    whole = problem_of(arch(0.2, 9), 0.8).model
-    chosen = np.arange(whole.contacts.count) >= 4
-    part = whole.with_contacts(whole.contacts.select(chosen))
-    statics = [Problem.build(one).statics for one in (whole, part)]
-    within = np.flatnonzero(chosen), whole.contacts.count
-    corner = chosen[statics[0].interface]
-    drawn = zip(
-        law.samples(statics[0], 4, 0, tangential=0.2),
-        law.samples(statics[1], 4, 0, within, tangential=0.2),
-        strict=True,
-    )
-    for ours, theirs in drawn:
-        ratio = ours.normal[corner] / theirs.normal
-        np.testing.assert_allclose(ratio, ratio[0])  # the mean area of a corner is another one
-
-
 def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_it_worse():
     # and no fall is sought on a path that makes progress
     problem, asked = problem_of(wall(10, 10), 0.6), []

@@ -19,9 +19,10 @@ from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
+from drystone.stability.asked import Asked
 from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.verdict import Asked, decided
+from drystone.stability.verdict import decided
 
 LOADED = 1e-7
 """Share of the largest normal force from which on a corner counts as loaded."""

@@ -19,11 +19,12 @@ from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
+from drystone.stability.asked import Asked
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
-from drystone.stability.verdict import Asked, decided
+from drystone.stability.verdict import decided
 from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)

@@ -1,0 +1,271 @@
+"""What a check has found so far, and every result that it can end with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.progress import Clock, Progress
+from drystone.base.workers import WorkerPool
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.nearest_mechanism import (
+    NearestMechanism,
+    nearest_mechanism,
+)
+from drystone.mechanics import law
+from drystone.mechanics.law import Compliance
+from drystone.model import Model
+from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.settlement import Settlement
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.attempts import Attempt, Candidate
+from drystone.stability.check_options import CheckOptions
+from drystone.stability.problem import Problem
+from drystone.stability.programs.rbe import ANY_FORCES
+from drystone.stability.proofs import (
+    FALLING_SHARE,
+    balanced,
+    first_motion,
+    found_mechanism,
+    moving_blocks,
+    sound_mechanism,
+)
+
+SENSITIVE = "sensitive to how the joints press"
+
+
+@dataclass(eq=False)
+class Asked:
+    """What was asked, what was found so far, and every result that a check can end with.
+
+    Attributes
+    ----------
+    problem, options, clock, progress
+    nearest
+        The mechanism nearest to free fall, once it is known.
+    tried
+        The answer of each contact stiffness, the uniform one first.
+    steps
+        Of all calculations.
+    balances
+        Whether some forces are known to balance the loads.
+    stage
+        What is being calculated.
+    """
+
+    problem: Problem
+    options: CheckOptions
+    clock: Clock
+    progress: Progress | None = None
+    nearest: NearestMechanism | None = None
+    tried: tuple[Candidate, ...] = ()
+    steps: int = 0
+    balances: bool = False
+    stage: str = "rest state"
+
+    def report(self, stage: str, done: int) -> None:
+        """Say what is calculated next."""
+        if not self.clock.reason:
+            self.stage = stage
+        if self.progress is not None:
+            self.progress(stage, done, 3 + self.options.samples)
+
+    def attempt(self, springs: Compliance | None = None) -> Attempt:
+        """The try of some springs, of uniform ones by default."""
+        chosen = law.uniform(self.problem.statics) if springs is None else springs
+        return Attempt(self.problem, chosen, self.clock.late)
+
+    def count(self, found: Candidate) -> None:
+        """Keep the answer of a stiffness, if it was not interrupted."""
+        self.steps += found.steps
+        if found.stands or found.falling is not None or not self.clock.late():
+            self.tried += (found,)
+
+    def try_others(self, pool: WorkerPool, count: int, rest: Candidate | None = None) -> None:
+        """Rest states with other contact stiffnesses, from that of the uniform one.
+
+        The first has the springs with which blocks are followed.
+        """
+        options, statics = self.options, self.problem.statics
+        springs = law.samples(
+            statics, count, options.seed, tangential=options.settlement.tangential
+        )
+        self.report("stiffness samples", 2)
+        near = rest.displacement if rest is not None and statics.dry else None
+        task = partial(_attempted, self.problem, self.clock, near)
+        for number, found in enumerate(pool.answers(task, springs, self.clock.late), start=1):
+            self.count(found)
+            self.report("stiffness samples", min(2 + number, 2 + options.samples))
+
+    @cached_property
+    def collapse(self) -> Floats | None:
+        """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
+        self.report("equilibrium", 1)
+        problem, late = self.problem, self.clock.late
+        if problem.statics.dry:
+            if self.nearest is None:
+                self.nearest = nearest_mechanism(problem.system, stop=late)
+            nearest = self.nearest
+            self.steps += nearest.iterations
+            if nearest.motion is not None:
+                motion = sound_mechanism(problem, nearest.motion)
+                if motion is not None:
+                    return motion
+            elif balanced(problem, nearest.force):
+                self.balances = True
+                return None
+        balance = solve_equilibrium(
+            problem.statics,
+            cone=FrictionCone.exact(),
+            options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
+            stop=late,
+        )
+        self.steps += balance.raw.iterations
+        self.balances = balance.raw.status is ConicStatus.SOLVED
+        return None if self.balances else found_mechanism(problem, balance, late)
+
+    def first_motions(self) -> Iterator[Floats]:
+        """First motions (n, 6) of states on ground springs, then of that on weaker springs."""
+        falling = [one.falling for one in self.tried if one.falling is not None]
+        for state in falling:
+            motion = first_motion(self.problem, state)
+            if motion is not None:
+                yield motion
+        if falling and not self.clock.late():
+            motion = first_motion(self.problem, self.attempt().falling())
+            if motion is not None:
+                yield motion
+
+    def nothing_free(self) -> Result:
+        """STABLE: there is nothing to calculate."""
+        model = self.problem.model
+        return self.answer(
+            Verdict.STABLE,
+            "every block is fixed",
+            force=np.zeros((model.contacts.corner_count, 3)),
+            displacement=np.zeros((len(model.assembly), 6)),
+            residuals=Residuals(),
+        )
+
+    def stable(
+        self, rest: Candidate, words: str = "", settlement: Settlement | None = None
+    ) -> Result:
+        """STABLE with a rest state in place."""
+        tried, stood = len(self.tried), sum(one.stands for one in self.tried)
+        words = words or "stands"
+        if settlement is None and tried > 2:
+            words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
+            if stood < tried:
+                words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
+        left = 1 + self.options.samples - tried
+        if self.clock.reason and left > 0:
+            words += f"; {self.clock.reason} before {left} more could be tried"
+        return self.answer(
+            Verdict.STABLE,
+            words,
+            force=rest.force,
+            displacement=rest.displacement,
+            residuals=rest.residuals,
+            settlement=settlement,
+        )
+
+    def settles(self, found: Settlement, words: str) -> Result:
+        """STABLE after settling: forces on the moved blocks, in the axes of the first joints.
+
+        Faces that were met are the last joints of the model of the result.
+        """
+        path = found.path
+        contacts = path.model.contacts
+        world = np.einsum("ki,kij->kj", path.force, path.axes)
+        return self.answer(
+            Verdict.STABLE,
+            words,
+            model=path.model,
+            force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
+            displacement=path.displacement,
+            residuals=path.residuals,
+            settlement=found,
+        )
+
+    def unstable(self, message: str, mechanism: Floats, leaning: Candidate | None = None) -> Result:
+        """UNSTABLE, with the blocks and props of a state on ground springs if there is one.
+
+        Otherwise the props hold the blocks against the accelerations of the mechanism that was
+        found.
+        """
+        problem = self.problem
+        falling = moving_blocks(problem.model.assembly, mechanism)
+        prop = force = None
+        if leaning is not None and leaning.falling is not None:
+            ground = leaning.falling.ground
+            share = problem.ground_share(ground)
+            chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
+            falling = tuple(int(i) for i in chosen)
+            prop, force = -problem.wrench(ground), leaning.force
+        elif self.nearest is not None and self.nearest.motion is not None:
+            left = self.nearest.force
+            force = problem.force(left)
+            prop = -problem.wrench(problem.statics.load + problem.statics.wrench(left))
+        return self.answer(
+            Verdict.UNSTABLE,
+            message,
+            mechanism=mechanism,
+            prop=prop,
+            force_with_props=force,
+            falling=falling,
+        )
+
+    def first_motion(self, uniform: Candidate) -> Result:
+        """UNSTABLE with a first motion; UNDECIDED where none was found."""
+        left_out = f"; {self.clock.reason} before all else was tried" if self.clock.late() else ""
+        for motion in self.first_motions():
+            words = "it starts to move"
+            if self.balances:
+                words = f"forces could balance the loads, but they do not arise; {words}"
+            return self.unstable(words + left_out, motion, uniform)
+        return self.no_answer()
+
+    def no_answer(self) -> Result:
+        """UNDECIDED: neither a rest state nor a motion is shown."""
+        tried = len(self.tried)
+        those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
+        words = f"no rest state in {those}, and no proof that there is none; more samples may help"
+        if self.clock.late():
+            done = f"no rest state in {those}" if tried else "no stiffness distribution tried out"
+            words = f"{done}; {self.clock.reason} in '{self.stage}' (steps: {self.steps})"
+        return self.answer(Verdict.UNDECIDED, words)
+
+    def answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: Any
+    ) -> Result:
+        """A result, with the counts and times of the check."""
+        self.report("done", 3 + self.options.samples)
+        return Result(
+            method="check",
+            verdict=verdict,
+            model=self.problem.model if model is None else model,
+            message=message,
+            samples=Samples(len(self.tried), sum(one.stands for one in self.tried)),
+            stopped=self.clock.reason,
+            options=self.options,
+            solver="rest state by interior points",
+            iterations=self.steps,
+            time_s={"solve": self.clock.elapsed_s},
+            **found,
+        )
+
+
+@one_blas_thread()
+def _attempted(
+    problem: Problem, clock: Clock, near: Floats | None, springs: Compliance
+) -> Candidate:
+    attempt = Attempt(problem, springs, clock.late)
+    found = None if near is None else attempt.begun_at(near)
+    return attempt.from_nothing() if found is None else found
