@@ -41,3 +41,10 @@ def test_another_verdict_another_motion_and_other_blocks_are_told() -> None:
 @pytest.mark.parametrize(("now", "same"), [(50.001, True), (50.2, False), (None, False)])
 def test_limits_may_differ_by_the_width_of_their_brackets(now: float | None, same: bool) -> None:
     assert same is not bool(list(differences({"stands": 50.0}, {"stands": now})))
+
+
+def test_another_order_of_the_same_blocks_is_as_good() -> None:
+    frozen = {"help": [1, 0, 0], "order": [1, 2, 3]}
+    assert not list(differences(frozen, {"help": [1, 0, 0], "order": [3, 1, 2]}))
+    assert list(differences(frozen, {"help": [1, 0, 0], "order": [1, 2]}))
+    assert list(differences(frozen, {"help": [2, 0, 0], "order": [1, 2, 3]}))
