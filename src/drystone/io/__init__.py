@@ -8,7 +8,7 @@ True
 from drystone.io.draft import Contents
 from drystone.io.inspection import Inspection
 from drystone.io.opening import as_model, read
-from drystone.io.registry import FORMATS, Format, format_of, inspect, read_file, write
+from drystone.io.registry import FORMATS, Format, files_at, format_of, inspect, read_file, write
 
 __all__ = [
     "FORMATS",
@@ -16,6 +16,7 @@ __all__ = [
     "Format",
     "Inspection",
     "as_model",
+    "files_at",
     "format_of",
     "inspect",
     "read",

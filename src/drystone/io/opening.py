@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
 import numpy as np
@@ -13,12 +12,12 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import of_type
 from drystone.base.display import differing, shortened
 from drystone.base.errors import InputError, counted, meant
-from drystone.base.files import PathLike, digest
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
-from drystone.io.registry import read_file
+from drystone.io.registry import files_at, read_file
+from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.loads import LoadCase
 from drystone.model import Model, Origin, up_of_load
 from drystone.supports import GroundPlane, ground_of, require_supports
@@ -29,8 +28,8 @@ UP = {
 }
 """Rotations from the vertical axis of a file to z."""
 
-Given: TypeAlias = Model | Assembly | PathLike
-"""The input of an analysis: a model, an assembly, or a file."""
+Given: TypeAlias = Model | Assembly | Paths
+"""The input of an analysis: a model, an assembly, or files."""
 
 
 class How(TypedDict, total=False):
@@ -61,7 +60,7 @@ _FILE_ONLY = (
 
 @checked_call
 def read(
-    path: PathLike,
+    path: Paths,
     *,
     supports: str | Sequence[int | str] | GroundPlane | None = None,
     friction: float | None = None,
@@ -85,7 +84,8 @@ def read(
     Parameters
     ----------
     path
-        Its suffix determines the format.
+        Its suffix determines the format. A folder, a pattern such as ``parts/*.obj`` or a list of
+        files is one model, each file with one block or more that are named by it.
     supports
         Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or a plane of
         ``ground``; see ``drystone.supports.select``. Their surfaces may be open. Heights are
@@ -219,7 +219,7 @@ def read(
     }  # fmt: skip
     chosen = {name: one for name, one in given.items() if one is not None and one is not False}
     reading = {name: _told(one) for name, one in chosen.items() if one != ()}
-    origin = Origin(str(path), digest(path), reading)
+    origin = Origin(str(place_of(path)), digest_of(files_at(path)), reading)
     return replace(model, notes=tuple(notes), cases=cases, origin=origin)
 
 
@@ -254,7 +254,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
         if name not in How.__annotations__:
             remedy = meant(name, How.__annotations__)
             raise InputError(f"there is no argument '{name}'", remedy=remedy)
-    if isinstance(given, str | Path):
+    if is_paths(given):
         return read(given, **how)
     if isinstance(given, Assembly):
         _refuse(how, _FILE_ONLY, "an assembly")
@@ -282,7 +282,7 @@ def supported_model(given: Given, **how: Unpack[How]) -> Model:
         No block of a file or of an assembly is fixed, or ``supports`` fixes every block.
     """
     model = as_model(given, **how)
-    where = str(given) if isinstance(given, str | Path) else ""
+    where = str(place_of(given)) if is_paths(given) else ""
     chosen = how.get("supports") is not None
     if chosen or not isinstance(given, Model):
         up = up_of_load(how.get("load"))

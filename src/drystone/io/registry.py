@@ -16,6 +16,7 @@ from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import scale_of
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Contents, Draft
+from drystone.io.several import Paths, files_of, place_of, together
 from drystone.model import Model
 from drystone.results import Result
 
@@ -147,8 +148,14 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
+def files_at(path: Paths) -> tuple[Path, ...]:
+    """The files that a path stands for: itself, those of a folder, or those of a pattern."""
+    known = [suffix for one in FORMATS if one.reader for suffix in one.suffixes]
+    return files_of(path, known)
+
+
 def read_file(
-    path: PathLike,
+    path: Paths,
     *,
     units: str | None = None,
     split: bool = False,
@@ -164,7 +171,8 @@ def read_file(
     Parameters
     ----------
     path
-        Its suffix determines the format.
+        Its suffix determines the format. A folder, a pattern such as ``parts/*.obj`` or a list of
+        files is one model, each file with one block or more that are named by it.
     units, split, skip_defects, layers, hidden
         As in :func:`drystone.read`.
     max_size : [MiB]
@@ -195,11 +203,12 @@ def read_file(
     ('block-0', 'block-1', 'block-2')
     """
     with one_line_errors():
-        draft = _draft(path, units, layers, hidden, max_size)
+        files = files_at(path)
+        draft = _draft(files, units, layers, hidden, max_size)
         return build(
             draft,
-            Path(path),
-            units,
+            place_of(path),
+            units if len(files) == 1 else None,
             split=split,
             skip_defects=skip_defects,
             supports=supports,
@@ -208,7 +217,7 @@ def read_file(
 
 
 def inspect(
-    path: PathLike,
+    path: Paths,
     *,
     units: str | None = None,
     split: bool = False,
@@ -220,12 +229,32 @@ def inspect(
 ) -> Built:
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
-        draft = _draft(path, units, layers, hidden, max_size)
-        return try_blocks(draft, Path(path), units, split=split, supports=supports, repair=repair)
+        files = files_at(path)
+        draft = _draft(files, units, layers, hidden, max_size)
+        return try_blocks(
+            draft,
+            place_of(path),
+            units if len(files) == 1 else None,
+            split=split,
+            supports=supports,
+            repair=repair,
+        )
 
 
 def _draft(
-    path: PathLike,
+    files: Sequence[Path],
+    units: str | None,
+    layers: Sequence[str],
+    hidden: bool,
+    max_size: float | None = None,
+) -> Draft:
+    """The draft of a file, or of several together."""
+    drafts = [(file, _draft_of(file, units, layers, hidden, max_size)) for file in files]
+    return drafts[0][1] if len(drafts) == 1 else together(drafts, units)
+
+
+def _draft_of(
+    path: Path,
     units: str | None,
     layers: Sequence[str],
     hidden: bool,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import io
+from drystone import Assembly, io
 from drystone.cli import main
 from drystone.models import box, tower
 
@@ -205,3 +205,18 @@ def test_nothing_is_looked_for_without_a_good_block(
     code, out, _ = answer(capsys, "inspect", str(path))
     assert code == 2
     assert "once the defects are mended" in out
+
+
+def test_a_folder_is_checked_and_several_arguments_are_told_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for i, name in enumerate(("base", "top")):
+        stone = box((1.0, 1.0, 1.0), (0.0, 0.0, float(i)))
+        io.write(Assembly((stone,)), tmp_path / f"{name}.obj")
+    code, out, _ = answer(capsys, "check", str(tmp_path), "--supports", "base", "--json")
+    assert code == 0
+    assert json.loads(out)["verdict"] == "stable"
+    both = [str(tmp_path / f"{name}.obj") for name in ("base", "top")]
+    code, _, err = answer(capsys, "check", *both)
+    assert code == 2
+    assert "give their folder, or a pattern in quotes" in err

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
+from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import click
@@ -90,7 +91,9 @@ class Command(click.Command):
             raise
         if ctx.args and not ctx.resilient_parsing:
             what = f"'{ctx.args[0]}' is one argument too many"
-            raise UsageFault(what, remedy=kinds.see(ctx))
+            several = "for several files give their folder, or a pattern in quotes; "
+            remedy = f"{several if Path(ctx.args[0]).is_file() else ''}{kinds.see(ctx)}"
+            raise UsageFault(what, remedy=remedy)
         return rest
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -25,7 +25,12 @@ class Source:
     """A model file, and how it is read."""
 
     model: Annotated[
-        str, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
+        str,
+        Argument(
+            "MODEL",
+            "Model file; its suffix determines the format. Or a folder, or a pattern in quotes.",
+            kinds.FILE,
+        ),
     ]
     units: options.Units = None
     split: Annotated[
@@ -208,12 +213,12 @@ class Subject(Source):
 
     def upright(self, model: Model, waiting: Waiting) -> tuple[str, ...]:
         """A remark where a model that falls would stand with the y axis of its file up."""
-        from drystone.io import format_of
+        from drystone.io import files_at, format_of
         from drystone.supports import select
 
         if self.up != "z" or self.gravity is not None or not self.supports:
             return ()
-        if not format_of(self.model).axes_unknown:
+        if not all(format_of(file).axes_unknown for file in files_at(self.model)):
             return ()
         waiting.stage("upright", "trying another axis")
         up = (0.0, 1.0, 0.0)
