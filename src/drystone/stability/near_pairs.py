@@ -19,8 +19,8 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
     ----------
     found
     check
-        Gives the verdict on the same model whose near pairs touch. Where it falls even so, the
-        fall does not rest on them.
+        Gives the verdict on the same model whose near pairs touch. Where it falls even so, that is
+        the proof: what moves without them moves with fewer contacts too.
     """
     if found.verdict is not Verdict.UNSTABLE or not found.model.unjoined:
         return found
@@ -32,13 +32,14 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
     if not near:
         return found
     most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
-    more = contacts_if_joined(near, most)
-    if more is not None and model.contacts.dry.all():
+    more = contacts_if_joined(near, model.assembly.bounds, most)
+    if model.contacts.dry.all():
         touching = replace(
             model, contacts=joined_contacts(model.contacts, more), unjoined=(), report=None
         )
-        if check(touching).verdict is Verdict.UNSTABLE:
-            return found
+        even_so = check(touching)
+        if even_so.verdict is Verdict.UNSTABLE:
+            return replace(even_so, model=model, force_with_props=None)  # of more contacts
     return replace(
         found,
         verdict=Verdict.UNDECIDED,

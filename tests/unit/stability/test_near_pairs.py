@@ -1,11 +1,14 @@
 """A proof of falling never rests on a pair of blocks that is near and was not joined."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from drystone import Assembly, Model, Verdict, check, solve_rbe
+from drystone import Assembly, Block, Model, Verdict, check, solve_rbe
 from drystone.detection import DetectionOptions
 from drystone.detection.report.reasons import Reason
-from drystone.models import box, tower
+from drystone.models import box, stool, tower
 
 
 def above(gap: float, second: float = 0.0) -> Assembly:
@@ -84,3 +87,36 @@ def test_a_model_without_any_contact_has_no_equilibrium() -> None:
     found = solve_rbe(Assembly(blocks).with_fixed(["low"]))
     assert found.verdict is Verdict.UNSTABLE
     assert found.falling_names == ("high",)
+
+
+def deep(shift: float) -> Assembly:
+    """A cube that is so deep in another that nobody can say which faces are meant to touch."""
+    blocks = (box((1, 1, 1), name="base"), box((1, 1, 1), (shift, 0, 0.91), name="top"))
+    return Assembly(blocks).with_fixed(["base"])
+
+
+def test_a_pair_that_is_too_deep_in_each_other_proves_no_fall() -> None:
+    assert check(deep(0.1)).verdict is Verdict.UNDECIDED
+
+
+def test_it_falls_where_it_would_whichever_faces_are_meant() -> None:
+    blocks = (*deep(0.1).blocks, box((1, 1, 1), (0.9, 0.0, 1.91), name="tips"))
+    found = check(Assembly(blocks).with_fixed(["base"]))
+    assert found.falls
+    assert found.falling_names == ("tips",)
+
+
+def test_a_foot_that_is_too_deep_proves_no_fall_of_what_stands_on_others() -> None:
+    exact = stool()
+    floor, body = exact.blocks[:2]
+    low, corner = body.vertices[:, 2].min(), body.vertices[:, :2].max(axis=0)
+    foot = (body.vertices[:, 2] < low + 1e-9) & (
+        np.abs(body.vertices[:, :2] - corner).max(axis=1) < 0.3
+    )
+    moved = body.vertices - np.where(foot[:, None], [0.0, 0.0, 0.1], 0.0)
+    drawn = Assembly((floor, Block(moved, body.faces, body.name)))
+    model = Model.of(drawn.with_fixed([0]))
+    lean = model.with_load((2.0, 2.0, -9.81))  # over the foot that is too deep
+    assert check(Model.of(exact.with_fixed([0])).with_load((2.0, 2.0, -9.81))).stable
+    assert check(replace(lean, unjoined=())).falls
+    assert check(lean).verdict is Verdict.UNDECIDED

@@ -135,8 +135,7 @@ class ContactReport(Card):
             and not (miss.joined and miss.reason is Reason.SLIVER)
         ]
         count = len(self.names)
-        known = set((self.block_a * count + self.block_b).tolist())
-        known |= {miss.block_a * count + miss.block_b for miss in near}
+        known = {miss.block_a * count + miss.block_b for miss in near}
         near += [
             Missed(
                 block_a=pair.block_a,
@@ -151,7 +150,7 @@ class ContactReport(Card):
                 polygon=np.zeros((0, 3)),
                 joined=False,
             )
-            for pair in self.overlaps
+            for pair in self.overlaps_left
             if pair.block_a * count + pair.block_b not in known
         ]
         return tuple(near)

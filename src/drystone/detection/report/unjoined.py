@@ -27,35 +27,65 @@ def among(unjoined: Iterable[Missed], blocks: Ints) -> tuple[Missed, ...]:
     )
 
 
-def contacts_if_joined(unjoined: Sequence[Missed], friction: float) -> Contacts | None:
-    """The interfaces that the pairs would have; None where one of them has no known place."""
-    rows = [_polygon_and_normal(miss) for miss in unjoined]
-    if not all(len(point) for point, _ in rows):
-        return None
-    count = np.array([len(point) for point, _ in rows], dtype=np.intp)
+def contacts_if_joined(unjoined: Sequence[Missed], bounds: Floats, friction: float) -> Contacts:
+    """The interfaces that the pairs would have.
+
+    Where blocks overlap without faces that face each other, nobody can say which faces are meant.
+    They are held in every direction, by the sides of the box that both are in.
+
+    Parameters
+    ----------
+    unjoined
+    bounds : (n, 2, 3) [m]
+        Lowest and highest corner of each block.
+    friction
+        Coefficient of every interface.
+    """
+    rows = [
+        (miss, point, normal)
+        for miss in unjoined
+        for point, normal in (_sides(miss, bounds) if len(miss.polygon) == 0 else [_face(miss)])
+    ]
+    corner = [point for _, point, _ in rows]
+    start = Ragged.of(corner).start
+    area = np.linalg.norm(area_vectors(np.concatenate(corner), start), axis=1)
+    count = np.diff(start)
     return Contacts(
-        np.array([miss.block_a for miss in unjoined], dtype=np.intp),
-        np.array([miss.block_b for miss in unjoined], dtype=np.intp),
-        frames_from_normals(np.array([normal for _, normal in rows]).reshape(-1, 3)),
-        np.array([miss.area for miss in unjoined]),
-        np.full(len(unjoined), friction),
-        np.concatenate([np.zeros((0, 3)), *(point for point, _ in rows)]),
-        np.repeat(np.arange(len(unjoined), dtype=np.intp), count),
+        np.array([miss.block_a for miss, _, _ in rows], dtype=np.intp),
+        np.array([miss.block_b for miss, _, _ in rows], dtype=np.intp),
+        frames_from_normals(np.array([normal for _, _, normal in rows])),
+        np.where(count > 2, area, 0.0),
+        np.full(len(rows), friction),
+        np.concatenate(corner),
+        np.repeat(np.arange(len(rows), dtype=np.intp), count),
     )
 
 
-def _polygon_and_normal(miss: Missed) -> tuple[Floats, Floats]:
+def _face(miss: Missed) -> tuple[Floats, Floats]:
     """The corners, and the normal from a to b, of the interface that a pair would have."""
     point = miss.polygon
-    if len(point) == 0:
-        return point, np.zeros(3)
     if miss.area > 0.0:
-        normal = area_vectors(point, Ragged.from_counts([len(point)]).start)[0]
+        normal = area_vectors(point, Ragged.of([point]).start)[0]
     else:  # a band across the gap, or a line across it
         normal = (point[-1] - point[0]) * np.sign(miss.gap)
         half = len(point) // 2
         point = 0.5 * (point[:half] + point[: half - 1 : -1])
     return point, normal / np.linalg.norm(normal)
+
+
+def _sides(miss: Missed, bounds: Floats) -> list[tuple[Floats, Floats]]:
+    """The corners and outward normals of the sides of the box that two blocks share."""
+    pair = bounds[[miss.block_a, miss.block_b]]
+    low, high = pair[:, 0].max(axis=0), pair[:, 1].min(axis=0)
+    sides = []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for normal, at in ((-np.eye(3)[axis], low), (np.eye(3)[axis], high)):
+            point = np.tile(at, (4, 1))
+            point[:, u] = low[u], high[u], high[u], low[u]
+            point[:, v] = low[v], low[v], high[v], high[v]
+            sides.append((point if normal[axis] > 0.0 else point[::-1], normal))
+    return sides
 
 
 def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
