@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drystone import (
+    CheckOptions,
     Model,
     Result,
     Verdict,
@@ -53,8 +54,8 @@ def _word(result: Result) -> str:
     if result.verdict is Verdict.STABLE:
         if settled is not None:
             return "settles"
-        robust = result.samples.standing == result.samples.tried
-        return "robust" if robust else "sensitive"
+        samples = check(result.model, options=CheckOptions.robust()).samples
+        return "robust" if samples.standing == samples.tried else "sensitive"
     if result.verdict is Verdict.UNSTABLE:
         return ""
     return "" if settled is None else str(settled.outcome.value)
