@@ -17,9 +17,10 @@ from drystone.base.display import OneLine
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import SettlementOptions
-from drystone.stability import CheckOptions, RBEOptions, check, solve_rbe
+from drystone.stability import PATIENT, CheckOptions, RBEOptions, check, solve_rbe, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
+from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.verdict import check_problem
 
 
@@ -122,6 +123,7 @@ FOLLOWED = CheckOptions(settlement=SettlementOptions(fall=0.05))
 followed further: the structure does not stand."""
 
 BOTH = replace(FOLLOWED, uniform=True)
+SMOOTHLY = PATIENT.with_slip_lengths(SLIP_LENGTH)
 
 
 def check_once(model: Model, start: Floats | None = None) -> Result:
@@ -135,13 +137,17 @@ def check_both(model: Model) -> Result:
     The default for stages. A stage that falls with uniform stiffness is not relied upon, although
     it may stand after settling. Where it slides far, settlement decides.
     """
-    return check(model, options=BOTH)
+    return check_both_near(Problem.build(model))
 
 
 def check_both_near(
     problem: Problem, near: Floats | None = None, rest: Candidate | None = None
 ) -> Result:
     """As :func:`check_both` of the problem of a stage, begun at a known rest state.
+
+    A rest state with the smooth friction law does too, where the verdict that begins there agrees.
+    Measured on the bridge of the source at friction 0.5 to 1.0: of four stages of its order without
+    help no other one is found.
 
     Parameters
     ----------
@@ -151,7 +157,13 @@ def check_both_near(
     rest
         The rest state with uniform stiffness, where it is known already.
     """
-    return check_problem(problem, options=BOTH, near=near, rest=rest)
+    found = check_problem(problem, options=BOTH, near=near, rest=rest)
+    if found.verdict is not Verdict.UNDECIDED or found.samples.standing:
+        return found
+    smooth = try_rest(problem, screening=SMOOTHLY, start=near)
+    if smooth.stable:
+        return check_problem(problem, options=FOLLOWED, near=smooth.displacement)
+    return found
 
 
 def check_thoroughly(model: Model) -> Result:
