@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import drystone
+from drystone.design import ChangedByHand
 from drystone.detection import find_contacts, gap_sweep
 from drystone.fall import Film
 from drystone.io import Inspection
@@ -20,9 +21,9 @@ from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
 from drystone.sequence import PlanOptions, Rules, scaffolding
 from drystone.settlement import move_supports, push, support_response
-from drystone.view import Frame, mended_scene, save_page, save_report
+from drystone.view import Frame, save_page, save_report
 from drystone.view.paper.instructions import save_instructions
-from drystone.view.scenes.subjects import Subject
+from drystone.view.subjects import Subject
 from tests.page.browser import Tab
 
 STACK = drystone.Model.of(tower(3), friction=0.5)
@@ -46,7 +47,7 @@ def mended() -> Any:
     light = replace(STACK.assembly.blocks[2], density=1200.0)
     blocks = (*STACK.assembly.blocks[:2], light)
     after = drystone.Model.of(replace(STACK.assembly, blocks=blocks), friction=0.5)
-    return mended_scene(STACK, drystone.check(after), "stack.json", "a lighter block")
+    return ChangedByHand(STACK, drystone.check(after), "a lighter block").layers()
 
 
 KINDS: dict[str, tuple[Callable[[], Any], str]] = {

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import LoadCase, Model, limits, sequence
-from drystone.answer import Answer, Role
+from drystone import LoadCase, Model, design, limits, sequence
+from drystone.answer import Answer, Role, Scene
+from drystone.answer.chart import Chart
 from drystone.detection import gap_sweep
 from drystone.fall import Film
 from drystone.io import Inspection
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
 
 
 def kinds() -> set[type[Answer]]:
@@ -55,6 +56,17 @@ def answers() -> Iterator[Answer]:
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
     found = drystone.find_contacts(tower(3))
     yield Inspection(tower(3), found, gap_sweep(tower(3), [1e-4, 1e-3]))
+    few = design.MendOptions(kinds=("friction", "ballast"))
+    rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))
+    mends = design.find_mends(rare, options=few)
+    yield from (mends, mends.mends[0], design.mend(rare, options=few))
+    yield from (design.sharpen(tower(2)), design.recut_joints(tower(2)))
+    still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
+    yield design.shape(tower(2), still)
+    yield design.ChangedByHand(stack, drystone.check(stack), "nothing")
+    yield design.cut_until_free(box((1.0, 1.0, 2.0)), options=design.CutOptions(blocks=2))
+    count = [design.Parameter("count", choices=(2, 3))]
+    yield design.tune(tower, count, options=design.TuneOptions(trials=1))
 
 
 ANSWERS = {type(one): one for one in answers()}
@@ -75,9 +87,11 @@ def test_an_answer_says_five_things_of_itself(kind: type[Answer]) -> None:
     assert len(set(keys)) == len(keys)
     assert set(keys).isdisjoint(one.numbers())
     assert all(table.cells()[0] for table in one.tables())
-    scene = one.layers()
-    assert scene.stages
-    assert scene.facts["Blocks"] == f"{len(one.assembly)}"
+    if kind is not design.Tuned:  # of many models
+        scene = one.layers()
+        assert scene.stages
+        assert scene.facts["Blocks"] == f"{len(one.assembly)}"
+    assert isinstance(one.figure(), Scene | Chart)
     assert one.title.replace("<", "&lt;") in one._repr_html_()
 
 

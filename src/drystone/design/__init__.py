@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drystone.design.buildable import BuildNeeds as BuildNeeds
     from drystone.design.buildable import TriedLayout as TriedLayout
     from drystone.design.buildable import make_buildable as make_buildable
+    from drystone.design.changed_answer import ChangedByHand as ChangedByHand
     from drystone.design.cuts import Cut as Cut
     from drystone.design.cuts import CutDesign as CutDesign
     from drystone.design.cuts import CutLoop as CutLoop
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
     from drystone.design.tuning import tune as tune
 
 _NAMES = {
+    "changed_answer": "ChangedByHand",
     "block_surgery": "cut_block faces_toward insert_block merge_blocks move_face thicken_blocks",
     "cuts": "Cut CutDesign CutLoop CutOptions Trial cut_until_free design_cuts split_block "
     "tilted_cuts",

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.results import Result
 
 _AT_CENTROID = 1e-6
 """An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
@@ -265,40 +262,3 @@ def fresh_name(model: Model, stem: str, others: Sequence[str] = ()) -> str:
     while f"{stem}-{number}" in model.assembly or f"{stem}-{number}" in others:
         number += 1
     return f"{stem}-{number}"
-
-
-@dataclass(frozen=True, eq=False)
-class ChangedStructure(OneLine):
-    """A structure that was changed in rounds so that it stands.
-
-    Attributes
-    ----------
-    before, model
-        The structure without the change, and with it.
-    result
-        The check of ``model``, or that of the case of the margin in which it falls.
-    stands
-        Whether it stands at the margin.
-    rounds
-    message
-    """
-
-    before: Model
-    model: Model
-    result: Result
-    stands: bool
-    rounds: int
-    message: str
-
-    def _summary(self) -> str:
-        return self.message
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return {
-            "stands": self.stands,
-            "verdict": self.result.verdict.value,
-            "message": self.message,
-            "check": self.result.message,
-            "rounds": self.rounds,
-        }

@@ -13,17 +13,21 @@ check, modify, sequence, and back).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from drystone.answer import Answer, Asked, Role, Scene, Sentence
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polyhedron import Piece
@@ -152,7 +156,7 @@ class CutOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class CutLoop(OneLine):
+class CutLoop(Answer):
     """Blocks cut from one shape, and their plan.
 
     Attributes
@@ -179,6 +183,65 @@ class CutLoop(OneLine):
 
     def _summary(self) -> str:
         return self.message
+
+    @property
+    def model(self) -> Model:
+        """The last blocks.
+
+        Raises
+        ------
+        InputError
+            There are none.
+        """
+        if self.plan is None:
+            raise InputError("there are no blocks", remedy="try other cuts")
+        return self.plan.model.model
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What was asked, of the last blocks."""
+        return Asked.of_nothing(made=self.when) if self.plan is None else super().asked
+
+    @property
+    def title(self) -> str:
+        """How it ended."""
+        return self.message[0].upper() + self.message[1:]
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether every block is free, how it ended, and why it went back."""
+        role = Role.GOOD if self.free else Role.BAD
+        said = [Sentence("FREE" if self.free else "NOT FREE", role), Sentence(self.message)]
+        return [*said, *(Sentence(f"cut {place} changed: {why}") for place, why in self.recuts)]
+
+    def tables(self) -> Sequence[Table]:
+        """The cuts that were accepted."""
+        trials = () if self.design is None else self.design.trials
+        kept = [one for one in trials if one.accepted]
+        normal = np.array([one.cut.normal for one in kept]).reshape(-1, 3)
+        slope = np.rad2deg(np.arctan2(np.hypot(normal[:, 0], normal[:, 1]), normal[:, 2]))
+        columns = {
+            "place": [one.place for one in kept],
+            "point": np.array([one.cut.point for one in kept]).reshape(-1, 3),
+            "normal": normal,
+            "slope": slope,
+            "notch_deg": [float(one.cut.wedge_deg) for one in kept],
+        }
+        return [Table("cuts", columns, {"point": "m", "slope": "deg", "notch_deg": "deg"})]
+
+    def layers(self) -> Scene:
+        """The plan."""
+        if self.plan is None:
+            raise InputError("there is no picture: no cut lets the parts above stand")
+        return self.plan.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether every block is free, why it went back, and the plan."""
+        return {
+            "free": self.free,
+            "message": self.message,
+            "recuts": [{"place": place, "why": why} for place, why in self.recuts],
+            "plan": None if self.plan is None else self.plan.numbers(),
+        }
 
 
 @checked_call

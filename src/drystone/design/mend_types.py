@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from drystone.base.display import OneLine, shortened
+from drystone.answer import Answer, Scene, Sentence
+from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.design.bench import Tried
+from drystone.design.changed_answer import ChangedAnswer
 from drystone.design.diagnosed import Diagnosis
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import KINDS
@@ -67,7 +69,7 @@ def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Mend(OneLine):
+class Mend(ChangedAnswer):
     """A change with which a region stands, checked on the whole structure.
 
     Attributes
@@ -112,25 +114,36 @@ class Mend(OneLine):
     def _summary(self) -> str:
         return f"'{self.description}', cost {self.cost:.3g}, {self.result.verdict.value}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def unchanged(self) -> Model:
+        """The structure without the change."""
+        return self.before
+
+    @property
+    def change(self) -> str:
+        """What it is."""
+        held = f" ({named(self.held)} held meanwhile)" if self.held else ""
+        return self.description + held
+
+    def numbers(self) -> Mapping[str, Any]:
+        """What it changes, and what that costs."""
         return {
             "kind": self.kind,
-            "blocks": list(self.blocks),
+            "blocks": self.blocks,
             "description": self.description,
             "value": self.value,
             "cost": self.cost,
             "joints": self.joints,
             "added": self.added,
             "volume": self.volume,
-            "verdict": self.result.verdict.value,
+            "verdict": self.result.verdict,
             "message": self.result.message,
-            "held": list(self.held),
+            "held": self.held,
         }
 
 
 @dataclass(frozen=True, eq=False)
-class Mends(OneLine):
+class Mends(Answer):
     """The mends of every region of a structure.
 
     Attributes
@@ -157,13 +170,38 @@ class Mends(OneLine):
         """The mends of the region with these blocks."""
         return tuple(mend for mend in self.mends if set(mend.blocks) == set(blocks))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def model(self) -> Model:
+        """The structure."""
+        return self.diagnosis.model
+
+    @property
+    def title(self) -> str:
+        """How many mends there are."""
+        return self.message or f"{self.diagnosis.title}; {counted(len(self.mends), 'mend')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Why it falls, the mends, and the kinds that do not help."""
+        said = [*self.diagnosis.sentences(), Sentence(self.message)]
+        for number, one in enumerate(self.mends, 1):
+            told = f"mend {number}, of {named(one.blocks)}: {one.description}"
+            said.append(Sentence(f"{told} (cost {one.cost:.3g})"))
+        for blocks, failed in self.tried:
+            told = f"no solution for {named(blocks)}: {failed.kind}: {failed.what}"
+            said.append(Sentence(told))
+        return [one for one in said if one.text]
+
+    def layers(self) -> Scene:
+        """Why it falls; each mend has a picture of its own."""
+        return self.diagnosis.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The diagnosis, the mends, and the kinds that do not help."""
         return {
-            "mends": [mend.to_dict() for mend in self.mends],
+            **self.diagnosis.numbers(),
+            "mends": [mend.numbers() for mend in self.mends],
             "tried": [
-                {"blocks": list(blocks), "kind": one.kind, "what": one.what}
-                for blocks, one in self.tried
+                {"blocks": blocks, "kind": one.kind, "what": one.what} for blocks, one in self.tried
             ],
             "mending": self.message,
         }

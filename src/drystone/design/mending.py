@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.display import OneLine, named
+from drystone.answer import Sentence
+from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
+from drystone.design.changed_answer import ChangedAnswer
 from drystone.design.mend_types import Mend, MendOptions, Mends
 from drystone.design.mends import find_mends, kept_blocks, stands_already
 from drystone.io.opening import Given, How, as_model
@@ -23,7 +26,7 @@ _ROUNDS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Mending(OneLine):
+class Mending(ChangedAnswer):
     """A structure mended region by region.
 
     Attributes
@@ -50,14 +53,40 @@ class Mending(OneLine):
         state = "stands" if self.stands else "falls"
         return f"{state} after {counted(len(self.steps), 'mend')}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def unchanged(self) -> Model:
+        """The structure before the first mend."""
+        return self.steps[0].before if self.steps else self.model
+
+    @property
+    def change(self) -> str:
+        """The mends."""
+        return "; ".join(one.description for one in self.steps)
+
+    @property
+    def stands_now(self) -> bool:
+        """Whether it stands at the margin."""
+        return self.stands
+
+    @property
+    def title(self) -> str:
+        """Whether it stands, and after how many mends."""
+        return self._summary()[0].upper() + self._summary()[1:]
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The verdict on what was made, and the steps."""
+        verdict, _ = super().sentences()
+        word = verdict if self.steps else replace(verdict, text=self.result.verdict.upper())
+        return [word, *map(Sentence, self.log)]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it stands, and the steps."""
         return {
             "stands": self.stands,
-            "verdict": self.result.verdict.value,
+            "verdict": self.result.verdict,
             "message": self.result.message,
-            "steps": [step.to_dict() for step in self.steps],
-            "log": list(self.log),
+            "steps": [step.numbers() for step in self.steps],
+            "log": self.log,
         }
 
 

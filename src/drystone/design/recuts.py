@@ -9,18 +9,20 @@ Source: Kao 2023, chapter 7.3 (discretise, check, modify, sequence, and back).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
+from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.arrays import Bools, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.design.joint_surgery import still_edge, turn_joint, wedge_joint
 from drystone.design.search import improved
 from drystone.io.opening import Given, How, supported_model
@@ -81,7 +83,7 @@ class RecutJoint(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Recut(OneLine):
+class Recut(Answer):
     """A model with changed joints, and its plan.
 
     Attributes
@@ -109,18 +111,39 @@ class Recut(OneLine):
     def _summary(self) -> str:
         return self.message
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        changes = [
-            {"blocks": one.blocks, "kind": one.kind, "angle_deg": one.angle_deg, "why": one.why}
-            for one in self.changes
-        ]
+    @property
+    def title(self) -> str:
+        """How it ended."""
+        return self.message[0].upper() + self.message[1:]
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether every block is free, and how it ended."""
+        role = Role.GOOD if self.free else Role.BAD
+        return [Sentence("FREE" if self.free else "NOT FREE", role), Sentence(self.message)]
+
+    def tables(self) -> Sequence[Table]:
+        """The changes of joints that were kept."""
+        changes = self.changes
+        columns = {
+            "block_a": [one.blocks[0] for one in changes],
+            "block_b": [one.blocks[1] for one in changes],
+            "kind": [one.kind for one in changes],
+            "angle_deg": [one.angle_deg for one in changes],
+            "why": [one.why for one in changes],
+        }
+        return [Table("changes", columns, {"angle_deg": "deg"})]
+
+    def layers(self) -> Scene:
+        """The plan."""
+        return self.plan.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether every block is free, and the plan."""
         return {
             "free": self.free,
             "message": self.message,
             "tried": self.tried,
-            "changes": changes,
-            "plan": self.plan.to_dict(),
+            "plan": self.plan.numbers(),
         }
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from drystone.answer import Sentence
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
-from drystone.design.changed_model import ChangedStructure
+from drystone.design.changed_answer import ChangedStructure
 from drystone.design.margin import DesignMargin
 
 
@@ -29,6 +31,14 @@ class HelpMeasure(enum.Enum):
 
     REST = "rest"
     BALANCE = "balance"
+
+
+_MEASURES = {
+    ShapeAim.STAND: "share of the load that needs help",
+    ShapeAim.VOLUME: "volume [m3]",
+    ShapeAim.REACH: "reach [m]",
+    ShapeAim.TILT: "tilt [degrees]",
+}
 
 
 @dataclass(frozen=True)
@@ -110,13 +120,27 @@ class Shaped(ChangedStructure):
         to stand.
     first
         The same of ``before``.
+    aim
     """
 
     x: Floats
     value: float
     first: float
+    aim: ShapeAim = ShapeAim.STAND
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        own = {"value": self.value, "first": self.first, "variables": self.x.tolist()}
-        return super().to_dict() | own
+    @property
+    def change(self) -> str:
+        """How far vertices moved."""
+        return f"vertices moved by up to {1e3 * float(abs(self.x).max(initial=0.0)):.1f} mm"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The verdict, how it came about, and how far vertices moved."""
+        said = f"{self.value:.4g}, {self.first:.4g} before"
+        moved = f"{counted(len(self.x), 'variable')}: {self.change}"
+        measure = _MEASURES[self.aim]
+        return [*super().sentences(), Sentence(f"{measure} {said}"), Sentence(moved)]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it stands, and the variables."""
+        own = {"value": self.value, "first": self.first, "variables": self.x}
+        return {**super().numbers(), **own, "aim": self.aim}

@@ -289,4 +289,5 @@ class ShapeSearch(ShapeValues):
             if ends:
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
                 words += "larger ones may help"
-        return Shaped(self.model, model, result, stands, rounds, words, x, *values)
+        return Shaped(self.model, model, result, stands, rounds, words, x, values[0], values[1],
+                      self.options.aim)  # fmt: skip

@@ -138,7 +138,7 @@ def _raise_tilt(search: ShapeSearch) -> Shaped:
     result = margin.holds(now)
     stands = margin.meets(result)
     words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
-    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first)
+    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first, ShapeAim.TILT)
 
 
 def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:

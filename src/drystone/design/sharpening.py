@@ -5,6 +5,7 @@ Source: Kao 2023, section 6.3.3: joints are made wedges where the penalty form s
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Unpack
@@ -15,7 +16,8 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.design.changed_model import ChangedStructure
+from drystone.base.table import Table
+from drystone.design.changed_answer import ChangedStructure
 from drystone.design.joint_surgery import STEEPEST
 from drystone.design.least_wedges import least_wedges
 from drystone.design.margin import DesignMargin
@@ -99,10 +101,24 @@ class Sharpened(ChangedStructure):
             for k in np.flatnonzero(self.sharpness > 0.0)
         ]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        joints = [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints]
-        return super().to_dict() | {"least": self.least, "joints": joints}
+    @property
+    def change(self) -> str:
+        """How many joints are wedges now."""
+        wedges = self.joints
+        if not wedges:
+            return self.message
+        steepest = max(value for *_, value in wedges)
+        return f"{counted(len(wedges), 'joint')} made wedges of up to {steepest:.3g} degrees"
+
+    def tables(self) -> Sequence[Table]:
+        """The wedges, and what the check has."""
+        a, b, value = zip(*self.joints, strict=True) if self.joints else ((), (), ())
+        columns = {"block_a": a, "block_b": b, "sharpness_deg": value}
+        return [Table("joints", columns, {"sharpness_deg": "deg"}), *super().tables()]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it stands, and whether every wedge is needed."""
+        return {**super().numbers(), "least": self.least}
 
 
 @checked_call

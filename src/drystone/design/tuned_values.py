@@ -5,11 +5,18 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
+from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.arrays import number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.table import Table
+from drystone.model import Model
 
 
 @dataclass(frozen=True)
@@ -49,6 +56,10 @@ class Parameter(OneLine):
             raise InputError("its bounds are not whole", where=where, remedy="give whole numbers")
 
 
+GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
+"""Of the goals that have one."""
+
+
 @dataclass(frozen=True, eq=False)
 class TuneTrial(OneLine):
     """One set of values, and what came of it.
@@ -85,7 +96,7 @@ class TuneTrial(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned(OneLine):
+class Tuned(Answer):
     """All trials of a search.
 
     Attributes
@@ -126,13 +137,85 @@ class Tuned(OneLine):
                 best[mine] = trial
         return tuple(best[key] for key in sorted(best))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def model(self) -> Model:
+        """There is none.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError("a search has no model", remedy="build one of its front")
+
+    @cached_property
+    def asked(self) -> Asked:
+        """The version, and when."""
+        return Asked.of_nothing(made=self.when)
+
+    @property
+    def title(self) -> str:
+        """How many were tried, and stand."""
+        return self._summary()
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How many were tried, and stand."""
+        return [Sentence(self.title, Role.GOOD if self.front else Role.BAD)]
+
+    def tables(self) -> Sequence[Table]:
+        """The front."""
+        front = self.front
+        names = list(front[0].values) if front else []
+        columns: dict[str, Any] = {
+            goal.removeprefix("-"): [one.goals[i] for one in front]
+            for i, goal in enumerate(self.goals)
+        }
+        columns |= {name: [one.values[name] for one in front] for name in names}
+        known = {name: unit for name, unit in GOAL_UNITS.items() if name in columns}
+        return [Table("best", columns, known)]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """All trials, and the front."""
         return {
-            "goals": list(self.goals),
+            "message": self.title,
+            "goals": self.goals,
             "front": [trial.to_dict() for trial in self.front],
             "trials": [trial.to_dict() for trial in self.trials],
         }
+
+    def layers(self) -> Scene:
+        """There is none.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError("a search has no drawing of blocks", remedy="see its figure")
+
+    def figure(self) -> Chart:
+        """All trials: the first two goals against each other, or one goal by the trial."""
+        several = len(self.goals) > 1
+        names = self.goals[:2] if several else ("trial", self.goals[0])
+        drawn = [one for one in self.trials if one.goals]
+
+        def marks(some: Sequence[TuneTrial], kind: MarkKind, ink: str, label: str) -> Marks:
+            at = [(one.goals[0] if several else one.number, one.goals[several]) for one in some]
+            x, y = np.array(at, dtype=float).reshape(-1, 2).T
+            return Marks(kind, x, y, ink, label)
+
+        best = "front: no other is better in every goal" if several else "best"
+        shown = [
+            marks([one for one in drawn if not one.stands], MarkKind.CROSS, "ink", "falls"),
+            marks([one for one in drawn if one.stands], MarkKind.DISC, "accent", "stands"),
+            marks(self.front, MarkKind.LINE, "bad", best),
+            marks(self.front, MarkKind.DIAMOND, "bad", ""),
+        ]
+        across, up = (
+            name.removeprefix("-") + (", most is best" if name.startswith("-") else "")
+            for name in names
+        )
+        units = [GOAL_UNITS.get(name.removeprefix("-"), "") for name in names]
+        kept = tuple(one for one in shown if len(one.x))
+        return Chart("Trials", kept, across, up, (units[0], units[1]), self.title)
 
 
 def _beats(one: Sequence[float], other: Sequence[float]) -> bool:

@@ -131,5 +131,5 @@ def test_the_command_writes_the_model_and_tells_the_joints(
     assert code == 1
     assert told["verdict"] == "unstable"
     assert told["joints"]
-    assert told["joints"][0]["blocks"] == ["box", "out"]
+    assert (told["joints"][0]["block_a"], told["joints"][0]["block_b"]) == ("box", "out")
     assert out.exists()

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError, counted
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Source
@@ -41,7 +40,7 @@ def cut(
     html: options.Html = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Cut a monolith from the bottom up into blocks that are placed one by one without help.
 
     Each place takes its first cut on which the part above stands: the horizontal plane, a turned
@@ -63,30 +62,8 @@ def cut(
             options=design.CutOptions(blocks=blocks, most=most, **asked),
             **common,
         )
-    trials = () if found.design is None else found.design.trials
-    data: dict[str, Any] = {
-        "model": source.model,
-        "free": found.free,
-        "message": found.message,
-        "cuts": [
-            {
-                "place": one.place,
-                "point": list(map(float, one.cut.point)),
-                "normal": list(map(float, one.cut.normal)),
-                "notch_deg": one.cut.wedge_deg,
-            }
-            for one in trials
-            if one.accepted
-        ],
-        "recuts": [{"place": place, "why": why} for place, why in found.recuts],
-        "plan": None if found.plan is None else found.plan.to_dict(),
-    }
-    return Printed(
-        data,
-        partial(_show, data),
-        0 if found.free else 1,
-        read.notes,
-        partial(_files, found, out, html),
+    return Told(
+        found, subject=source.model, notes=read.notes, files=partial(_files, found, out, html)
     )
 
 
@@ -115,21 +92,3 @@ def _files(found: Any, out: Path | None, html: Path | None) -> tuple[list[Job], 
     if html is not None:
         jobs.append((html, partial(save_page, found.plan)))
     return jobs, []
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    screen.line(str(data["model"]), "FREE" if data["free"] else "NOT FREE", "bold")
-    screen.line(data["message"])
-    for one in data["recuts"]:
-        screen.dim(f"cut {one['place']} changed: {one['why']}")
-    for one in data["cuts"]:
-        slope = _slope(one["normal"])
-        kind = f"notch of {one['notch_deg']:g} degrees" if one["notch_deg"] else "plane"
-        screen.line(f"cut {one['place']} at z = {one['point'][2]:.3g} m: {kind}, slope {slope:.3g}")
-
-
-def _slope(normal: list[float]) -> float:
-    """[degrees]"""
-    import math
-
-    return math.degrees(math.acos(min(1.0, normal[2] / math.hypot(*normal))))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from drystone.base.display import named
 from drystone.base.errors import InputError
-from drystone.cli.base import kinds, verdict
+from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed, Told
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading, options
@@ -21,7 +19,7 @@ from drystone.cli.inputs.model_input import Finding, Subject
 if TYPE_CHECKING:
     from drystone.cli.base.told import Files
     from drystone.design import DesignMargin, Diagnosis, Mends, Shaped, Sharpened
-    from drystone.model import Model
+    from drystone.design.changed_answer import ChangedAnswer
     from drystone.results import Result
 
 _SHORT = 3
@@ -98,7 +96,7 @@ def mend(
     time_limit: options.TimeLimit = None,
     wanted: Pictures,
     waiting: Waiting,
-) -> Printed | Told:
+) -> Told:
     """Say why a model falls, and find changes with which it stands.
 
     Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
@@ -120,42 +118,35 @@ def mend(
     waiting.stage("diagnose", "diagnosing")
     with waiting.keywords(time_limit) as common:
         if diagnose:
-            found = design.diagnose(model, **common)
-            return Told(found, notes=model.notes, files=partial(_files, found, wanted))
+            why = design.diagnose(model, **common)
+            return Told(why, notes=model.notes, files=partial(wanted.of, why))
         chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, **common)
-            data = {"model": subject.model, **made.to_dict()}
-            useless = out is not None and not (made.steps or made.stands)
-            files = partial(
-                _files_after, model, made.result, made.model, wanted, None if useless else out,
-                "; ".join(one.description for one in made.steps),
-            )  # fmt: skip
-            if useless:
+            useless = not (made.steps or made.stands)
+            files = partial(changed_files, made, wanted, None if useless else out)
+            if useless and out is not None:
                 files = partial(_with_note, files, f"{out} is not written: no mend was made")
-            return Printed(
-                data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
-            )
+            return Told(made, notes=model.notes, files=files)
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
-    data = {"model": subject.model, **mends.diagnosis.to_dict(), **mends.to_dict()}
-    files = partial(_files, mends.diagnosis, wanted)
-    code = 0 if stands and mends.diagnosis.result.stable else 1
+    told = Told(mends, notes=model.notes, files=partial(wanted.of, mends))
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
             what = f"there is no mend {apply}: {len(mends.mends)} were found"
             raise InputError(what, where="--apply", remedy="give the number of one that is listed")
-        one = mends.mends[apply - 1]
         from drystone.stability import check
 
-        result = check(one.model)
-        data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
-        files = partial(_files_after, model, result, one.model, wanted, out, one.description)
-        code = verdict.exit_code(result, strict=False)
+        one = mends.mends[apply - 1]
+        made_one = replace(one, result=check(one.model))
+        told = replace(
+            told, also={"applied": made_one}, exit_code=made_one.code,
+            files=partial(changed_files, made_one, wanted, out),
+        )  # fmt: skip
     if pages is not None:
-        files = partial(_with_pages, files, mends, pages)
-    return Printed(data, partial(_show, data), code, model.notes, files)
+        told = replace(told, files=partial(_with_pages, told.files, mends, pages))
+    return told
 
 
 def _with_note(others: Any, note: str) -> Files:
@@ -166,16 +157,12 @@ def _with_note(others: Any, note: str) -> Files:
 
 def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
     """The other files, and a page of each mend."""
-    from drystone import view  # as above
+    from drystone.view import save_page  # as above
 
     folder.mkdir(parents=True, exist_ok=True)
     jobs, notes = others()
     for number, one in enumerate(mends.mends, 1):
-        change = one.description
-        if one.held:
-            change += f" ({named(one.held)} held meanwhile)"
-        scene = view.mended_scene(one.before, one.result, change)
-        jobs.append((folder / f"mend-{number:02d}.html", partial(view.save_page, scene)))
+        jobs.append((folder / f"mend-{number:02d}.html", partial(save_page, one)))
     return jobs, notes
 
 
@@ -233,31 +220,19 @@ class Changed(Pictures):
     ] = None
     time_limit: options.TimeLimit = None
 
-    def files(self, found: Shaped | Sharpened, change: str) -> Files:
+    def files(self, found: Shaped | Sharpened) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
-        return _files_after(found.before, found.result, found.model, self, self.out, change)
+        return changed_files(found, self, self.out)
 
 
-def _files_after(
-    before: Model,
-    result: Result,
-    model: Model,
-    wanted: Pictures,
-    out: Path | None,
-    change: str = "",
-) -> Files:
-    """The mended model, and its pictures with the edges of the model before."""
-    jobs: list[Any] = []
-    if out is not None:
-        from drystone import io
+def changed_files(found: ChangedAnswer, wanted: Pictures, out: Path | None) -> Files:
+    """The changed model, and its pictures with the edges of the model before."""
+    jobs, said = wanted.of(found)
+    if out is None:
+        return jobs, said
+    from drystone import io
 
-        jobs.append((out, partial(io.write, model)))
-    if wanted.html is not None or wanted.png is not None:
-        from drystone import view  # as above
-
-        scene = wanted.cut(view.mended_scene(before, result, change))
-        jobs += wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene))
-    return jobs, []
+    return [(out, partial(io.write, found.model)), *jobs], said
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
@@ -269,45 +244,3 @@ def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
     few = DiagnosisOptions(needs=False, regions=_SHORT)
     with waiting.stoppable() as stop:
         return {"diagnosis": diagnose(result.model, result=result, options=few, stop=stop)}
-
-
-def _files(found: Diagnosis, wanted: Pictures) -> Files:
-    if wanted.html is None and wanted.png is None:
-        return [], []
-    from drystone import view  # as above
-
-    scene = wanted.cut(found.layers())
-    return wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene)), []
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(str(data["model"]), data["verdict"].upper(), style)
-    if data["message"]:
-        screen.line(data["message"])
-    for number, sentence in enumerate(data["sentences"][2:], 1):
-        mark = f"{number}. " if number <= len(data["regions"]) else ""
-        screen.line(f"{mark}{sentence}")
-    if data["stopped"]:
-        screen.note(f"{data['stopped']} before all was tried")
-    if data.get("mending"):
-        screen.line(data["mending"])
-    for number, one in enumerate(data.get("mends", ()), 1):
-        blocks = named(one["blocks"])
-        told = f"mend {number}, of {blocks}: {one['description']} (cost {one['cost']:.3g})"
-        screen.line(told)
-    for one in data.get("tried", ()):
-        screen.line(f"no solution for {named(one['blocks'])}: {one['kind']}: {one['what']}")
-    if "applied" in data:
-        one = data["applied"]
-        style = verdict.STYLE.get(one["verdict"], "bold")
-        screen.line(f"{data['model']}, changed", one["verdict"].upper(), style)
-        screen.line(one["description"])
-
-
-def _show_auto(data: dict[str, Any], screen: Screen) -> None:
-    style = verdict.STYLE.get(data["verdict"], "bold")
-    mended = ", changed" if data["steps"] else ""
-    screen.line(f"{data['model']}{mended}", data["verdict"].upper(), style)
-    for sentence in data["log"]:
-        screen.line(sentence)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -37,7 +36,7 @@ def recut(
     html: options.Html = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Change joints until every block is placed alone and stands at once.
 
     The model is planned. Where a block must be held or propped, one of its joints is turned or made
@@ -58,14 +57,7 @@ def recut(
             options=design.RecutOptions(most=most, plan=rules),
             **common,
         )
-    data = {"model": subject.model, **found.to_dict()}
-    return Printed(
-        data,
-        partial(_show, data),
-        0 if found.free else 1,
-        model.notes,
-        partial(_files, found, out, html),
-    )
+    return Told(found, notes=model.notes, files=partial(_files, found, out, html))
 
 
 def _files(found: Recut, out: Path | None, html: Path | None) -> tuple[list[Job], list[str]]:
@@ -78,17 +70,3 @@ def _files(found: Recut, out: Path | None, html: Path | None) -> tuple[list[Job]
     if html is not None and found.plan.steps:
         jobs.append((html, partial(save_page, found.plan)))
     return jobs, [f"not written: {html}"] if html is not None and not found.plan.steps else []
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    screen.line(str(data["model"]), "FREE" if data["free"] else "NOT FREE", "bold")
-    screen.line(data["message"])
-    for one in data["changes"]:
-        a, b = one["blocks"]
-        angle = one["angle_deg"]
-        if one["kind"] == "turn":
-            words = f"turned by {angle:g} degrees"
-        else:
-            words = f"a wedge of {abs(angle):g} degrees, {a if angle > 0.0 else b} is the wedge"
-        screen.line(f"{a} and {b}: {words}")
-        screen.dim(one["why"])

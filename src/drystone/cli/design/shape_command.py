@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.cli.base import kinds, verdict
+from drystone.cli.base import kinds
 from drystone.cli.base.command import Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -99,7 +98,7 @@ def shape(
     ] = None,
     changed: Changed,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
 
     Vertices at one place move together, and joints stay plane, so that they stay shared. The
@@ -137,21 +136,4 @@ def shape(
     waiting.stage("shape", "shaping")
     with waiting.keywords(changed.time_limit) as common:
         found = design.shape(model, moves, options=chosen, **common)
-    data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
-    largest = 1e3 * float(abs(found.x).max(initial=0.0))
-    change = f"vertices moved by up to {largest:.1f} mm"
-    files = partial(changed.files, found, change)
-    return Printed(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(f"{data['model']}, changed", data["verdict"].upper(), style)
-    screen.line(f"{data['message']}; {data['check']}")
-    if data["aim"] == "volume":
-        screen.line(f"volume {data['value']:.4g} m3, {data['first']:.4g} m3 before")
-    elif data["aim"] == "stand":
-        told = f"{data['value']:.2g} of the load needs help, {data['first']:.2g} before"
-        screen.line(told)
-    moved = max((abs(one) for one in data["variables"]), default=0.0)
-    screen.line(f"{len(data['variables'])} variables, the largest move {1e3 * moved:.1f} mm")
+    return Told(found, notes=model.notes, files=partial(changed.files, found))

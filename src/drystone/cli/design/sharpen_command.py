@@ -5,11 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated, Any
 
-from drystone.base.errors import counted
-from drystone.cli.base import kinds, verdict
+from drystone.cli.base import kinds
 from drystone.cli.base.command import Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -52,7 +50,7 @@ def sharpen(
     ] = (),
     changed: Changed,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Make wedges of two planes from plane joints with tension, until the model stands.
 
     Wedges that are not needed are then made plane again, and each other one as flat as possible.
@@ -71,21 +69,4 @@ def sharpen(
     waiting.stage("sharpen", "sharpening")
     with waiting.keywords(changed.time_limit) as common:
         found = design.sharpen(model, options=chosen, **common)
-    data = {"model": subject.model, **found.to_dict()}
-    wedges = [one["sharpness_deg"] for one in data["joints"]]
-    change = found.message
-    if wedges:
-        change = f"{counted(len(wedges), 'joint')} made wedges of up to {max(wedges):.3g} degrees"
-    files = partial(changed.files, found, change)
-    return Printed(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(f"{data['model']}, sharpened", data["verdict"].upper(), style)
-    screen.line(data["message"])
-    if data["joints"]:
-        screen.line(data["check"])
-    for one in data["joints"]:
-        a, b = one["blocks"]
-        screen.line(f"{a} and {b}: {one['sharpness_deg']:.2f} degrees")
+    return Told(found, notes=model.notes, files=partial(changed.files, found))

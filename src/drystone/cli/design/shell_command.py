@@ -122,7 +122,7 @@ def shell(
     if told is not None:
         data["buildable"] = told.to_dict()
     if tuned is not None:
-        data["search"] = {"message": tuned._summary(), **tuned.to_dict()}
+        data["search"] = tuned.to_dict()
     show = bound(_show, answer, data)
     return Printed(data, show, answer.code, result.model.notes, files, waiting.wrote)
 

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.design.parameter_search import SearchRequest, show_front
+from drystone.cli.design.parameter_search import SearchRequest
 from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def tune(
     ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Search for the parameters with which a family of structures stands and is best.
 
     With several goals the front is listed: no other structure is better in all of them.
@@ -71,9 +70,7 @@ def tune(
         )
     made = partial(build, **given)
     found = search.run(made, known, how, waiting, time_limit)
-    data = {"family": family, "message": found._summary(), **found.to_dict()}
-    files = partial(_files, found, made, how, out, png)
-    return Printed(data, partial(_show, data), 0 if found.front else 1, (), files)
+    return Told(found, subject=family, files=partial(_files, found, made, how, out, png))
 
 
 def _files(
@@ -86,12 +83,7 @@ def _files(
 
         jobs.append((out, partial(io.write, model_of(build(**found.front[0].values), how))))
     if png is not None:
-        from drystone.view import save_front  # as above
+        from drystone.view import save_figure  # as above
 
-        jobs.append((png, partial(save_front, found)))
+        jobs.append((png, partial(save_figure, found)))
     return jobs, []
-
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    screen.line(data["family"], data["message"], "bold")
-    show_front(data, screen)

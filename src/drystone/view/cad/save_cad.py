@@ -9,8 +9,8 @@ from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
 from drystone.view.cad.glb_picture import write_glb
 from drystone.view.cad.rhino_picture import write_3dm
-from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.presets import PRESETS, first_preset
+from drystone.view.subjects import Subject, scene_of
 
 _WRITERS = {".3dm": write_3dm, ".glb": write_glb}
 

@@ -23,9 +23,9 @@ from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion,
 from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
 from drystone.view.paper.plots import save_chart
-from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, ramp_colours
 from drystone.view.style.presets import PRESETS, first_preset, is_shown
+from drystone.view.subjects import Subject, scene_of
 from drystone.view.transforms.exploded import taken_apart
 from drystone.view.transforms.section import behind, cut_at
 

@@ -14,12 +14,10 @@ from drystone.view.style.palette import ROLE_COLOUR
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from drystone.design import Tuned
     from drystone.sequence import GravityRegion
 
 _INCH = 4.2
 """Width of a disc [inches]. Chosen; the dots of all directions just touch."""
-_GOAL_UNITS = {"volume": "m3", "height": "m", "reach": "m"}
 
 
 def _axes(title: str, across: str, up: str, projection: str | None = None) -> tuple[Figure, Any]:
@@ -138,42 +136,3 @@ def _lambert(direction: Floats, sign: float) -> Floats:
     factor = radius / np.where(across > 0.0, across, 1.0)
     out: Floats = direction[:, :2] * factor[:, None]
     return out
-
-
-@saved_plot
-def save_front(found: Tuned, title: str) -> Figure:
-    """Draw all trials: the first two goals against each other, or one goal by the trial."""
-    colour = ROLE_COLOUR["light"]
-    several = len(found.goals) > 1
-    labels = (
-        [_label(goal) for goal in found.goals[:2]] if several else ["trial", _label(found.goals[0])]
-    )
-    figure, axes = _axes(f"{title}\n{found._summary()}".strip(), *labels)
-    drawn = [one for one in found.trials if one.goals]
-    places = {
-        stands: np.array([_place(one, several) for one in drawn if one.stands is stands])
-        for stands in (True, False)
-    }
-    for stands, label, ink, shape in (
-        (False, "not good enough", colour["edge"], "x"),
-        (True, "stands", colour["pressure"], "o"),
-    ):
-        if len(places[stands]):
-            axes.plot(*places[stands].T, shape, color=ink, label=label, markersize=5, alpha=0.6)
-    front = np.array([_place(one, several) for one in found.front])
-    if len(front):
-        label = "front: no other is better in every goal" if several else "best"
-        axes.plot(*front.T, "-D", color=colour["help"], label=label, markersize=6, linewidth=1.2)
-    if drawn:
-        axes.legend(frameon=False, fontsize=9)
-    return figure
-
-
-def _place(one: Any, several: bool) -> tuple[float, float]:
-    return (one.goals[0], one.goals[1]) if several else (float(one.number), one.goals[0])
-
-
-def _label(goal: str) -> str:
-    name = goal.removeprefix("-")
-    unit = f" [{_GOAL_UNITS[name]}]" if name in _GOAL_UNITS else ""
-    return f"{name}{unit}, {'most' if goal.startswith('-') else 'least'} is best"

@@ -31,7 +31,7 @@ The format (``format`` "drystone-page", ``version`` 2):
     Axis and place of the section that is shown first, from -1 to 1 across the model; or null.
 ``stages``
     Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
-    the optional arrays of :class:`drystone.view.scenes.scene.SceneStage`, and ``layers``. ``scale``
+    the optional arrays of :class:`drystone.answer.SceneStage`, and ``layers``. ``scale``
     of a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar.
 """
 

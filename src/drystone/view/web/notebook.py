@@ -14,7 +14,7 @@ from pathlib import Path
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.view.paper.figure import save_figure
-from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.subjects import Subject, scene_of
 from drystone.view.web.page import page_text, save_page
 
 SIZE, DPI = (6.4, 4.4), 64

@@ -10,7 +10,7 @@ from os import PathLike
 from drystone.answer.scene import Scene
 from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
-from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.subjects import Subject, scene_of
 from drystone.view.transforms.section import cut_at
 from drystone.view.web.encode import encode, to_text
 from drystone.view.web.panels import panel

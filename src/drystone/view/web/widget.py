@@ -13,7 +13,7 @@ from importlib import resources
 from typing import Any
 
 from drystone.base.errors import InputError, MissingDependency
-from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.subjects import Subject, scene_of
 from drystone.view.web.notebook import packed
 from drystone.view.web.page import page_text
 

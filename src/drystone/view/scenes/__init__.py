@@ -1,1 +1,0 @@
-"""Scenes of values: the content of a picture before it is drawn."""
