@@ -187,6 +187,10 @@ def _inside(
     far = last if edge is None or falls in (None, outer.falls) else falls
     full = search(verdict)
     rest = full.around(near, far, span, width=width, beyond=outer, closing=closing)
+    if late() and rest.bracket.stands is None:  # what uniform stiffness holds stands
+        held = uniform.bracket
+        known = replace(rest.bracket, stands=held.stands, standing=held.standing)
+        rest = replace(rest, bracket=known)
     reached = abs((start if rest.bracket.stands is None else rest.bracket.stands) - start)
     beyond = [run for run in uniform.islands if min(abs(end - start) for end in run) > reached]
     islands = tuple(run for run in beyond if _stands_again(full, run))

@@ -70,7 +70,7 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
         "        tell('third'); wait(lambda: self.interrupted)\n"
         "Waiting.__call__ = held"
     )
-    run = child(code, "check", str(model), "--json", "--html", str(page))
+    run = child(code, "check", str(model), "--strict", "--json", "--html", str(page))
     number, out, _ = interrupt(run, "third", number=getattr(signal, request_to_end))
     told = json.loads(out)
     assert number == 130
