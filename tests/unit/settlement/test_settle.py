@@ -6,6 +6,7 @@ import pytest
 import drystone
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics import follow
 from drystone.mechanics.bodies import gyration_radii
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
 from drystone.models.solids import prism, welded
@@ -13,7 +14,6 @@ from drystone.settlement import (
     Outcome,
     Settlement,
     SettlementOptions,
-    follow,
     settle,
 )
 from drystone.settlement.settling import settle_for_verdict
