@@ -16,11 +16,11 @@ import numpy as np
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import FormatError, InputError, counted
-from drystone.base.files import PathLike, digest
+from drystone.base.files import PathLike, as_path, digest
 from drystone.base.units import scale_of
 from drystone.io.draft import Draft, DraftBlock
 
-Paths: TypeAlias = PathLike | Sequence[PathLike]
+Paths: TypeAlias = PathLike | list[PathLike] | tuple[PathLike, ...] | list[str] | list[Path]
 """One file, a folder, a pattern such as ``parts/*.obj``, or several of these."""
 
 _MOST = 10_000
@@ -40,8 +40,8 @@ def is_paths(given: object) -> TypeGuard[Paths]:
 
 def place_of(path: Paths) -> Path:
     """What to call the model in errors: the file, the folder or the pattern."""
-    if isinstance(path, str | os.PathLike):
-        return Path(path)
+    if not isinstance(path, list | tuple):
+        return as_path(path)
     every = [os.fspath(one) for one in path]
     return Path(every[0]) if len(every) == 1 else Path(f"{len(every)} files")
 
@@ -61,24 +61,28 @@ def files_of(path: Paths, suffixes: Sequence[str]) -> tuple[Path, ...]:
     FormatError
         A folder or a pattern without such a file, or too many files.
     """
-    if not isinstance(path, str | os.PathLike):
+    if isinstance(path, list | tuple):
         if not path:
             raise InputError("no file is given")
         return tuple(file for one in path for file in files_of(one, suffixes))
-    place = Path(path)
-    if place.is_dir():
+    place = as_path(path)
+    try:
+        folder, known = place.is_dir(), place.exists()
+    except (OSError, ValueError):  # no name of a file: it is refused when it is read
+        return (place,)
+    if folder:
         inside = [one for one in place.iterdir() if not one.name.startswith(".")]
         found = [one for one in inside if one.suffix.lower() in suffixes and one.is_file()]
         missing = "the folder holds no model file"
-    elif has_magic(str(place)) and not place.exists():
+    elif has_magic(str(place)) and not known:
         root = Path(place.anchor)
         found = [one for one in root.glob(str(place.relative_to(root))) if one.is_file()]
         missing = "no file fits the pattern"
     else:
         return (place,)
     if not found:
-        known = ", ".join(sorted(set(suffixes)))
-        raise FormatError(missing, where=str(place), remedy=f"these are read: {known}")
+        read = ", ".join(sorted(set(suffixes)))
+        raise FormatError(missing, where=str(place), remedy=f"these are read: {read}")
     if len(found) > _MOST:
         raise FormatError(
             f"{len(found)} files are more than the {_MOST} of one model", where=str(place)
