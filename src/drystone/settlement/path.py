@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,6 +56,44 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
     return case.motion
 
 
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What is followed, with each carrier of the ends of joints.
+
+    Attributes
+    ----------
+    model
+    apart
+        Faces that its blocks may meet.
+    chosen, clock
+    motion : (n, 6) [m, rad]
+        Of the supports; None where they stay.
+    left_at
+        Displacement of a block relative to its size at which a run ends.
+    """
+
+    model: Model
+    apart: Apart
+    chosen: SettlementOptions
+    clock: Clock
+    motion: Floats | None = None
+    left_at: float = np.inf
+
+    @property
+    def many(self) -> bool:
+        """Whether it has many blocks."""
+        return len(self.model.assembly.free) > DENSE
+
+    def follower(
+        self, carrier: Carrier, overlap: float, tell: Callable[[float], None] | None = None
+    ) -> Follower:
+        """A run that has not begun."""
+        chosen, (part, gap) = self.chosen, followed_model(self.model, self.apart)
+        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+        bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, self.left_at)
+        return Follower(bodies, bounds, stop=self.clock.late, tell=tell)
+
+
 def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     """The carriers to follow: two if the ends of loaded joints allow both."""
     if chosen.carrier is not None:
@@ -66,16 +104,12 @@ def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
 
 
 def path_of(
-    model: Model,
-    apart: Apart,
+    case: Case,
     carrier: Carrier,
     first: bool,
-    motion: Floats | None,
-    chosen: SettlementOptions,
-    clock: Clock,
+    *,
     progress: Progress | None = None,
     overlap: float | None = None,
-    left_at: float = np.inf,
     other: SettlementPath | None = None,
 ) -> tuple[SettlementPath, bool]:
     """One run, in physical numbers, and whether the other carrier need not be tried.
@@ -83,8 +117,9 @@ def path_of(
     ``first``: there is another one. ``other``: its run. Many blocks that rest with the other
     carrier are followed from there; only if they do not rest again, from the beginning.
     """
-    if other is not None and motion is None and len(model.assembly.free) > DENSE:
-        again = _from_rest(model, apart, carrier, chosen, clock, other)
+    motion, chosen = case.motion, case.chosen
+    if other is not None and motion is None and case.many:
+        again = _from_rest(case, carrier, other)
         if again is not None:
             return again, True
     stage = f"following the blocks, ends carried by the {carrier.value} block"
@@ -99,8 +134,8 @@ def path_of(
     overlap = chosen.overlap if overlap is None else overlap
     far: tuple[Bodies, Track] | None = None
     while True:
-        follower = follower_of(model, apart, carrier, chosen, clock, overlap, tell, left_at)
-        if left_at < np.inf and overlap < chosen.overlap:
+        follower = case.follower(carrier, overlap, tell)
+        if case.left_at < np.inf and overlap < chosen.overlap:
             follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
         bodies = follower.bodies
         track = follower.run(
@@ -111,7 +146,7 @@ def path_of(
             overlap *= STIFFER
         elif motion is None and overlap == chosen.overlap and _moved_much(bodies, track):
             overlap *= FIRMER
-        elif motion is None and far is None and rests_far(bodies, track, chosen):
+        elif motion is None and far is None and _rests_far(bodies, track, chosen):
             far = bodies, track
             overlap *= STIFFER
         else:
@@ -120,12 +155,10 @@ def path_of(
         bodies, track = far
     if progress is not None:
         progress(stage, 100, 100)
-    return path_after(
-        model, apart, carrier, first, motion is not None, chosen, clock, bodies, track
-    )
+    return _path_after(case, carrier, first, bodies, track)
 
 
-def rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
+def _rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
     """Whether few blocks rest farther than what stands does, which their springs may have caused.
 
     A plug that hardly tapers presses with many times its weight, and moves far before its springs
@@ -146,19 +179,12 @@ def _moved_much(bodies: Bodies, track: Track) -> bool:
     return many and track.ended is Ended.RESTS and float(track.travel.max()) > TOO_FAR
 
 
-def _from_rest(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    chosen: SettlementOptions,
-    clock: Clock,
-    other: SettlementPath,
-) -> SettlementPath | None:
+def _from_rest(case: Case, carrier: Carrier, other: SettlementPath) -> SettlementPath | None:
     """The rest state with one carrier near that with the other; None where it is not found."""
     if other.outcome is not Outcome.RESTS or other.met:
         return None
-    left_at = chosen.rest_within
-    follower = follower_of(model, apart, carrier, chosen, clock, other.overlap, left_at=left_at)
+    model, chosen = case.model, case.chosen
+    follower = replace(case, left_at=chosen.rest_within).follower(carrier, other.overlap)
     bodies, moved = follower.bodies, other.positions[-1]
     pose = BlockPositions(
         bodies.centroid + moved[:, :3] / bodies.length_unit, rotations(moved[:, 3:])
@@ -172,60 +198,33 @@ def _from_rest(
     track = follower.run()
     if track.ended is not Ended.RESTS:
         return None
-    path, _ = path_after(model, apart, carrier, False, False, chosen, clock, bodies, track)
+    path, _ = _path_after(case, carrier, False, bodies, track)
     return path if path.outcome is Outcome.RESTS else None
 
 
-def follower_of(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    chosen: SettlementOptions,
-    clock: Clock,
-    overlap: float,
-    tell: Callable[[float], None] | None = None,
-    left_at: float = np.inf,
-) -> Follower:
-    """A run that has not begun."""
-    part, gap = followed_model(model, apart)
-    bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
-    bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, left_at)
-    return Follower(bodies, bounds, stop=clock.late, tell=tell)
-
-
-def path_after(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    first: bool,
-    moving: bool,
-    chosen: SettlementOptions,
-    clock: Clock,
-    bodies: Bodies,
-    track: Track,
+def _path_after(
+    case: Case, carrier: Carrier, first: bool, bodies: Bodies, track: Track
 ) -> tuple[SettlementPath, bool]:
-    """A track in physical numbers, with its outcome; ``moving``: supports have moved.
+    """A track in physical numbers, with its outcome.
 
     The other carrier need not be tried where the outcome is unknown, whatever it says, and where it
     would say the same.
     """
-    path = _physical(model, apart, bodies, track, carrier)
-    path = _with_outcome(path, track, moving, chosen, clock)
+    path = _with_outcome(_physical(case, carrier, bodies, track), track, case)
     if path.outcome is Outcome.UNKNOWN or not first:
         return path, True
-    if bodies.overlap < chosen.overlap and len(bodies.free) <= DENSE:
+    if bodies.overlap < case.chosen.overlap and not case.many:
         return path, False  # on stiffer springs a smaller distance of the ends decides
-    part, gap = followed_model(model, apart)
+    part, gap = followed_model(case.model, case.apart)
     return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
 
 
-def _with_outcome(
-    path: SettlementPath, track: Track, moving: bool, chosen: SettlementOptions, clock: Clock
-) -> SettlementPath:
+def _with_outcome(path: SettlementPath, track: Track, case: Case) -> SettlementPath:
+    chosen, moving = case.chosen, case.motion is not None
     travel = float(track.travel.max(initial=0.0))
     if track.ended is not Ended.RESTS:
         # out of steps: where a block is beyond what stands and still moves, it does not stand
-        moved_on = not moving and not clock.reason and travel > chosen.rest_within
+        moved_on = not moving and not case.clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
@@ -243,12 +242,10 @@ def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
     return out
 
 
-def _physical(
-    model: Model, apart: Apart, bodies: Bodies, track: Track, carrier: Carrier
-) -> SettlementPath:
+def _physical(case: Case, carrier: Carrier, bodies: Bodies, track: Track) -> SettlementPath:
     """A track in m, rad and N, for all corners of the model and of the faces that were met."""
-    joints = len(model.contacts)
-    model, corners, kept = model_with_met(model, apart, track.met)
+    joints = len(case.model.contacts)
+    model, corners, kept = model_with_met(case.model, case.apart, track.met)
     contacts = model.contacts
     positions = block_motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))

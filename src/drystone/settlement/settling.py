@@ -20,11 +20,12 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.maps import DENSE
-from drystone.mechanics.meeting import Apart, faces_apart
+from drystone.mechanics.meeting import faces_apart
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.outcomes import outcome_of
 from drystone.settlement.path import (
+    Case,
     carriers_of,
     path_of,
     support_motion,
@@ -126,31 +127,33 @@ def _carried(
         return _nothing_free(model, moving, chosen)
     carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
+    case = Case(model, apart, chosen, clock, moving, left_at)
     tries = [(one, one is not carriers[-1]) for one in carriers]
-    task = partial(_tried, model, apart, moving, chosen, clock, left_at)
     known: list[tuple[SettlementPath, bool]] = []
-    few = len(model.assembly.free) <= DENSE  # of many, the second run depends on the first one
-    if executor is not None and len(carriers) > 1 and few:
+    # of many blocks, the second run depends on the first one
+    if executor is not None and len(carriers) > 1 and not case.many:
         with WorkerPool(executor) as pool:
-            known = list(pool.answers(task, tries, clock.late))
+            known = list(pool.answers(partial(_tried, case), tries, clock.late))
     paths: tuple[SettlementPath, ...] = ()
-    for number, carrier in enumerate(tries):
+    for number, which in enumerate(tries):
         # of many blocks the forces are much the same for both carriers
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
         other = paths[-1] if paths else None
         if number < len(known):
             path, last = known[number]
         else:  # also where the workers were ended early: the beginning of the others
-            path, last = task(carrier, progress=progress, overlap=stiff, other=other)
+            path, last = path_of(case, *which, progress=progress, overlap=stiff, other=other)
         paths += (path,)
         if last or path.outcome is Outcome.UNKNOWN:
             break  # then the outcome is unknown, whatever the other one does
-    if not few and len(paths) == 2:
+    if case.many and len(paths) == 2:
         first, second = paths
         rests = first.outcome is Outcome.FALLS and second.outcome is Outcome.RESTS
         if rests and second.overlap < first.overlap:
             # the springs of the first run were too soft as well
-            path, _ = task(tries[0], progress=progress, overlap=second.overlap, other=second)
+            path, _ = path_of(
+                case, *tries[0], progress=progress, overlap=second.overlap, other=second
+            )
             paths = path, second
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
@@ -247,16 +250,5 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
     return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, {"solve": 0.0})
 
 
-def _tried(
-    model: Model,
-    apart: Apart,
-    motion: Floats | None,
-    chosen: SettlementOptions,
-    clock: Clock,
-    left_at: float,
-    carrier: tuple[Carrier, bool],
-    progress: Progress | None = None,
-    overlap: float | None = None,
-    other: SettlementPath | None = None,
-) -> tuple[SettlementPath, bool]:
-    return path_of(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at, other)
+def _tried(case: Case, which: tuple[Carrier, bool]) -> tuple[SettlementPath, bool]:
+    return path_of(case, *which)

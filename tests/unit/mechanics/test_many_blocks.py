@@ -12,11 +12,11 @@ from drystone.mechanics.bodies import Bodies, build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.law import respond
 from drystone.mechanics.maps import DenseMaps, SparseMaps
-from drystone.mechanics.meeting import Apart, faces_apart
+from drystone.mechanics.meeting import faces_apart
 from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch
 from drystone.settlement import Outcome, SettlementOptions, SettlementPath
-from drystone.settlement.path import path_of
+from drystone.settlement.path import Case, path_of
 
 
 def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
@@ -78,9 +78,10 @@ def test_the_other_carrier_is_followed_from_where_many_blocks_rest() -> None:
     model = Model.of(assembly, friction=0.8, load=load)
     apart, chosen = faces_apart(model, 0.3), SettlementOptions()
     clock = Clock(float("inf"), None)
-    first, _ = path_of(model, apart, Carrier.MOVING, True, None, chosen, clock)
-    whole, _ = path_of(model, apart, Carrier.RESTING, False, None, chosen, clock)
-    near, _ = path_of(model, apart, Carrier.RESTING, False, None, chosen, clock, other=first)
+    case = Case(model, apart, chosen, clock)
+    first, _ = path_of(case, Carrier.MOVING, True)
+    whole, _ = path_of(case, Carrier.RESTING, False)
+    near, _ = path_of(case, Carrier.RESTING, False, other=first)
     assert near.outcome is whole.outcome is Outcome.RESTS
     assert near.residuals is not None
     assert near.residuals.largest < 1e-8
@@ -100,14 +101,11 @@ def test_both_carriers_of_many_blocks_are_followed_on_springs_of_one_stiffness(
     asked: list[tuple[Carrier, float | None]] = []
 
     def told(
-        model: Model, apart: Apart, carrier: Carrier, first: bool, *rest: Any, **_: Any
+        case: Case, carrier: Carrier, first: bool, *, overlap: float | None, **how: Any
     ) -> tuple[SettlementPath, bool]:
-        motion, chosen, clock, _progress, overlap, left_at, other = rest
         asked.append((carrier, overlap))
         stiff = 1e-8 if carrier is Carrier.RESTING else overlap
-        path, _last = path_of(
-            model, apart, carrier, first, motion, chosen, clock, None, stiff, left_at, other
-        )
+        path, _last = path_of(case, carrier, first, overlap=stiff, **how)
         if len(asked) == 1:
             path = replace(path, outcome=Outcome.FALLS)
         return path, False
