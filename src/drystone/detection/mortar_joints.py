@@ -6,8 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
@@ -91,11 +89,16 @@ def _spread(patches: Patches, planes: Planes, pieces: Pieces, by: float) -> Piec
 
 
 def _connected(found: Interfaces, count: int) -> Ints:
-    """Number (n,) of the connected group of each block."""
-    ones = np.ones(found.count, dtype=bool)
-    graph = coo_array((ones, (found.block_a, found.block_b)), shape=(count, count))
-    label: Ints = connected_components(graph, directed=False)[1].astype(np.intp)
-    return label
+    """The first block (n,) of the connected group of each block."""
+    first = np.arange(count, dtype=np.intp)
+    while True:  # every block takes over the number of the lowest one that it touches, and its
+        lower = first.copy()
+        np.minimum.at(lower, found.block_a, first[found.block_b])
+        np.minimum.at(lower, found.block_b, first[found.block_a])
+        lower = lower[lower]
+        if np.array_equal(lower, first):
+            return first
+        first = lower
 
 
 def _one_thickness(pair: Ints, gap: Floats, touching: int) -> Bools:
