@@ -166,9 +166,11 @@ def _inside(
     (start, last), options, late = span, means.options, means.clock.late
 
     def search(
-        check: Callable[..., Result], meaning: Mapping[Verdict, bool | None] = STANDS
+        check: Callable[..., Result],
+        meaning: Mapping[Verdict, bool | None] = STANDS,
+        starts: Mapping[float, Result] | None = None,
     ) -> VerdictSearch:
-        return VerdictSearch(family, partial(check, stop=late), executor, meaning, late)
+        return VerdictSearch(family, partial(check, stop=late), executor, meaning, late, starts)
 
     if means.check is not None:
         other = VerdictSearch(family, means.check, executor, stop=late)
@@ -185,7 +187,7 @@ def _inside(
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
-    full = search(verdict)
+    full = search(verdict, starts=first.results)
     rest = full.around(near, far, span, width=width, beyond=outer, closing=closing)
     if late() and rest.bracket.stands is None:  # what uniform stiffness holds stands
         held = uniform.bracket
@@ -202,7 +204,7 @@ def _inside(
     found = {"uniform": uniform, "rest": rest}  # where both were asked the verdict is told
     if options.robust and rest.bracket.stands is not None:
         inner = min(near, rest.bracket.stands, key=lambda value: abs(value - start))
-        every = search(every_stiffness, STANDS_OR_NOT)
+        every = search(every_stiffness, STANDS_OR_NOT, full.results | first.results)
         outside = replace(rest.bracket, standing=None)
         found["robust"] = every.around(
             inner, rest.bracket.stands, (start, rest.bracket.stands), width=width, beyond=outside

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
+from drystone.base.arrays import Floats
 from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -31,7 +32,9 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     return check(model, options=CheckOptions(settle=False), stop=stop)
 
 
-def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+def every_stiffness(
+    model: Model, *, start: Floats | None = None, stop: Stop | None = None
+) -> Result:
     """Whether it stands with every contact stiffness that is tried: robust.
 
     Where they slide far they are followed, and must come to rest.
@@ -43,14 +46,14 @@ def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
         loads or the blocks fall, or else UNDECIDED.
     """
     options = replace(CheckOptions.robust(), uniform=True)
-    found = check(model, options=options, stop=stop)
+    found = check(model, options=options, start=start, stop=stop)
     everywhere = found.samples.standing == found.samples.tried
     return found if everywhere or not found.stable else replace(found, verdict=Verdict.UNDECIDED)
 
 
-def verdict(model: Model, *, stop: Stop | None = None) -> Result:
+def verdict(model: Model, *, start: Floats | None = None, stop: Stop | None = None) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return check(model, options=CheckOptions(), stop=stop)
+    return check(model, start=start, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

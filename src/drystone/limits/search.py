@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from operator import itemgetter
@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.brackets import Bracket, Evaluation, FoundBracket
@@ -45,6 +46,8 @@ class VerdictSearch:
         What each verdict counts as.
     stop
         Called before and after every value.
+    starts
+        Results by value at whose rest states ``check`` begins, if it is one of drystone.
     """
 
     def __init__(
@@ -54,12 +57,14 @@ class VerdictSearch:
         executor: Executor | None = None,
         meaning: Mapping[Verdict, bool | None] = STANDS,
         stop: Stop | None = None,
+        starts: Mapping[float, Result] | None = None,
     ) -> None:
         self.family = family
         self.check = check
         self.executor = executor
         self.meaning = meaning
         self.stop = stop if stop is not None else lambda: False
+        self.starts = starts or {}
         self.results: dict[float, Result] = {}
 
     def stands(self, value: float) -> bool | None:
@@ -81,7 +86,8 @@ class VerdictSearch:
         task = partial(evaluate, self.family, self.check)
         pool = WorkerPool(self.executor if len(new) > 1 else None)
         late = self.stop if self.executor is not None else bool
-        for value, answer in zip(new, pool.answers(task, new, late), strict=False):
+        begun = [(value, self._start(value)) for value in new]
+        for value, answer in zip(new, pool.answers(task, begun, late), strict=False):
             stopped = self.stop()
             if not (stopped and answer.verdict is Verdict.UNDECIDED):
                 self.results[value] = answer
@@ -89,6 +95,10 @@ class VerdictSearch:
                 raise Stopped
         if new and new[-1] not in self.results:
             raise Stopped
+
+    def _start(self, value: float) -> Floats | None:
+        known = self.starts.get(value)
+        return None if known is None else known.displacement
 
     def run(
         self, start: float, end: float, *, width: Width, scan: int, beyond: Bracket | None = None
@@ -259,9 +269,12 @@ class VerdictSearch:
         )
 
 
-def evaluate(family: Family, check: Check, value: float) -> Result:
-    """The answer at one value of a family."""
-    return check(family(value))
+def evaluate(
+    family: Family, check: Callable[..., Result], begun: tuple[float, Floats | None]
+) -> Result:
+    """The answer at one value of a family, from a rest state (n, 6) there."""
+    value, start = begun
+    return check(family(value)) if start is None else check(family(value), start=start)
 
 
 def _runs(

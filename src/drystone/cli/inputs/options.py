@@ -166,6 +166,9 @@ class LimitSearch:
     equilibrium_only: Annotated[
         bool, Option("Compute the limit of equilibrium only.", expert=True)
     ] = False
+    robust: Annotated[
+        bool, Option("Compute the limit of standing for every contact stiffness too.", expert=True)
+    ] = False
     workers: Workers = 1
     time_limit: TimeLimit = None
 
@@ -180,6 +183,7 @@ class LimitSearch:
             scan=self.scan,
             cone=FrictionCone.exact() if exact else FrictionCone.octagon(),
             full=not self.equilibrium_only,
+            robust=self.robust,
         )
 
     @contextmanager
