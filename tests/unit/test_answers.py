@@ -1,6 +1,7 @@
 """Every answer says five things of itself, keeps what was asked, and can be kept and copied."""
 
 import copy
+import html
 import inspect
 import json
 import pickle
@@ -92,7 +93,7 @@ def test_an_answer_says_five_things_of_itself(kind: type[Answer]) -> None:
         assert scene.stages
         assert scene.facts["Blocks"] == f"{len(one.assembly)}"
     assert isinstance(one.figure(), Scene | Chart)
-    assert one.title.replace("<", "&lt;") in one._repr_html_()
+    assert html.escape(one.title) in one._repr_html_()
 
 
 @pytest.mark.parametrize("kind", ANSWERS, ids=lambda kind: kind.__name__)

@@ -33,7 +33,7 @@ from drystone import (
 from drystone.base.display import Card, shortened
 from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
 from drystone.fall import FallOptions, Film
-from drystone.io import FORMATS, read_file
+from drystone.io import FORMATS, Inspection, read_file
 from drystone.joints import force_network
 from drystone.models import arch, box, burr, dome, shelf, tower, vault
 from drystone.view.web import notebook
@@ -96,6 +96,8 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
+    yield Inspection(tower(3), drystone.find_contacts(tower(3)))
+    yield design.ChangedByHand(stands.model, stands)
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
     moves = {"springer-right": (0.01, 0.0, 0.0)}

@@ -154,6 +154,8 @@ class LimitAnswer(Answer):
             "parameter": self.parameter,
             "unit": self.unit,
             "range": [self.start, self.end],
+            "stands": stands,
+            "falls": self.best.falls,
             **{key: plain(getattr(self, key)) for key in _KINDS},
             "islands": self.islands,
             "falling": () if falling is None else falling.falling_names,

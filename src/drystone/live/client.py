@@ -6,7 +6,7 @@ but the standard library::
     import drystone_client
     server = drystone_client.Server("http://127.0.0.1:8377/?token=...")  # what the server printed
     answer = server.check({"file": "vault.obj", "supports": "lowest", "friction": 0.6})
-    print(answer["verdict"], answer["falling"]["first"])
+    print(answer["verdict"], answer["falling"])
 """
 
 import json
@@ -41,11 +41,11 @@ class Server(object):  # noqa: UP004  # Python 2 needs it
         self._opener = build_opener(ProxyHandler({}))
 
     def check(self, model):
-        """Does it stand? Keys of the answer: verdict, message, falling, props and more."""
+        """Does it stand? Keys of the answer: verdict, message, falling, gives_way and more."""
         return self.call("check", model=model)
 
     def limit(self, model, of, axis="x", load=None):
-        """How far? ``of`` is tilt, friction, load or shrink. Keys: stands_at, falls_at."""
+        """How far? ``of`` is tilt, friction, load or shrink. Keys: stands, falls."""
         more = {} if load is None else {"load": load}
         return self.call("limit", model=model, of=of, axis=axis, **more)
 

@@ -340,8 +340,8 @@ def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
     tower_ = {"file": "tower.json"}
     assert server.check(tower_)["verdict"] == "stable"
     limit = server.limit(tower_, "tilt", axis="y")
-    assert limit["stands_at"] <= 21.801 <= limit["falls_at"]  # atan 0.4
-    assert server.plan(tower_)["order"]["first"] == ["block-1", "block-2"]
+    assert limit["stands"] <= 21.801 <= limit["falls"]  # atan 0.4
+    assert server.plan(tower_)["order"] == ["block-1", "block-2"]
     assert server.call("files")["count"] == 3
     mends = server.mend({"file": "out.json"}, kinds=["prop"])["mends"]
     assert {one["kind"] for one in mends} == {"prop"}
