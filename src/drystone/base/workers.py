@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -21,10 +22,12 @@ from itertools import chain, islice
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
 
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import DrystoneError, InputError, MissingDependency
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
+
+_log = logging.getLogger(__name__)
 
 _AHEAD = 64
 """Items that are given to the workers before their answers are asked for: enough for some tens of
@@ -80,9 +83,13 @@ class WorkerPool:
     given
         An executor; or a function that starts one. That one is started again when a worker dies,
         and is shut down at the end.
+    needed
+        Whether it is an error when a worker died and none can be started again. Otherwise the work
+        goes on in this process.
     """
 
-    def __init__(self, given: Executor | ExecutorFactory | None) -> None:
+    def __init__(self, given: Executor | ExecutorFactory | None, *, needed: bool = True) -> None:
+        self.needed = needed
         executor = isinstance(given, Executor) or hasattr(given, "submit")
         self._executor: Any = given if executor else None
         self._factory: Any = None if executor else given
@@ -92,7 +99,7 @@ class WorkerPool:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._end()
+        self.end()
 
     @property
     def executor(self) -> Executor | None:
@@ -100,6 +107,12 @@ class WorkerPool:
         if self._executor is None and self._factory is not None:
             self._executor = self._factory()
         return self._executor
+
+    @property
+    def count(self) -> int:
+        """Number of workers, 0 without; 2 where an executor does not tell."""
+        executor = self.executor
+        return 0 if executor is None else int(getattr(executor, "_max_workers", None) or 2)
 
     def answers(
         self,
@@ -134,15 +147,12 @@ class WorkerPool:
         InputError
             A worker died that cannot be started again, or twice at the same item.
         """
-        if self._executor is None and self._factory is None:
-            for item in items:
-                if late():
-                    return
-                yield task(item)
+        if self.executor is None:
+            yield from _here(task, items, late)
             return
         window = _AHEAD
         if ahead is not None:
-            window = ahead * int(getattr(self.executor, "_max_workers", None) or 1)
+            window = ahead * self.count
         left = iter(items)
         taken: deque[Item] = deque()
         futures: deque[Future[Found]] = deque()
@@ -158,12 +168,14 @@ class WorkerPool:
                         return
                     answer = futures[0].result()
                 except LOST_WORKER as error:
-                    self._revive(error)
                     again = list(taken)
                     if parts is not None and not deaths.alone:
                         again = [part for item in again for part in parts(item)]
                     taken.clear()
                     futures.clear()
+                    if not self._revived(error):
+                        yield from _here(task, chain(again, left), late)
+                        return
                     if deaths.caused_by(again):
                         if failed is None:
                             raise InputError(
@@ -186,15 +198,25 @@ class WorkerPool:
         assert executor is not None
         return executor.submit(task, item)
 
-    def _revive(self, error: BaseException) -> None:
-        if self._factory is None:
+    def _revived(self, error: BaseException) -> bool:
+        """Whether workers were started again after the death of one."""
+        _log.warning("a worker died (%s); its work is done again", " ".join(str(error).split()))
+        if self._factory is None and self.needed:
             raise InputError(
                 f"a worker died: {' '.join(str(error).split())}",
                 remedy="give LocalWorkers(2), which is started again, and call again to go on",
             ) from error
-        self._end()
+        self.end()
+        if self._factory is None or self.needed:
+            self._executor = None
+            return self._factory is not None
+        try:
+            self._executor = self._factory()
+        except DrystoneError:
+            self._factory = None  # it is gone for good
+        return self._factory is not None
 
-    def _end(self) -> None:
+    def end(self) -> None:
         """Shut down what was started here; what still runs is of no use, and is ended."""
         if self._factory is None or self._executor is None:
             return
@@ -207,6 +229,16 @@ class WorkerPool:
         # the thread that looks after them closes a pipe, to which Python writes when it exits
         self._executor.shutdown(wait=bool(ended), cancel_futures=True)
         self._executor = None
+
+
+def _here(
+    task: Callable[[Item], Found], items: Iterable[Item], late: Callable[[], bool]
+) -> Iterator[Found]:
+    """The answers of a task in this process."""
+    for item in items:
+        if late():
+            return
+        yield task(item)
 
 
 @dataclass
@@ -309,20 +341,24 @@ class _DaskExecutor(Executor):
 
     def __init__(self, client: Any) -> None:
         self._client = client
-        self._payload: tuple[bytes, Any] | None = None
+        self._function: tuple[Callable[..., Any], Any] | None = None
         self._max_workers = max(1, len(client.scheduler_info()["workers"]))
 
     def submit(  # type: ignore[override]
-        self, function: Callable[..., Any], payload: bytes, /, *arguments: Any
+        self, function: Callable[..., Any], /, *arguments: Any
     ) -> Future[Any]:
-        """Submit one task; a payload is sent once."""
-        if self._payload is None or self._payload[0] is not payload:
-            self._payload = (payload, self._client.scatter(payload, broadcast=True, hash=True))
+        """Submit one task; a function, with what is bound to it, is sent once."""
+        if self._function is None or self._function[0] is not function:
+            self._function = (function, self._client.scatter(function, broadcast=True, hash=False))
         future: Future[Any] = self._client.submit(
-            function, self._payload[1], *arguments, pure=False, retries=3
+            _called, self._function[1], *arguments, pure=False, retries=3
         )
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
         """Disconnect; the scheduler keeps running."""
         self._client.close()
+
+
+def _called(function: Callable[..., Any], *arguments: Any) -> Any:
+    return function(*arguments)

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import functools
-import logging
 import pickle
 import time
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.errors import DrystoneError
 from drystone.base.files import PathLike, as_path
 from drystone.base.progress import Stopped
-from drystone.base.workers import LOST_WORKER, ExecutorFactory
+from drystone.base.workers import ExecutorFactory, WorkerPool
 from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, members
@@ -26,11 +25,10 @@ from drystone.stability.attempts import Candidate
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
-REVIVALS = 5
-"""Number of restarts of workers before the work continues in this process. If workers fail more
-often, the work itself is the probable cause."""
 
-_log = logging.getLogger(__name__)
+
+_Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
+"""A part, and its known rest states: of similar stages, and with uniform stiffness."""
 
 
 class Evaluator(OneLine):
@@ -80,9 +78,7 @@ class Evaluator(OneLine):
         self._known: dict[Stage, StageAnswer] = {}
         self._ahead: dict[Stage, StageAnswer] = {}
         self._kept: dict[Stage, StageAnswer] = {}
-        self._factory = None if isinstance(executor, Executor) else executor
-        self._executor = executor if isinstance(executor, Executor) else None
-        self._revivals = 0
+        self._pool = WorkerPool(executor, needed=False)
         self._file = None if checkpoint is None else as_path(checkpoint)
         self._saved = time.monotonic()
         if self._file is not None and self._file.exists():
@@ -92,24 +88,21 @@ class Evaluator(OneLine):
         return f"{self.model!r}, {self.solved} parts checked"
 
     @functools.cached_property
-    def _payload(self) -> bytes:
-        return pickle.dumps(self.solver)
+    def _task(self) -> Callable[[_Job], StageAnswer]:
+        """The work on one part in another process; the solver is packed once."""
+        return functools.partial(solve_remote, pickle.dumps(self.solver))
 
     @property
     def batch(self) -> int:
         """Number of stages to request at once."""
-        if self._executor is None and self._factory is None:
-            return 1
-        return int(getattr(self._start(), "_max_workers", None) or 2)
+        return max(1, self._pool.count)
 
     def __enter__(self) -> Evaluator:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+    def __exit__(self, *_: object) -> None:
         self.save()
-        if self._factory is not None and self._executor is not None:
-            self._executor.shutdown(wait=kind is None, cancel_futures=True)
-            self._executor = None
+        self._pool.end()
 
     def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> StageAnswer:
         """The answer of a stage; see :meth:`answers`."""
@@ -236,51 +229,25 @@ class Evaluator(OneLine):
         known = self._known.get(part._replace(near=None)) if checked else self._find(part)
         return known is not None and not (forces and known.stands and not len(known.corner))
 
-    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, StageAnswer]]:
-        left = list(parts)
-        while left and len(parts) > 1 and (self._executor or self._factory):
-            try:
-                futures = [self._submit(part) for part in left]
-                for future in futures:
-                    yield left[0], future.result()
-                    del left[0]
-            except LOST_WORKER as error:
-                self._revive(error)
-        for part in left:
-            yield part, self.solver.solve(part, self._rest_near(part), self._screened(part))
+    def _solve(self, parts: Sequence[Stage]) -> Iterator[tuple[Stage, StageAnswer]]:
+        if len(parts) == 1 or not self._pool.count:
+            for part in parts:
+                yield part, self._solve_here(self._job(part))
+        else:
+            jobs = [self._job(part) for part in parts]
+            found = self._pool.answers(self._task, jobs, failed=self._solve_here)
+            yield from zip(parts, found, strict=True)
 
-    def _start(self) -> Executor | None:
-        if self._executor is None and self._factory is not None:
-            try:
-                self._executor = self._factory()
-            except DrystoneError:
-                if not self._revivals:
-                    raise
-                self._factory = None  # it is gone for good: the work goes on in this process
-        return self._executor
+    def _job(self, part: Stage) -> _Job:
+        return part, self._rest_near(part), self._screened(part)
 
-    def _submit(self, part: Stage) -> Future[StageAnswer]:
-        executor = self._start()
-        if executor is None:
-            raise BrokenExecutor("no workers are left")
-        near, rest = self._rest_near(part), self._screened(part)
-        return executor.submit(solve_remote, self._payload, part, near, rest)
-
-    def _revive(self, error: BaseException) -> None:
-        """After the failure of a worker: start new ones if possible, else continue without."""
-        self._revivals += 1
-        _log.warning("a worker failed (%s); its stages are checked again", error)
-        if self._factory is not None and self._executor is not None:
-            self._executor.shutdown(wait=False, cancel_futures=True)
-        self._executor = None
-        if self._revivals > REVIVALS:
-            self._factory = None
+    def _solve_here(self, job: _Job) -> StageAnswer:
+        return self.solver.solve(*job)
 
 
-def solve_remote(
-    payload: bytes, part: Stage, near: Floats | None, rest: Candidate | None
-) -> StageAnswer:
+def solve_remote(payload: bytes, job: _Job) -> StageAnswer:
     """The verdict on one part, computed in a worker that unpacks the solver once."""
+    part, near, rest = job
     return _unpacked(payload).solve(Stage(*part), near, rest)
 
 
