@@ -20,11 +20,15 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
+from drystone.formulations.nearest_mechanism import nearest_mechanisms
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.asked import Asked
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.verdict import check, check_side_by_side
+from drystone.stability.problem import Problem
+from drystone.stability.verdict import check, decided
 
 COLUMNS: Mapping[str, Callable[[str], Any]] = {
     "number": int,
@@ -184,7 +188,7 @@ def _answers(group: tuple[Task, ...]) -> list[Row]:
     ready = [one for one in models if isinstance(one, Model)]
     answers: Iterator[Result | DrystoneError]
     if each_s == float("inf"):
-        answers = iter(check_side_by_side(ready, options))
+        answers = iter(_side_by_side(ready, options))
     else:
         answers = (_checked(one, options, each_s) for one in ready)
     rows = []
@@ -192,6 +196,36 @@ def _answers(group: tuple[Task, ...]) -> list[Row]:
         found = next(answers) if isinstance(model, Model) else model
         rows.append([number, name, *_told(found)])
     return rows
+
+
+@one_blas_thread()
+def _side_by_side(models: Sequence[Model], options: CheckOptions) -> list[Result | DrystoneError]:
+    """The result of :func:`drystone.check` of each model, or why it has none.
+
+    Of small models with dry joints the mechanisms are looked for together, before all else.
+    """
+    clock = Clock(float("inf"))
+    problems: list[Problem | DrystoneError] = []
+    for model in models:
+        try:
+            problems.append(Problem.build(model))
+        except DrystoneError as error:
+            problems.append(error)
+    built = [one for one in problems if isinstance(one, Problem)]
+    first = [one for one in built if one.statics.free_count and one.equilibrium_first]
+    known = nearest_mechanisms([one.system for one in first]) if first else []
+    nearest = dict(zip(first, known, strict=True))
+    shared_s = clock.elapsed_s / max(len(models), 1)
+    found: list[Result | DrystoneError] = []
+    for problem in problems:
+        if isinstance(problem, Problem):
+            own = Clock(float("inf"))
+            own.began -= shared_s
+            asked = Asked(problem, options, own, None, nearest.get(problem))
+            found.append(decided(asked))
+        else:
+            found.append(problem)
+    return found
 
 
 def _checked(model: Model, options: CheckOptions, each_s: float) -> Result | DrystoneError:

@@ -13,20 +13,15 @@ dry joints: they are tried where it is asked whether it stands with each of them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.formulations.nearest_mechanism import (
-    nearest_mechanisms,
-)
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics import law
 from drystone.model import Model
@@ -112,7 +107,6 @@ def check_problem(
     options: CheckOptions,
     near: Floats | None = None,
     rest: Candidate | None = None,
-    executor: Workers | None = None,
     stop: Stop | None = None,
 ) -> Result:
     """As :func:`drystone.check` of a problem that was built, for plans and limits.
@@ -124,41 +118,10 @@ def check_problem(
         The rest state of a similar model with the same blocks.
     rest
         The rest state of this model with uniform stiffness, where it is known already.
-    executor, stop
+    stop
     """
     asked = Asked(problem, options, Clock(float("inf"), stop))
-    return decided(asked, executor, near=near, rest=rest)
-
-
-@one_blas_thread()
-def check_side_by_side(
-    models: Sequence[Model], options: CheckOptions
-) -> list[Result | DrystoneError]:
-    """The result of :func:`drystone.check` of each model, or why it has none.
-
-    Of small models with dry joints the mechanisms are looked for together, before all else.
-    """
-    clock = Clock(float("inf"))
-    problems: list[Problem | DrystoneError] = []
-    for model in models:
-        try:
-            problems.append(Problem.build(model))
-        except DrystoneError as error:
-            problems.append(error)
-    first = [one for one in problems if isinstance(one, Problem) and one.equilibrium_first]
-    known = nearest_mechanisms([one.system for one in first]) if first else []
-    nearest = dict(zip(first, known, strict=True))
-    shared_s = clock.elapsed_s / max(len(models), 1)
-    found: list[Result | DrystoneError] = []
-    for problem in problems:
-        if isinstance(problem, Problem):
-            own = Clock(float("inf"))
-            own.began -= shared_s
-            asked = Asked(problem, options, own, None, nearest.get(problem))
-            found.append(decided(asked))
-        else:
-            found.append(problem)
-    return found
+    return decided(asked, near=near, rest=rest)
 
 
 def decided(
