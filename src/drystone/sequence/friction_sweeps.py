@@ -13,9 +13,9 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.model import Model
-from drystone.sequence.checked_steps import checked_step, falling_words, without_help
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.margins import in_turn
+from drystone.sequence.plan_steps import checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan, placed_before
 from drystone.sequence.rules import strength
 from drystone.sequence.search import overloads

@@ -15,11 +15,10 @@ from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
-from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.plan_steps import Step
+from drystone.sequence.plan_steps import CHECKED, Step, checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
