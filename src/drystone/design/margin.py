@@ -17,7 +17,8 @@ from drystone.results import Result
 from drystone.stability import CheckOptions, check
 from drystone.stability.check_options import SAMPLES
 from drystone.stability.resting import stands_for_all, try_rest
-from drystone.stability.screening import stage_screening
+from drystone.stability.screening import QUICK as QUICKLY
+from drystone.stability.screening import SMOOTH
 
 SMALL_REGION = 4
 """Largest number of blocks with which all places are tried; with more blocks only the middle of
@@ -82,8 +83,7 @@ def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
     free = model.assembly.free.size
     if free > SMALL_REGION:
         return stands_for_all(model, samples=0, stop=stop)
-    levels = stage_screening(free)
-    return any(try_rest(model, screening=level, stop=stop).stable for level in levels)
+    return any(try_rest(model, screening=level, stop=stop).stable for level in (QUICKLY, SMOOTH))
 
 
 def stands_near(

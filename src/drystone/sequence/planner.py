@@ -133,7 +133,7 @@ def plan(
     chosen = PlanOptions.of(options)
     model = Structure(as_model(given, **how), check or check_both)
     if check is None:
-        model = replace(model, quick=stage_screening(model.largest[0])[0])
+        model = replace(model, quick=stage_screening(model.largest[0]))
     bound = bind(chosen.rules, model, RemovalTest(model))
     clock = Clock(time_limit_s, stop)
     with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:

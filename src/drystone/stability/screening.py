@@ -45,8 +45,6 @@ class Screening(Options):
 
     Attributes
     ----------
-    name
-        Of the level.
     slip_lengths
         One friction law each, tried in this order; by the local overlap. ``None`` is the stick-slip
         law.
@@ -55,19 +53,14 @@ class Screening(Options):
     patient
         Whether a state that leans on the ground springs, or has not converged, is followed on
         weaker ground springs.
-    from_neighbour
-        Whether the iteration may begin at the rest state of a similar model.
     """
 
-    name: str = "patient"
     slip_lengths: tuple[float | None, ...] = (None,)
     numerics: RestOptions = TO_REST
     patient: bool = True
-    from_neighbour: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        of_type(self.name, str, "the name of a screening level")
         laws = of_type(self.slip_lengths, tuple, "slip_lengths", "give a tuple of numbers and None")
         lengths = [number(one, "a slip length") for one in laws if one is not None]
         if not laws or min(lengths, default=1.0) <= 0.0:
@@ -78,24 +71,21 @@ class Screening(Options):
 
     def with_slip_lengths(self, *slip_lengths: float | None) -> Screening:
         """The same level with other friction laws."""
-        told = ", ".join("stick-slip" if slip is None else f"{slip:g}" for slip in slip_lengths)
-        return replace(self, name=f"{self.name} ({told})", slip_lengths=slip_lengths)
+        return replace(self, slip_lengths=slip_lengths)
 
 
 PATIENT = Screening()
 
-QUICK = Screening("quick", numerics=replace(TO_REST, stall=8), patient=False)
+QUICK = Screening(numerics=replace(TO_REST, stall=8), patient=False)
 """Measured on stages of vaults and domes: 9 of 10 that rest do so within 8 steps without progress.
 Stages that fall are given up after half of the steps."""
 
-NEAREST = replace(
-    QUICK, name="nearest", numerics=replace(QUICK.numerics, warm_relaxation=1e-3, give_up=0.04)
-)
+NEAREST = replace(QUICK, numerics=replace(QUICK.numerics, warm_relaxation=1e-3, give_up=0.04))
 """Measured on stages of vaults and domes of up to 60 blocks: all 15 that rest are found, and 136
 that do not rest take half of the time. In a vault of 366 blocks many that rest are missed. Without
 a start it is the level QUICK."""
 
-SMOOTH = replace(QUICK.with_slip_lengths(SLIP_LENGTH), name="smooth")
+SMOOTH = QUICK.with_slip_lengths(SLIP_LENGTH)
 
 FEW_BLOCKS, MANY_BLOCKS = 25, 100
 """Free blocks of models whose stages are screened by NEAREST. With fewer blocks the search goes on
@@ -103,13 +93,6 @@ for so long that a missed rest state loses the best order (3 of 50 random piles 
 With more blocks a missed rest state costs a prop (a vault of 366 blocks: a sixth more props)."""
 
 
-def stage_screening(blocks: int) -> tuple[Screening, ...]:
-    """The levels for the stages of a model with some number of free blocks, in order.
-
-    A smooth law begins from nothing in large models. That takes longer and is found more often.
-    """
-    if blocks < FEW_BLOCKS:
-        return QUICK, SMOOTH
-    if blocks <= MANY_BLOCKS:
-        return NEAREST, replace(NEAREST.with_slip_lengths(SLIP_LENGTH), name="nearest smooth")
-    return QUICK, replace(SMOOTH, name="smooth from rest", from_neighbour=False)
+def stage_screening(blocks: int) -> Screening:
+    """The level for the stages of a model with some number of free blocks."""
+    return NEAREST if FEW_BLOCKS <= blocks <= MANY_BLOCKS else QUICK

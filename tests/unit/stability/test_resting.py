@@ -39,8 +39,6 @@ from drystone.stability.screening import (
     NEAREST,
     PATIENT,
     QUICK,
-    SLIP_LENGTH,
-    stage_screening,
 )
 
 ARCH = models.arch(0.15)
@@ -190,13 +188,6 @@ def test_the_nearest_level_finds_what_rests_near_its_start_and_proves_no_fall():
 def test_a_slip_length_that_is_none_is_refused(slip):
     with pytest.raises(InputError, match="slip length"):
         QUICK.with_slip_lengths(slip)
-
-
-@pytest.mark.parametrize("blocks", [8, 60, 400])
-def test_every_model_is_screened_first_with_stick_slip_then_with_a_smooth_law(blocks):
-    first, second = stage_screening(blocks)
-    assert first.slip_lengths == (None,)
-    assert second.slip_lengths == (SLIP_LENGTH,)
 
 
 def test_fixed_blocks_rest():
