@@ -51,6 +51,8 @@ def _same(name: str, before: Any, after: Any, now: Answer) -> bool:
         return True
     if name in ("thrust", "unbalanced") and before is None:
         return not (name == "unbalanced" and after)  # it was frozen as one that settles
+    if name == "drift" and (before is None or after is None):
+        return True
     if before is None or after is None:
         return before is after
     if name == "drift":

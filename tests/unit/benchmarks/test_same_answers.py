@@ -33,9 +33,10 @@ def test_an_answer_does_not_differ_from_itself() -> None:
 def test_another_verdict_another_motion_and_other_blocks_are_told() -> None:
     stands, falls = asking.verdict(tilted(40.0)), asking.verdict(tilted(70.0))
     told = {what for what, _, _ in differences(plain(stands), falls)}
-    assert {"verdict", "word", "falls", "drift", "reaction"} <= told
-    turned = plain(falls) | {"drift": [-one for one in falls["drift"]], "falls": "7"}
-    assert {what for what, _, _ in differences(turned, falls)} == {"drift", "falls"}
+    assert {"verdict", "word", "falls", "moves", "reaction"} <= told
+    block, *direction = falls["moves"]
+    turned = plain(falls) | {"moves": [block, *(-one for one in direction)], "falls": "7"}
+    assert {what for what, _, _ in differences(turned, falls)} == {"moves", "falls"}
 
 
 @pytest.mark.parametrize(("now", "same"), [(50.001, True), (50.2, False), (None, False)])
