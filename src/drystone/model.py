@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,12 +36,12 @@ class OfModel:
         @property
         def model(self) -> Model: ...  # a field or a property of each such value
 
-    @property
+    @cached_property
     def assembly(self) -> Assembly:
         """The blocks of the model."""
         return self.model.assembly
 
-    @property
+    @cached_property
     def contacts(self) -> Contacts:
         """The contacts of the model."""
         return self.model.contacts

@@ -98,8 +98,6 @@ class Asked(OneLine):
             sha256=model.origin.sha256,
             reading=model.origin.reading,
             options=differing(options) if dataclasses.is_dataclass(options) else {},
-            version=version(),
-            commit=commit(),
             made=made,
         )
 
@@ -138,6 +136,8 @@ class Asked(OneLine):
             acceleration=common,
             loads=others,
             joint_capacity={name: ends for name, ends in capacity.items() if ends},
+            version=version(),
+            commit=commit(),
             **more,
         )
 

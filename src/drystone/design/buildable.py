@@ -7,7 +7,7 @@ sharp corners break.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -15,14 +15,17 @@ from typing import Any
 
 import numpy as np
 
+from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.arrays import Floats, Ints, number
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
 from drystone.design.search import improved
+from drystone.model import Model
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import check_both
@@ -135,7 +138,7 @@ class TriedLayout(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Buildable(OneLine):
+class Buildable(Answer):
     """A shell with the wedges with which its blocks need the least help.
 
     Attributes
@@ -175,14 +178,52 @@ class Buildable(OneLine):
         """The courses whose lower bed line has a deeper wedge than this."""
         return tuple(i + 1 for i, one in enumerate(self.wedges) if abs(one) > abs(shallow))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
+    @property
+    def model(self) -> Model:
+        """The whole shell."""
+        return self.plan.model.model
+
+    @property
+    def title(self) -> str:
+        """The help that it needs."""
+        return self.message[0].upper() + self.message[1:]
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The help that it needs, and the wedges."""
+        role = Role.GOOD if self.needs == _NONE else Role.UNSURE
+        wedges = ", ".join(f"{one:g}" for one in self.wedges)
+        return [
+            Sentence(f"built course by course: {self.message}", role),
+            Sentence(f"wedges of the bed joints, from the springing: {wedges}"),
+        ]
+
+    def tables(self) -> Sequence[Table]:
+        """The layouts that were tried."""
+        needs = [one.deepened or one.shallow for one in self.tried]
+        columns = {
+            "courses": [one.layout.courses for one in self.tried],
+            "blocks": [one.layout.blocks for one in self.tried],
+            "width": [one.layout.width for one in self.tried],
+            "staggered": [one.layout.staggered for one in self.tried],
+            "voussoirs": [one.voussoirs for one in self.tried],
+            "propped": [None if one is None else one.propped for one in needs],
+            "held": [None if one is None else one.held for one in needs],
+            "message": [one.message for one in self.tried],
+        }
+        return [Table("layouts", columns, {"width": "m"})]
+
+    def layers(self) -> Scene:
+        """The plan."""
+        return self.plan.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The help that it needs, the wedges, and all layouts."""
         return {
             "message": self.message,
             **self.needs.to_dict(),
             "before": self.before.to_dict(),
             "voussoirs": len(self.shell.voussoirs),
-            "wedges": list(self.wedges),
+            "wedges": self.wedges,
             "tried": [one.to_dict() for one in self.tried],
         }
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot, unit
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
@@ -45,7 +46,7 @@ from drystone.shells.weld import weld
 
 
 @dataclass(frozen=True, eq=False)
-class Shell(OneLine):
+class Shell(Answer):
     """A shell of blocks.
 
     Attributes
@@ -70,7 +71,7 @@ class Shell(OneLine):
     """
 
     shape: Shape
-    assembly: Assembly
+    assembly: Assembly = field()  # in place of that of the model
     mesh: Tessellation
     pins: Pins
     planar: PlanarReport
@@ -82,6 +83,54 @@ class Shell(OneLine):
 
     def _summary(self) -> str:
         return f"'{self.shape.name}', {counted(len(self.voussoirs), 'voussoir')}, {self.assembly!r}"
+
+    @cached_property
+    def asked(self) -> Asked:
+        """What it was made of."""
+        return replace(Asked.of_blocks(self.assembly, self.contacts), made=self.when)
+
+    @property
+    def title(self) -> str:
+        """How many blocks in how many courses."""
+        courses = int(self.mesh.course[self.voussoirs].max()) + 1
+        return f"{counted(len(self.voussoirs), 'voussoir')} in {counted(courses, 'course')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How many blocks, and how far they are from plane joints and from the surface."""
+        planar = self.planar
+        ground = counted(int(self.ground.sum()), "ground block")
+        return [
+            Sentence(
+                "PLANAR" if planar.reached else "NOT PLANAR",
+                Role.GOOD if planar.reached else Role.BAD,
+            ),
+            Sentence(f"{self.title}, {ground}, {self.volume:.2f} m3"),
+            Sentence(
+                f"largest warp of a joint {planar.warp_before:.2%} of a block before, "
+                f"{planar.warp_after:.1e} after planarising; largest drift {planar.drift:.1%}, "
+                f"{self.off_surface:.1%} off the surface"
+            ),
+        ]
+
+    def layers(self) -> Scene:
+        """The blocks and their joints."""
+        return bare_scene(self.assembly, self.contacts)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Counts, warp and drift, which are by the mean width of a block."""
+        return {
+            "voussoirs": len(self.voussoirs),
+            "ground_blocks": self.ground.sum(),
+            "courses": self.mesh.course[self.voussoirs].max() + 1,
+            "volume": self.volume,
+            "warp_before": self.planar.warp_before,
+            "warp_after": self.planar.warp_after,
+            "planar": self.planar.reached,
+            "drift": self.planar.drift,
+            "off_surface": self.off_surface,
+            "moved_off_surface": self.fitted,
+            "supports": [f"patch {edge.patch}, {edge.side.value}" for edge in self.shape.supports],
+        }
 
     @property
     def voussoirs(self) -> Ints:
@@ -132,7 +181,9 @@ class Shell(OneLine):
             corners.owner,
         )
 
-    def model(self, *, friction: float = DEFAULT_FRICTION, load: Any = None) -> Model:
+    def model(  # type: ignore[override]
+        self, *, friction: float = DEFAULT_FRICTION, load: Any = None
+    ) -> Model:
         """The shell as a model, with its known contacts.
 
         Parameters

@@ -152,7 +152,8 @@ def test_a_shell_is_searched_by_its_own_options(
     assert main(["tune", "barrel-shell", *sets, *given, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["trials"] == told["search"]["trials"]
     assert main(words) == 0  # from the store
-    assert json.loads(capsys.readouterr().out)["search"] == told["search"]
+    again = json.loads(capsys.readouterr().out)["search"]
+    assert again["trials"] == told["search"]["trials"]
 
 
 @pytest.mark.parametrize(

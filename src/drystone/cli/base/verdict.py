@@ -10,10 +10,6 @@ if TYPE_CHECKING:
     from drystone.model import Model
     from drystone.results import Result
 
-STYLE = {"stable": "bold green", "unstable": "bold red", "undecided": "bold yellow"}
-NEGLIGIBLE = 1e-6
-"""Share of the largest force below which a force is rounding and is printed as 0."""
-
 
 def solve(model: Model, waiting: Waiting, time_limit: float | None, robust: bool = False) -> Result:
     """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base.command import MODEL, OUTPUT, Option
-from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Margin, margins
 from drystone.cli.inputs import families
@@ -130,21 +129,3 @@ def parameter_range(text: str, known: families.Parameters) -> Parameter:
         )
     whole = all(isinstance(end, int) for end in values)
     return Parameter(name, float(values[0]), float(values[1]), whole=whole)
-
-
-UNITS = {"volume": " m3", "height": " m", "reach": " m"}
-"""Of the goals that have one."""
-
-
-def show_front(data: Mapping[str, Any], screen: Screen) -> None:
-    """The best structures: their goals and values, a line each."""
-    for one in data["front"]:
-        values = ", ".join(f"{name} {_short(value)}" for name, value in one["values"].items())
-        pairs = zip(data["goals"], one["goals"], strict=True)
-        names = [(goal.removeprefix("-"), value) for goal, value in pairs]
-        told = ", ".join(f"{name} {value:.4g}{UNITS.get(name, '')}" for name, value in names)
-        screen.line(f"{told}: {values}")
-
-
-def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

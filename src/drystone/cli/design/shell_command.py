@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.command import OUTPUT, Experts, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed, Told
+from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
-from drystone.cli.design.buildable_answer import find_buildable, show_buildable
-from drystone.cli.design.parameter_search import SearchRequest, parameter_range, show_front
+from drystone.cli.design.buildable_search import find_buildable
+from drystone.cli.design.parameter_search import SearchRequest, parameter_range
 from drystone.cli.design.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
 from drystone.cli.inputs import families, options
 from drystone.cli.inputs.surfaces import SurfaceRequest, surface_of
@@ -72,7 +71,7 @@ def shell(
     ] = None,
     pictures: Pictures,
     waiting: Waiting,
-) -> Printed:  # fmt: skip
+) -> Told:  # fmt: skip
     """Divide a surface into blocks that fit, and check whether they stand.
 
     With --vary its options are searched, as ``drystone tune`` does; the best shell is the answer.
@@ -94,7 +93,7 @@ def shell(
             )
         tuned = _search(wanted, pattern, search, friction, waiting, time_limit)
         if not tuned.front:
-            return _none_stands(tuned, wanted.surface)
+            return Told(tuned, subject=wanted.surface)
         wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
     else:
         search.refuse_without_vary()
@@ -117,14 +116,11 @@ def shell(
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]
     files = bound(_files, made, out, schedule, unrolled, pictures.of(result)[0])
-    answer = Told(result, subject=base.shape.name)
-    data = {**answer.data, "shell": summary(made)}
-    if told is not None:
-        data["buildable"] = told.to_dict()
-    if tuned is not None:
-        data["search"] = tuned.to_dict()
-    show = bound(_show, answer, data)
-    return Printed(data, show, answer.code, result.model.notes, files, waiting.wrote)
+    also = {"shell": made, "buildable": told, "search": tuned}
+    return Told(
+        result, {key: one for key, one in also.items() if one is not None}, base.shape.name,
+        notes=result.model.notes, files=files, written=waiting.wrote,
+    )  # fmt: skip
 
 
 def _search(
@@ -144,13 +140,6 @@ def _search(
     return search.run(bound(varied_shell, wanted, pattern), known, how, waiting, time_limit)
 
 
-def _none_stands(tuned: Tuned, surface: str) -> Printed:
-    """The answer where no shell is good enough."""
-    message = tuned._summary()
-    data = {"model": surface, "message": message, "search": tuned.to_dict()}
-    return Printed(data, lambda screen: screen.line(surface, message, "bold"), 1)
-
-
 def _files(
     made: Shell, out: Path | None, schedule: Path | None, unrolled: Path | None, pictures: list[Job]
 ) -> Files:
@@ -164,39 +153,3 @@ def _files(
     if unrolled is not None:
         jobs.append((unrolled, bound(shells.write_unrolled, made)))
     return [*jobs, *pictures], []
-
-
-def summary(made: Shell) -> dict[str, Any]:
-    """The shell as plain values; warp and drift by the mean width of a block."""
-    return {
-        "voussoirs": len(made.voussoirs),
-        "ground_blocks": int(made.ground.sum()),
-        "courses": int(made.mesh.course[made.voussoirs].max()) + 1,
-        "volume": made.volume,
-        "warp_before": made.planar.warp_before,
-        "warp_after": made.planar.warp_after,
-        "planar": made.planar.reached,
-        "drift": made.planar.drift,
-        "off_surface": made.off_surface,
-        "moved_off_surface": made.fitted,
-        "supports": [f"patch {edge.patch}, {edge.side.value}" for edge in made.shape.supports],
-    }
-
-
-def _show(answer: Told, data: dict[str, Any], screen: Screen) -> None:
-    answer.show(screen)
-    told = data["shell"]
-    if "buildable" in data:
-        show_buildable(data["buildable"], screen)
-    if "search" in data:
-        screen.line(data["search"]["message"])
-        show_front(data["search"], screen)
-    screen.line(
-        f"{told['voussoirs']} voussoirs in {told['courses']} courses, {told['ground_blocks']} "
-        f"ground blocks, {told['volume']:.2f} m3"
-    )
-    screen.line(
-        f"largest warp of a joint {told['warp_before']:.2%} of a block before, "
-        f"{told['warp_after']:.1e} after planarising; largest drift {told['drift']:.1%}, "
-        f"{told['off_surface']:.1%} off the surface"
-    )

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.errors import InputError
-from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.shell_pattern import ShellPattern
 
@@ -82,26 +81,3 @@ def find_buildable(
             if waiting.interrupted:  # before the first plan
                 raise KeyboardInterrupt from None
             raise
-
-
-def show_buildable(data: dict[str, Any], screen: Screen) -> None:
-    """What was found, and the layouts that were tried."""
-    screen.line(data["message"], "BUILT COURSE BY COURSE", "bold")
-    wedges = ", ".join(f"{one:g}" for one in data["wedges"])
-    screen.line(f"wedges of the bed joints, from the springing: {wedges}")
-    for one in data["tried"] if len(data["tried"]) > 1 else ():
-        screen.line(f"tried: {_layout(one)}")
-
-
-def _layout(one: dict[str, Any]) -> str:
-    size = f"{one['courses']} courses" if one["courses"] is not None else "courses by height"
-    width = f"{one['width']:.3g} m wide" if one["width"] is not None else f"{one['blocks']} blocks"
-    bond = "" if one["staggered"] else ", not staggered"
-    if one["shallow"] is None:
-        return f"{size}, {width}{bond}: {one['message']}"
-    needs = one["deepened"] or one["shallow"]
-    kind = "" if one["deepened"] else " with the shallowest wedges"
-    return (
-        f"{size}, {width}{bond}: {one['voussoirs']} voussoirs, {needs['propped']} propped, "
-        f"{needs['held']} held{kind}"
-    )
