@@ -158,3 +158,11 @@ def test_cubes_stand_as_a_simulator_leaves_them() -> None:
     model = Model.of(Assembly(tuple(blocks)).with_fixed(["floor"]))
     assert check(model).verdict is Verdict.STABLE
     assert model.contacts.count == 6
+
+
+def test_the_clearance_of_a_peg_between_two_walls_stays_open() -> None:
+    walls = [box((0.1, 0.3, 0.3), (x, 0.0, 0.0), name=f"wall {x}") for x in (0.0, 0.202)]
+    peg = box((0.1, 0.3, 0.5), (0.101, 0.0, 0.0), name="peg")
+    found = find_contacts(Assembly((FLOOR, *walls, peg)))
+    assert found.contacts.block_a.tolist() == [0, 0, 0]
+    assert not found.report.inexact
