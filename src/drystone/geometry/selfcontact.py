@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
+from drystone.geometry import boxes
 from drystone.geometry.convexity import convex_bodies, planes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
@@ -20,9 +21,6 @@ _TOUCH = 1e-9
 _SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
-_BATCH = 500
-"""Edges or vertices in one batch, compared with all faces near them. Chosen: bounds the memory."""
-
 _MOST_PAIRS = 20_000_000
 """The search stops after this many pairs of overlapping boxes. Chosen: some seconds. A body whose
 parts all overlap is not searched to the end."""
@@ -141,25 +139,13 @@ def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
 
 def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of axis-aligned boxes that overlap, in batches: position, position among others."""
-    tree = shapely.STRtree(_boxes(*others))
     looked_at = 0
-    for start in range(0, len(low), _BATCH):
-        part = slice(start, start + _BATCH)
-        one, other = tree.query(_boxes(low[part], high[part]))
+    grown = others[0] - _TOUCH, others[1] + _TOUCH
+    for one, other in boxes.batches(low - _TOUCH, high + _TOUCH, *grown):
         looked_at += len(one)
         if looked_at > _MOST_PAIRS:
             return
-        one = one + start
-        meet = (low[one, 2] <= others[1][other, 2] + _TOUCH) & (
-            high[one, 2] >= others[0][other, 2] - _TOUCH
-        )
-        yield one[meet], other[meet]
-
-
-def _boxes(low: Floats, high: Floats) -> NDArray[Any]:
-    """Plan view of boxes, grown by the touching distance."""
-    grown = (low[:, 0] - _TOUCH, low[:, 1] - _TOUCH, high[:, 0] + _TOUCH, high[:, 1] + _TOUCH)
-    return np.asarray(shapely.box(*grown))
+        yield one, other
 
 
 def _face_boxes(surface: _Surface) -> tuple[Floats, Floats]:
@@ -247,8 +233,8 @@ def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
     Nearest points of two lines a + s d, b + t e; Source: Ericson 2005, section 5.1.9.
     """
     one, other = surface.ends()
-    boxes = _edge_boxes(surface)
-    for first, second in _near(*boxes, boxes):
+    around = _edge_boxes(surface)
+    for first, second in _near(*around, around):
         later = first < second
         first, second = first[later], second[later]
         d, e = other[first] - one[first], other[second] - one[second]

@@ -106,3 +106,20 @@ def test_convex_and_concave_are_told_apart() -> None:
     convex = convex_bodies([points for points, _ in bodies], [loops for _, loops in bodies])
     assert convex.tolist() == [True, False, True, False]
     assert convex_bodies([], []).tolist() == []
+
+
+def test_a_tall_finely_meshed_body_is_searched_to_its_end() -> None:
+    """Its faces lie above each other: in plan view all of them overlap."""
+    along = 1500
+    outline = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    heights = np.repeat(np.linspace(0.0, 9.0, along + 1), 4)
+    points = np.column_stack([np.tile(outline, (along + 1, 1)), heights])
+    quads = [
+        (4 * k + i, 4 * k + (i + 1) % 4, 4 * k + (i + 1) % 4 + 4, 4 * k + i + 4)
+        for k in range(along)
+        for i in range(4)
+    ]
+    faces: list[Loop] = [(3, 2, 1, 0), *quads, tuple(range(4 * along, 4 * along + 4))]
+    points[4 * (along - 1), 0] = -1.5  # through the wall on the other side
+    (found,) = self_contacts([points], [faces])
+    assert "itself" in found[1]
