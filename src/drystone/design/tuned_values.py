@@ -196,26 +196,25 @@ class Tuned(Answer):
         several = len(self.goals) > 1
         names = self.goals[:2] if several else ("trial", self.goals[0])
         drawn = [one for one in self.trials if one.goals]
-
-        def marks(some: Sequence[TuneTrial], kind: MarkKind, ink: str, label: str) -> Marks:
-            at = [(one.goals[0] if several else one.number, one.goals[several]) for one in some]
-            x, y = np.array(at, dtype=float).reshape(-1, 2).T
-            return Marks(kind, x, y, ink, label)
-
         best = "front: no other is better in every goal" if several else "best"
-        shown = [
-            marks([one for one in drawn if not one.stands], MarkKind.CROSS, "ink", "falls"),
-            marks([one for one in drawn if one.stands], MarkKind.DISC, "accent", "stands"),
-            marks(self.front, MarkKind.LINE, "bad", best),
-            marks(self.front, MarkKind.DIAMOND, "bad", ""),
-        ]
-        across, up = (
-            name.removeprefix("-") + (", most is best" if name.startswith("-") else "")
-            for name in names
+        shown = (
+            ([one for one in drawn if not one.stands], MarkKind.CROSS, "ink", "not good enough"),
+            ([one for one in drawn if one.stands], MarkKind.DISC, "accent", "stands"),
+            (self.front, MarkKind.LINE, "bad", best),
+            (self.front, MarkKind.DIAMOND, "bad", ""),
         )
+        marks = []
+        for some, kind, ink, label in [one for one in shown if one[0]]:
+            at = [(one.number, *one.goals)[several : several + 2] for one in some]
+            x, y = np.array(at, dtype=float).reshape(-1, 2).T
+            marks.append(Marks(kind, x, y, ink, label))
+        across, up = map(_goal_name, names)
         units = [GOAL_UNITS.get(name.removeprefix("-"), "") for name in names]
-        kept = tuple(one for one in shown if len(one.x))
-        return Chart("Trials", kept, across, up, (units[0], units[1]), self.title)
+        return Chart("Trials", tuple(marks), across, up, (units[0], units[1]), self.title)
+
+
+def _goal_name(goal: str) -> str:
+    return goal.removeprefix("-") + (", most is best" if goal.startswith("-") else "")
 
 
 def _beats(one: Sequence[float], other: Sequence[float]) -> bool:

@@ -135,15 +135,21 @@ class Inspection(Answer):
             weight = sum(float(block.mass) for block in blocks)
             told += [units.extent(extent), f"{volume:,.4g} m3", units.mass(weight)]
         said = [Sentence(", ".join(told), Role.BAD if self._defects else Role.GOOD)]
-        kinds: dict[str, list[InputError]] = {}
-        for error in self._defects:
-            kinds.setdefault(error.kind or error.what, []).append(error)
-        for kind, errors in kinds.items():
-            more = f" ({len(errors) - 1} more: {kind}; --json lists all)" if errors[1:] else ""
-            said.append(Sentence(f"defect: {errors[0]}{more}", Role.REMARK))
+        said += self._told_defects()
         lines = [] if self.found is None else list(self.found.report.summary())
         lines += [] if self.sweep is None else self.sweep.summary()
         return [*said, *map(Sentence, lines)]
+
+    def _told_defects(self) -> list[Sentence]:
+        """A sentence for each kind of defect."""
+        kinds: dict[str, list[InputError]] = {}
+        for error in self._defects:
+            kinds.setdefault(error.kind or error.what, []).append(error)
+        said = []
+        for kind, (first, *others) in kinds.items():
+            more = f" ({len(others)} more: {kind}; --json lists all)" if others else ""
+            said.append(Sentence(f"defect: {first}{more}", Role.REMARK))
+        return said
 
     def tables(self) -> Sequence[Table]:
         """The blocks."""

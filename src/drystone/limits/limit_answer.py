@@ -34,6 +34,9 @@ _KINDS = {
     "robust": "stands for every contact stiffness tried",
 }
 
+_LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.CROSS, "bad")}
+"""Of a value that was tried, by its verdict."""
+
 
 class LimitAnswer(Answer):
     """The words, tables and pictures of a limit; its numbers are those of the class below."""
@@ -201,22 +204,14 @@ class LimitAnswer(Answer):
 
     def chart(self) -> Chart:
         """The values that were tried: how many contact stiffnesses stand at each."""
-        best, marks = self.best, []
-        kinds = (
-            (Verdict.STABLE, MarkKind.DISC, "good"),
-            (Verdict.UNSTABLE, MarkKind.CROSS, "bad"),
-            (None, MarkKind.RING, "good"),
-        )
-        for verdict, kind, ink in kinds:
-            mine = [
-                one
-                for one in self.evaluations
-                if one.verdict is verdict
-                or (verdict is None and one.verdict not in (Verdict.STABLE, Verdict.UNSTABLE))
-            ]
-            x = np.array([one.value for one in mine])
-            marks.append(Marks(kind, x, np.array([_share(one) for one in mine]), ink))
-        if best.falls is not None and best.falls not in [one.value for one in self.evaluations]:
+        best, tried = self.best, self.evaluations
+        looks = [_LOOKS.get(one.verdict, (MarkKind.RING, "good")) for one in tried]
+        marks = []
+        for kind, ink in dict.fromkeys(looks):
+            mine = [one for one, look in zip(tried, looks, strict=True) if look == (kind, ink)]
+            x, y = np.array([(one.value, _share(one)) for one in mine]).T
+            marks.append(Marks(kind, x, y, ink))
+        if best.falls is not None and best.falls not in [one.value for one in tried]:
             marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad"))
         line = () if best.stands is None else ((best.stands, self._short(best.stands)),)
         return Chart(

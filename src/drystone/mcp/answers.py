@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -145,11 +144,10 @@ def _short(value: Any) -> Any:
     """The same with rounded numbers, and of rows and names their number and the first ones."""
     if isinstance(value, Mapping):
         return {key: _short(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        if any(isinstance(one, Mapping | str) for one in value) and len(value) > _MOST:
-            return {"count": len(value), "first": [_short(one) for one in value[:_MOST]]}
-        return [_short(one) for one in value[:_LONGEST]]
-    if isinstance(value, bool | int | str) or value is None:
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if not isinstance(value, list | tuple):
         return value
-    number = float(value)
-    return float(f"{number:.{_DIGITS}g}") if math.isfinite(number) else None
+    rows = len(value) > _MOST and isinstance(value[0], Mapping | str)
+    first = [_short(one) for one in value[: _MOST if rows else _LONGEST]]
+    return {"count": len(value), "first": first} if rows else first

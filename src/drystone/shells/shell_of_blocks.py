@@ -99,11 +99,9 @@ class Shell(Answer):
         """How many blocks, and how far they are from plane joints and from the surface."""
         planar = self.planar
         ground = counted(int(self.ground.sum()), "ground block")
+        flat = "the joints are planar" if planar.reached else "some joints are not planar"
         return [
-            Sentence(
-                "PLANAR" if planar.reached else "NOT PLANAR",
-                Role.GOOD if planar.reached else Role.BAD,
-            ),
+            Sentence(flat, Role.GOOD if planar.reached else Role.BAD),
             Sentence(f"{self.title}, {ground}, {self.volume:.2f} m3"),
             Sentence(
                 f"largest warp of a joint {planar.warp_before:.2%} of a block before, "

@@ -70,7 +70,7 @@ def test_a_sweep_shows_its_weakest_direction() -> None:
     assert "the weakest of 4 directions" in scene.stages[0].message
     assert scene.stages[0].headline.endswith(" degrees about y: the weakest of 4 directions")
     assert len(scene.charts) == 2
-    assert "towards 0 deg" in panel(sweep.plot)
+    assert "towards 0 deg" in panel(sweep.figure())
 
 
 def test_without_states_there_is_no_picture() -> None:

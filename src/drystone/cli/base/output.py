@@ -55,21 +55,18 @@ class Screen:
         head: Sequence[str],
         rows: Sequence[Sequence[str]],
         listed: int = LISTED,
-        styles: Sequence[str] = (),
-        more: str = "--json lists all",
     ) -> None:
         """The first rows of a table, and the number of the others."""
         from rich.table import Table
         from rich.text import Text
 
         made = Table(*head, box=None)
-        for i, row in enumerate(rows[:listed]):
-            cells = [Text(clean(cell)) for cell in row]
-            made.add_row(*cells, style=styles[i] if styles else None)
+        for row in rows[:listed]:
+            made.add_row(*(Text(clean(cell)) for cell in row))
         if rows:
             self._console.print(made)
         if len(rows) > listed:
-            self.dim(f"and {len(rows) - listed} more ({more})")
+            self.dim(f"and {len(rows) - listed} more (--json lists all)")
 
 
 def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from drystone.base.errors import DrystoneError
 from drystone.base.files import Job, write_together
 from drystone.cli.base import output
-from drystone.cli.base.output import Screen, grouped
+from drystone.cli.base.output import LISTED, Screen, grouped
 from drystone.cli.base.waiting import NOTHING, Waiting
 
 if TYPE_CHECKING:
     from drystone.answer import Answer
+    from drystone.base.table import Table
 
 Files: TypeAlias = tuple[list[Job], list[str]]
 """Files to be written all together, and remarks on them."""
@@ -121,16 +122,20 @@ def _show(screen: Screen, answer: Answer, subject: str, everything: bool) -> Non
             one.text, "note:" if one.role.value == "remark" else "", STYLE[one.role.value], " "
         )
     for table in filter(len, answer.tables()):
-        heads, rows = table.cells()
-        named = len(rows) > 0 and isinstance(next(iter(table.columns.values()))[0], str)
         screen.line(f"{table.title.replace('_', ' ')}:")
-        if everything:
-            screen.table(heads, rows, len(rows))
-            continue
-        shown = grouped(rows) if named else rows
-        screen.table(heads, shown)
-        if len(shown) < len(rows):
-            screen.dim("equal rows share a line (--json lists all)")
+        show_table(screen, table, everything)
+
+
+def show_table(screen: Screen, table: Table, everything: bool = False) -> None:
+    """The first rows of a table, those that are equal but for a name on one line; or all."""
+    heads, rows = table.cells()
+    if everything or not isinstance(next(iter(table.columns.values()))[0], str):
+        screen.table(heads, rows, len(rows) if everything else LISTED)
+        return
+    shown = grouped(rows)
+    screen.table(heads, shown)
+    if len(shown) < len(rows):
+        screen.dim("equal rows share a line (--json lists all)")
 
 
 def finish(answer: Printed | Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:

@@ -7,12 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import Screen
-from drystone.cli.base.told import Printed
+from drystone.cli.base.told import Printed, show_table
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
@@ -124,24 +122,6 @@ def scaffold(
     data: dict[str, Any] = {"model": subject.model, "compared": rows}
     jobs = [(csv, table.to_csv)] if csv is not None else []
     code = 0 if any(row["failed_stages"] == 0 and row["cost"] == row["cost"] for row in rows) else 1
-    return Printed(data, partial(_show, rows), code, model.notes, lambda: (list(jobs), []))
-
-
-def _show(rows: list[dict[str, Any]], screen: Screen) -> None:
-    screen.table(
-        ("with", "order", "propped", "held", "m x stages", "peak force", "moves", "cost", "fails"),
-        [
-            (
-                row["support"], row["order"], str(row["propped"]), str(row["held"]),
-                f"{row['metre_stages']:.3g}", units.quantity(row["peak_force"], "N"),
-                f"{row['moves']:.0f}", f"{row['cost']:.3g}", str(row["failed_stages"] or ""),
-            )
-            if row["cost"] == row["cost"]
-            else (row["support"], row["order"], row["message"], *[""] * 6)
-            for row in rows
-        ],
-        styles=["red" if row["failed_stages"] else "" for row in rows],
-    )  # fmt: skip
-    told = {row["support"]: row["message"] for row in reversed(rows) if row["failed_stages"]}
-    for support, message in told.items():
-        screen.line(message, f"{support}:", "bold red", " ")
+    return Printed(
+        data, partial(show_table, table=table), code, model.notes, lambda: (list(jobs), [])
+    )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.answer.chart import Chart, MarkKind
+from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.arrays import Bools, Floats
 from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
@@ -51,13 +51,7 @@ def save_chart(chart: Chart, title: str) -> Figure:
     head = "\n".join(one for one in (title, chart.caption) if one)
     figure, axes = _axes(head, across, up, "polar" if chart.polar else None)
     for one in chart.marks:
-        ink, x = colour[_INK[one.ink]], np.deg2rad(one.x) if chart.polar else one.x
-        if one.kind is MarkKind.AREA:
-            axes.fill_between(x, one.y, 0.0 if one.low is None else one.low, color=ink, alpha=0.15)
-            continue
-        face = "none" if one.kind is MarkKind.RING else ink
-        axes.plot(x, one.y, _SHAPES[one.kind], color=ink, label=one.label or None,
-                  markerfacecolor=face, linewidth=1.8, markersize=6)  # fmt: skip
+        _draw_marks(axes, one, np.deg2rad(one.x) if chart.polar else one.x)
     for at, text in chart.lines:
         axes.axvline(at, color=colour["edge"], linestyle=":", linewidth=1.2)
         axes.annotate(text, (at, axes.get_ylim()[1]), fontsize=9, ha="right", va="top", rotation=90)
@@ -71,6 +65,18 @@ def save_chart(chart: Chart, title: str) -> Figure:
     if any(one.label for one in chart.marks):
         axes.legend(frameon=False, fontsize=9)
     return figure
+
+
+def _draw_marks(axes: Any, marks: Marks, x: Floats) -> None:
+    """Marks at places x (p,) across."""
+    ink = ROLE_COLOUR["light"][_INK[marks.ink]]
+    if marks.kind is MarkKind.AREA:
+        low = 0.0 if marks.low is None else marks.low
+        axes.fill_between(x, marks.y, low, color=ink, alpha=0.15)
+        return
+    face = "none" if marks.kind is MarkKind.RING else ink
+    axes.plot(x, marks.y, _SHAPES[marks.kind], color=ink, label=marks.label or None,
+              markerfacecolor=face, linewidth=1.8, markersize=6)  # fmt: skip
 
 
 @saved_plot
