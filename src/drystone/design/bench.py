@@ -14,7 +14,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.design.changes import Change, Surgery
 from drystone.design.diagnosed import Region
-from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check
+from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check, rest_found
 from drystone.design.regions import interfaces_of, local_model
 from drystone.design.search import least
 from drystone.design.words import joint_name, names_of
@@ -181,7 +181,7 @@ class Bench:
         made = self.changed(make)
         size, point = np.full(count, -1.0), np.zeros((count, 3))
         for case in (made, *self.margin.cases(made)):
-            found = quick_check(case, self.stop).resultants
+            found = rest_found(case, self.stop).resultants
             now = np.linalg.norm(found.force[-count:], axis=1)
             point[now > size] = found.position[-count:][now > size]
             size = np.maximum(size, now)

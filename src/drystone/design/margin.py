@@ -45,6 +45,21 @@ def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
     return result
 
 
+def rest_found(model: Model, stop: Callable[[], bool] | None = None) -> Result:
+    """The forces of a model that was found to stand; followed, where one stiffness does not do.
+
+    Raises
+    ------
+    Stopped
+        As above.
+    """
+    quick = quick_check(model, stop)
+    result = quick if quick.stable else check(model, stop=stop)
+    if result.stopped:
+        raise Stopped
+    return result
+
+
 def quickly_stands(
     model: Model,
     stop: Callable[[], bool] | None = None,

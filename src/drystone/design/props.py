@@ -14,7 +14,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
-from drystone.design.margin import LARGE_REGION, quick_check, quickly_stands
+from drystone.design.margin import LARGE_REGION, quickly_stands, rest_found
 from drystone.free_faces import free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -258,6 +258,6 @@ def _forces(
     model: Model, some: Sequence[PropSeat], stop: Callable[[], bool] | None
 ) -> list[PropForce]:
     """The forces of props that hold a model."""
-    found = quick_check(with_props(model, some), stop).resultants
+    found = rest_found(with_props(model, some), stop).resultants
     last = zip(some, found.position[-len(some) :], found.force[-len(some) :], strict=True)
     return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
+import numpy as np
+
+from drystone.base.arrays import Floats
 from drystone.base.progress import Stop
 
 _CLOSE = 0.01
@@ -90,3 +94,67 @@ def improved(best: R, proposals: Callable[[R], Iterator[R]], late: Stop) -> R:
             break
         best = better
     return best
+
+
+def each_needed(
+    values: Floats,
+    stands: Callable[[Floats], bool],
+    *,
+    close: float,
+    late: Stop,
+    tell: Callable[[int, int], None] | None = None,
+) -> tuple[Floats, bool]:
+    """Values lowered one by one, the smallest first, until each one that is left is needed.
+
+    First values become zero, as long as one can. Then each one gets as small as it can be, by
+    bisection. A smaller value may make another one needless that was needed before. So after each
+    change all others are tried again. The sum falls by at least ``close`` with each change, so this
+    ends.
+
+    Parameters
+    ----------
+    values : (j,)
+        With which something stands.
+    stands
+    close
+        Accuracy of a value.
+    late
+        Whether it is time to stop.
+    tell
+        Called with the number of values that are known to be needed, and of all that are not zero.
+
+    Returns
+    -------
+    (j,), bool
+        The values, and whether each is needed: with any one of them zero, or smaller by ``close``,
+        ``stands`` was False. That is so unless it was stopped.
+    """
+
+    def put(k: int, value: float) -> Floats:
+        out = values.copy()
+        out[k] = value
+        return out
+
+    def holds(k: int, value: float) -> bool:
+        return stands(put(k, value))
+
+    for steps in ((np.inf,), (np.inf, close)):
+        needed: set[int] = set()
+        while left := [k for k in np.argsort(values, kind="stable").tolist()
+                       if values[k] > 0.0 and k not in needed]:  # fmt: skip
+            k = left[0]
+            if tell is not None:
+                tell(len(needed), len(needed) + len(left))
+            for step in steps:
+                while values[k] > 0.0 and not late():
+                    less = max(float(values[k]) - step, 0.0)
+                    if not holds(k, less):
+                        break
+                    if less > 0.0:
+                        less = bracket(partial(holds, k), 0.0, less, 0.5 * close, late)[1]
+                    values = put(k, less)
+                    needed.clear()
+            if late():
+                return values, False
+            needed.add(k)
+    return values, True

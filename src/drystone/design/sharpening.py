@@ -19,11 +19,10 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.design.changed_answer import ChangedStructure
 from drystone.design.joint_surgery import STEEPEST
-from drystone.design.least_wedges import least_wedges
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
 from drystone.design.plane_joints import PlaneJoints
-from drystone.design.search import bracket
+from drystone.design.search import bracket, each_needed
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.stability import check
@@ -204,7 +203,7 @@ class _Sharpening:
         if not stands:
             return self.answer(sharpness, rounds, False, self.why(sharpness))
         sharpness = self.lowered(sharpness)
-        sharpness, known = least_wedges(
+        sharpness, known = each_needed(
             sharpness,
             self.holds,
             close=self.options.close,

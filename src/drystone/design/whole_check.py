@@ -17,6 +17,7 @@ from drystone.design.diagnosed import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import MAKERS
 from drystone.design.mend_types import Mend
+from drystone.design.search import bracket
 from drystone.model import Model
 from drystone.results import Result
 
@@ -182,17 +183,15 @@ class WholeCheck:
     def _larger(self, low: float, *, quick: bool) -> float | None:
         """The least value above one that falls."""
         most, close = self.candidate.steps[-1], self.candidate.close
+
+        def stands(value: float) -> bool:
+            return self._stands(value, quick=quick)
+
         while low + close < most:
-            high = top = min(2.0 * low + close, most)
-            if self._stands(high, quick=quick):
-                while high - low > close:
-                    middle = 0.5 * (low + high)
-                    if self._stands(middle, quick=quick):
-                        high = middle
-                    else:
-                        low = middle
-                return high
-            low = top
+            high = min(2.0 * low + close, most)
+            if stands(high):
+                return bracket(stands, low, high, close)[1]
+            low = high
         return None
 
     def _settled(self, low: float) -> _Held | None:

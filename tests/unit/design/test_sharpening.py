@@ -12,7 +12,6 @@ from drystone.cli import main
 from drystone.design import DesignMargin, Sharpened, SharpenOptions, sharpen
 from drystone.design.plane_joints import PlaneJoints
 from drystone.models import arch, box, tower
-from drystone.stability import CheckOptions
 
 THIN = Model.of(arch(0.08, voussoirs=4), friction=0.7)
 """It falls while its joints are plane."""
@@ -44,7 +43,7 @@ def test_every_sharpened_joint_is_needed(sharpened: Sharpened) -> None:
     for k in np.flatnonzero(sharpened.sharpness):
         less = np.array(sharpened.sharpness)
         less[k] = max(less[k] - COARSE.close, 0.0)
-        found = drystone.check(joints.wedged(less), options=CheckOptions(settle=False))
+        found = drystone.check(joints.wedged(less), options=margin.options())
         assert not margin.meets(found)
 
 

@@ -1,4 +1,4 @@
-"""Wedges taken back: each one that is left is needed, whatever holds the structure."""
+"""Values lowered one by one: each one that is left is needed, whatever holds the structure."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.base.arrays import Floats
-from drystone.design.least_wedges import least_wedges
+from drystone.design.search import each_needed
 
 CLOSE = 0.5
 
@@ -29,7 +29,7 @@ def one_for_two(sharpness: Floats) -> bool:
 
 @pytest.mark.parametrize("stands", [leaning, with_gaps, one_for_two])
 def test_each_wedge_that_is_left_is_needed(stands: Callable[[Floats], bool]) -> None:
-    found, known = least_wedges(np.full(3, 50.0), stands, close=CLOSE, late=lambda: False)
+    found, known = each_needed(np.full(3, 50.0), stands, close=CLOSE, late=lambda: False)
     assert known
     assert stands(found)
     assert (found > 0.0).any()
@@ -42,13 +42,13 @@ def test_each_wedge_that_is_left_is_needed(stands: Callable[[Floats], bool]) -> 
 
 def test_the_given_sharpness_is_left_as_it_is() -> None:
     given = np.full(3, 50.0)
-    least_wedges(given, one_for_two, close=CLOSE, late=lambda: False)
+    each_needed(given, one_for_two, close=CLOSE, late=lambda: False)
     np.testing.assert_array_equal(given, 50.0)
 
 
 def test_where_it_is_stopped_it_stands_and_no_wedge_is_known_to_be_needed() -> None:
     asked = iter(range(100))
-    found, known = least_wedges(
+    found, known = each_needed(
         np.full(3, 50.0), leaning, close=CLOSE, late=lambda: next(asked) > 30
     )
     assert not known
