@@ -63,7 +63,11 @@ def save_chart(chart: Chart, title: str) -> Figure:
         axes.set_ylabel("")
         axes.set_rlabel_position(67.5)
     if any(one.label for one in chart.marks):
-        axes.legend(frameon=False, fontsize=9)
+        if chart.polar:
+            handles = axes.get_legend_handles_labels()
+            figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
+        else:
+            axes.legend(frameon=False, fontsize=9)
     return figure
 
 
@@ -75,8 +79,9 @@ def _draw_marks(axes: Any, marks: Marks, x: Floats) -> None:
         axes.fill_between(x, marks.y, low, color=ink, alpha=0.15)
         return
     face = "none" if marks.kind is MarkKind.RING else ink
+    width = 4.0 if marks.kind is MarkKind.DASHED else 1.8  # is seen below another line
     axes.plot(x, marks.y, _SHAPES[marks.kind], color=ink, label=marks.label or None,
-              markerfacecolor=face, linewidth=1.8, markersize=6)  # fmt: skip
+              markerfacecolor=face, linewidth=width, markersize=6)  # fmt: skip
 
 
 @saved_plot
