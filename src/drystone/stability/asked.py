@@ -37,6 +37,7 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
+from drystone.stability.screening import FROM_OTHER
 
 SENSITIVE = "sensitive to how the joints press"
 
@@ -229,7 +230,8 @@ class Asked:
             words = "it starts to move"
             if self.balances:
                 words = f"forces could balance the loads, but they do not arise; {words}"
-            return self.unstable(words + left_out, motion, uniform)
+            leaning = next((one for one in self.tried if one.falling is not None), uniform)
+            return self.unstable(words + left_out, motion, leaning)
         return self.no_answer()
 
     def no_answer(self) -> Result:
@@ -267,5 +269,5 @@ def _attempted(
     problem: Problem, clock: Clock, near: Floats | None, springs: Compliance
 ) -> Candidate:
     attempt = Attempt(problem, springs, clock.late)
-    found = None if near is None else attempt.begun_at(near)
-    return attempt.from_nothing() if found is None else found
+    found = None if near is None else attempt.begun_at(near, FROM_OTHER)
+    return attempt.from_nothing() if found is None or not found.stands else found

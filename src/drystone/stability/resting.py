@@ -132,7 +132,8 @@ def stands_for_all(
 ) -> bool:
     """Whether a model stands for all contact stiffnesses that are tried, for searches.
 
-    Where the blocks slide far they are followed, and must come to rest.
+    Where the blocks slide far they are followed, and must come to rest; with uniform stiffness
+    alone they are not.
 
     Parameters
     ----------
@@ -144,6 +145,6 @@ def stands_for_all(
     stop
         Asked often; True ends the analysis, and what is left counts as not found.
     """
-    options = CheckOptions(samples=samples, seed=seed, uniform=True)
+    options = CheckOptions(samples=samples, seed=seed, uniform=True, settle=samples > 0)
     found = check(model, options=options, stop=stop)
     return found.stable and not found.stopped and found.samples.standing == found.samples.tried

@@ -51,6 +51,7 @@ ROUNDS = 3
 """How often light blocks are given what they feel, by the forces found before. Measured: a boulder
 on three pebbles of 3e-16 of its weight stands after the second time."""
 
+FREELY = "nothing presses on the blocks that fall, so nothing holds them"
 UNBALANCED = "no contact forces can balance the loads"
 
 
@@ -157,7 +158,7 @@ def decided(
 @one_blas_thread()
 def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidate | None) -> Result:
     problem, options, late = asked.problem, asked.options, asked.clock.late
-    freely = _free_fall(asked)
+    freely = _free_fall(asked, FREELY) if _surely_free(problem) else None
     if freely is not None:
         return freely
     asked.report("rest state", 0)
@@ -168,11 +169,11 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
         # where a known rest state leads nowhere a mechanism is likely, and is found soon
         first = asked.nearest is not None or (near is not None and problem.equilibrium_first)
         if first and asked.collapse is not None:
-            return asked.unstable(UNBALANCED, asked.collapse)
+            return _falls(asked, asked.collapse)
         uniform = asked.attempt().from_nothing(falls=lambda: asked.collapse is not None)
     asked.count(uniform)
     if not uniform.stands and not late() and asked.collapse is not None:
-        return asked.unstable(UNBALANCED, asked.collapse, uniform)
+        return _falls(asked, asked.collapse, uniform)
     felt = None if uniform.stands else _by_what_blocks_feel(asked, uniform)
     if felt is not None:
         return asked.stable(felt)
@@ -190,20 +191,31 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     return asked.no_answer() if late() else _followed(asked, pool, uniform)
 
 
-def _free_fall(asked: Asked) -> Result | None:
-    """UNSTABLE when the loads press some blocks against nothing and the others stand.
+def _falls(asked: Asked, collapse: Floats, uniform: Candidate | None = None) -> Result:
+    """UNSTABLE where no forces balance the loads: freely where that is why, else as a mechanism."""
+    freely = _free_fall(asked, f"{FREELY}; {UNBALANCED}")
+    return asked.unstable(UNBALANCED, collapse, uniform) if freely is None else freely
+
+
+def _surely_free(problem: Problem) -> bool:
+    """Whether nothing at all presses on some blocks that touch each other and supports only.
 
     Contact forces answer pressing. Blocks that the loads accelerate without approaching any
     corner feel none, at whatever friction: a block between two vertical walls falls, and so do
     several in a row, although forces that nothing provides could hold them. Of blocks that touch
     other free ones this is not known: those may settle against them.
     """
-    problem, model = asked.problem, asked.problem.model
-    falling, acceleration = problem.unpressed, problem.acceleration
-    if not beside_supports(model.assembly, model.contacts, falling):
-        return None
-    strictly = unpressed(model.assembly, model.contacts, acceleration, NO_APPROACH)
-    if not falling.any() or not strictly.all(where=falling):
+    falling, model = problem.unpressed, problem.model
+    if not (falling.any() and beside_supports(model.assembly, model.contacts, falling)):
+        return False
+    strictly = unpressed(model.assembly, model.contacts, problem.acceleration, NO_APPROACH)
+    return bool(strictly.all(where=falling))
+
+
+def _free_fall(asked: Asked, words: str) -> Result | None:
+    """UNSTABLE with the blocks on which nothing presses, where the others stand without them."""
+    problem, falling = asked.problem, asked.problem.unpressed
+    if not falling.any():
         return None
     others = problem.without(falling)
     if others is not None:
@@ -213,9 +225,9 @@ def _free_fall(asked: Asked) -> Result | None:
             return None
     return asked.answer(
         Verdict.UNSTABLE,
-        "nothing presses on the blocks that fall, so nothing holds them",
-        mechanism=problem.normalised(np.where(falling[:, None], acceleration, 0.0)),
-        prop=0.0 - np.where(falling[:, None], model.load.wrench, 0.0),
+        words,
+        mechanism=problem.normalised(np.where(falling[:, None], problem.acceleration, 0.0)),
+        prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
         falling=tuple(int(i) for i in np.flatnonzero(falling)),
     )
 
@@ -299,6 +311,9 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         return asked.answer(Verdict.UNDECIDED, words, settlement=found)
     if hardly:
         words = f"{held}, and {found.message}"
+        freely = None if uniform.stands else _free_fall(asked, words)
+        if freely is not None:
+            return replace(freely, settlement=found)
     elif not uniform.stands and asked.balances:
         reached = "forces could balance the loads, but the loads alone do not bring them about"
         words = f"{reached}; {found.message}; shims or prestress might hold it: {SENSITIVE}"

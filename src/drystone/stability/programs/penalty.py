@@ -20,7 +20,8 @@ from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
-from drystone.stability.check_options import CheckOptions
+from drystone.stability.attempts import FALLS_FROM
+from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
@@ -49,7 +50,7 @@ class PenaltyOptions(Options):
     """
 
     ground: float = 1e-8
-    settle: bool = True
+    settle: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -101,7 +102,7 @@ def solve_cra_penalty(
         "the penalty form of coupled rigid-block analysis",
         "it measures the pull that dry joints do not have",
     )
-    asked = CheckOptions(settle=chosen.settle)
+    asked = CheckOptions(samples=SAMPLES, settle=chosen.settle)
     dry = decided(Asked(problem, asked, clock, progress), executor)
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
@@ -133,7 +134,8 @@ def solve_cra_penalty(
         )
     share = problem.ground_share(leaning.ground)
     prop = dry.prop
-    if prop is None or leaning.converged:  # that of the mechanism also presses blocks together
+    leans = leaning.converged and share.max() > FALLS_FROM
+    if prop is None or leans:  # that of the mechanism also presses blocks together
         prop = -problem.wrench(leaning.ground)
     needy = dry.falling or tuple(int(i) for i in statics.free[share > FALLING_SHARE * share.max()])
     strength = np.linalg.norm(prop[:, :3], axis=1)
