@@ -93,7 +93,7 @@ class Layer(OneLine):
         For the legend.
     kind
     colour
-        One of :data:`ROLES`.
+        One of ``ROLES``.
     position : (p, 3) [m]
     vector : (p, 3), arrows [N] or lines [m]
     start : (f + 1,) loops of polygons

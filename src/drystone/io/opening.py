@@ -33,7 +33,7 @@ Given: TypeAlias = Model | Assembly | Paths
 
 
 class How(TypedDict, total=False):
-    """How a model is made of an assembly or a file; see :func:`read`."""
+    """How a model is made of an assembly or a file; see :func:`drystone.read`."""
 
     supports: str | Sequence[int | str] | GroundPlane | None
     friction: float | None
@@ -55,7 +55,7 @@ class How(TypedDict, total=False):
 _FILE_ONLY = (
     "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden", "max_size"
 )  # fmt: skip
-"""Arguments of :func:`read` that only a file has."""
+"""Arguments of :func:`drystone.read` that only a file has."""
 
 
 @checked_call
@@ -242,7 +242,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     given
         A model, an assembly or the path of a file.
     how
-        Arguments of :func:`read` for a file; of :meth:`drystone.Model.of` for an assembly. Of a
+        Arguments of :func:`drystone.read` for a file; of :meth:`drystone.Model.of` for an assembly. Of a
         model ``load``, ``friction`` and ``supports`` can be changed.
 
     Raises

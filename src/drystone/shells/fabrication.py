@@ -59,7 +59,7 @@ def write_blocks(shell: Shell, folder: PathLike, *, suffix: str = ".obj") -> lis
     folder
         Created if it does not exist.
     suffix
-        ``.obj`` keeps polygons; any other format that :func:`drystone.io.write` knows.
+        ``.obj`` keeps polygons; any other format that :func:`drystone.write` knows.
 
     Raises
     ------
