@@ -242,8 +242,8 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     given
         A model, an assembly or the path of a file.
     how
-        Arguments of :func:`drystone.read` for a file; of :meth:`drystone.Model.of` for an assembly. Of a
-        model ``load``, ``friction`` and ``supports`` can be changed.
+        Arguments of :func:`drystone.read` for a file; of :meth:`drystone.Model.of` for an assembly.
+        Of a model ``load``, ``friction`` and ``supports`` can be changed.
 
     Raises
     ------
