@@ -18,20 +18,21 @@ ROOT = Path(__file__).parents[1]
 FLOORS = {
     "Show": ("cli", "live", "mcp", "reproduce", "view"),
     "Design and plan": ("design", "compat", "sequence", "shells", "models"),
-    "Analyse": ("limits", "stability", "settlement", "fall", "formulations", "statics", "checks"),
+    "Analyse": ("limits", "stability", "settlement", "fall", "formulations", "mechanics"),
     "Describe": (
         "io",
         "results",
         "answer",
+        "statics",
+        "checks",
         "joints",
         "virtual",
+        "free_faces",
         "model",
         "detection",
         "contacts",
-        "joint_capacity",
-        "loads",
     ),
-    "Blocks": ("repair", "supports", "assembly"),
+    "Blocks": ("joint_capacity", "loads", "repair", "supports", "assembly"),
     "Numbers": ("solvers", "geometry"),
     "Ground": ("base",),
 }
@@ -80,7 +81,7 @@ def house() -> str:
             parts.append(label(left + 48, top + 29, name, anchor="middle"))
     bottom = 20 + 62 * len(FLOORS)
     parts.append(label(20, bottom + 14, "A layer imports only from layers below it.", "s"))
-    return svg(1120, bottom + 30, parts)
+    return svg(1200, bottom + 30, parts)
 
 
 def arrow(x: float, y: float, dx: float, dy: float, kind: str = "a") -> str:

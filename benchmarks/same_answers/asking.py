@@ -36,7 +36,7 @@ TINY = 1e-300
 
 
 def verdict(model: Model) -> Answer:
-    """Verdict and its word, what falls and whither, what the supports carry."""
+    """Verdict and its word, what falls and where it goes, what the supports carry."""
     result = check(model)
     found: Answer = {"verdict": result.verdict.value, "word": _word(result)}
     if result.verdict is Verdict.UNSTABLE:
@@ -152,7 +152,7 @@ def mends_of(model: Model, kinds: tuple[str, ...]) -> Answer:
 
 
 def settlement(model: Model, motion: dict[int | str, Any] | None) -> Answer:
-    """How it ends, how far the blocks go, and whither the farthest."""
+    """How it ends, how far the blocks go, and which way the farthest."""
     found = settle(model, motion)
     moved = found.displacement[:, :3]
     free = np.where(model.assembly.fixed, 0.0, np.linalg.norm(moved, axis=1))

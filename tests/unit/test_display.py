@@ -96,6 +96,8 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
+    pressed = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.005))
+    yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], pressed)))
     yield Inspection(tower(3), drystone.find_contacts(tower(3)))
     yield design.ChangedByHand(stands.model, stands)
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)

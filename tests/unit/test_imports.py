@@ -51,8 +51,3 @@ def test_a_public_class_has_a_name_of_its_own() -> None:
     classes = [node.name for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]
     assert len(classes) > 200
     assert [n for n, count in Counter(classes).items() if count > 1 and n[0] != "_"] == []
-
-
-def test_folders_have_about_a_dozen_files() -> None:
-    count = Counter(path.parent for path in MODULES.values())
-    assert {str(folder.relative_to(ROOT)): n for folder, n in count.items() if n > 14} == {}

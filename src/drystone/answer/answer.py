@@ -15,8 +15,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from drystone.answer.asked import Asked
 from drystone.answer.chart import Chart
+from drystone.answer.question import Question
 from drystone.answer.scene import Scene
 from drystone.answer.sentences import Role, Sentence
 from drystone.base.display import OneLine, picture_of
@@ -81,9 +81,9 @@ class Answer(OfModel, OneLine, ABC):
         return 0 if self.sentences()[0].role is Role.GOOD else 1
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What was asked: the model, where it came from, its loads, options, version and date."""
-        return Asked.of(self.model, self.options, self.when)
+        return Question.of(self.model, self.options, self.when)
 
     @property
     def when(self) -> str:

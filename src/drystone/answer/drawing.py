@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.answer.asked import Asked
+from drystone.answer.question import Question
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
@@ -32,7 +32,7 @@ def bare_scene(
         count += f", {counted(contacts.count, 'interface')}"
     notes = "" if model is None else "; ".join(model.notes)
     stage = SceneStage("model", count, notes, state_of(assembly), layers=interface_layers(found))
-    asked = Asked.of_blocks(assembly, found) if model is None else Asked.of(model)
+    asked = Question.of_blocks(assembly, found) if model is None else Question.of(model)
     return Scene(assembly, found, (stage,), f"drystone: {count}", asked.facts())
 
 

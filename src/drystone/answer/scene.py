@@ -10,8 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.answer.asked import UP
 from drystone.answer.chart import Chart
+from drystone.answer.question import UP
 from drystone.answer.sentences import Verdict
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
@@ -198,9 +198,9 @@ class CutLoop(Answer):
         return self.plan.model.model
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What was asked, of the last blocks."""
-        return Asked.of_nothing(made=self.when) if self.plan is None else super().asked
+        return Question.of_nothing(made=self.when) if self.plan is None else super().asked
 
     @property
     def title(self) -> str:

@@ -12,7 +12,7 @@ from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.design import words as diagnosis_words
+from drystone.design import words
 from drystone.design.joint_motion import JointState
 from drystone.design.needs import Needs
 from drystone.model import Model
@@ -94,14 +94,14 @@ class Diagnosis(Answer):
     def reasons(self) -> tuple[str, ...]:
         """A sentence for each region, or one if the model stands."""
         if not self.regions:
-            return (diagnosis_words.nothing(self.result),)
+            return (words.nothing(self.result),)
         said = [region.sentence for region in self.regions]
         if self.others:
             more = counted(len(self.others), "more block falls", "more blocks fall")
-            said.append(f"{more}: {diagnosis_words.names_of(self.model, self.others)}")
+            said.append(f"{more}: {words.names_of(self.model, self.others)}")
         if self.friction is not None:
             regions = [region.needs.friction for region in self.regions]
-            said.append(diagnosis_words.friction_of_all(self.friction, regions))
+            said.append(words.friction_of_all(self.friction, regions))
         return tuple(said)
 
     @property

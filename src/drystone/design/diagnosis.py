@@ -15,12 +15,12 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design import words as diagnosis_words
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states
 from drystone.design.margin import QUICK, quickly_stands
 from drystone.design.missing_wrenches import solve_alone, with_wrenches
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
+from drystone.design.region_words import sentence
 from drystone.design.regions import interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -95,7 +95,7 @@ def diagnose(
     block 'block' slides down along 'left' and 'right'
     nothing presses on it
     a support that takes 33.9 kN at (0, 0, -0.2) m
-    or the joint with 'right' turned by 0.1 degrees
+    or the joint with 'left' turned by 0.1 degrees
     or glue between 'left' and 'block' that carries a pull, and a shear, of 15 kN would hold it
     """
     chosen = DiagnosisOptions.of(options)
@@ -176,7 +176,7 @@ def _region(
         alone.verdict,
         joints,
         needs,
-        diagnosis_words.sentence(model, blocks, joints, needs),
+        sentence(model, blocks, joints, needs),
     )
 
 

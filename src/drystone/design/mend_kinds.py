@@ -1,4 +1,4 @@
-"""The kinds of mends: for each, the changes that hold a region, and what was tried in vain."""
+"""The kinds of mends: for each, the changes that hold a region, and what did not do."""
 
 from __future__ import annotations
 

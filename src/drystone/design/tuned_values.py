@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.arrays import number
 from drystone.base.display import OneLine
@@ -148,9 +148,9 @@ class Tuned(Answer):
         raise InputError("a search has no model", remedy="build one of its front")
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """The version, and when."""
-        return Asked.of_nothing(made=self.when)
+        return Question.of_nothing(made=self.when)
 
     @property
     def title(self) -> str:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
-from drystone.answer.asked import directions
 from drystone.answer.drawing import state_of
+from drystone.answer.question import directions
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted

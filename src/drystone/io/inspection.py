@@ -11,9 +11,9 @@ import numpy as np
 
 from drystone.answer import (
     Answer,
-    Asked,
     Layer,
     LayerKind,
+    Question,
     Role,
     Scene,
     SceneStage,
@@ -83,10 +83,14 @@ class Inspection(Answer):
         return Model(self.assembly, self.contacts)
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """The file, and the blocks that can be used."""
         known = self.usable is not None
-        asked = Asked.of(self.model, made=self.when) if known else Asked.of_nothing(made=self.when)
+        asked = (
+            Question.of(self.model, made=self.when)
+            if known
+            else Question.of_nothing(made=self.when)
+        )
         sha256 = digest(self.file) if self.file else ""
         return replace(asked, load="", acceleration=(), file=self.file, sha256=sha256)
 

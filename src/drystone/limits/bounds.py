@@ -18,7 +18,7 @@ from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.held_still import held_still
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
-from drystone.limits.search import VerdictSearch, Width
+from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict

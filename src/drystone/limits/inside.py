@@ -23,8 +23,8 @@ from drystone.limits.limit_checks import (
     verdict,
 )
 from drystone.limits.limit_families import Family
+from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import VerdictSearch, Width
 from drystone.results import Result, Verdict
 from drystone.statics import build_statics
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, SceneStage, Sentence
-from drystone.answer.asked import UP
+from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.question import UP
 from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
@@ -100,10 +100,10 @@ class LimitAnswer(Answer):
         return self.states[-1][0].model
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What was asked, without load and friction where the limit is one of these."""
         if not self.states:
-            return Asked.of_nothing(self.options, self.when)
+            return Question.of_nothing(self.options, self.when)
         asked = super().asked
         if self.parameter in ("tilt", "load factor"):
             return replace(asked, load="", acceleration=(), loads=())

@@ -9,7 +9,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks, ring
 from drystone.base.arrays import Floats, whole
 from drystone.base.errors import InputError, counted
@@ -108,9 +108,9 @@ class TiltSweep(Answer):
         return self.limits[self.lowest].model
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What was asked of every direction."""
-        return self.limits[0].asked if self.limits else Asked.of_nothing(made=self.when)
+        return self.limits[0].asked if self.limits else Question.of_nothing(made=self.when)
 
     @property
     def title(self) -> str:

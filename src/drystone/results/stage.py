@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.answer.asked import directions
 from drystone.answer.drawing import areas, help_layer, interface_layers, marks, seen, state_of
+from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats

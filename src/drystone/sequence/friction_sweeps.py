@@ -15,10 +15,10 @@ from drystone.base.table import Table
 from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.margins import in_turn
+from drystone.sequence.order_search import overloads
 from drystone.sequence.plan_steps import checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan, placed_before
 from drystone.sequence.rules import strength
-from drystone.sequence.search import overloads
 from drystone.sequence.stages import mask_of
 
 PlanAt: TypeAlias = Callable[[Model], Plan]

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, SceneStage, Sentence, State
-from drystone.answer.asked import directions
+from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.drawing import help_layer, interface_layers
+from drystone.answer.question import directions
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import differing
 from drystone.base.errors import counted
@@ -106,9 +106,9 @@ class PlanAnswer(Answer):
         """Directions in which each block of a step can be inserted."""
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What was asked."""
-        return Asked.of(self.model.model, self.rules, self.when)
+        return Question.of(self.model.model, self.rules, self.when)
 
     @property
     def title(self) -> str:

@@ -18,12 +18,12 @@ from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.order_search import NO_HELP, Node, OrderSearch
 from drystone.sequence.plan_steps import CHECKED, Step, checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
-from drystone.sequence.search import NO_HELP, Node, OrderSearch
 from drystone.sequence.stages import (
     Check,
     Stage,

@@ -22,9 +22,9 @@ from drystone.answer import (
     Sentence,
     State,
 )
-from drystone.answer.asked import directions
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, state_of
+from drystone.answer.question import directions
 from drystone.base import units
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine

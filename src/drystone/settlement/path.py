@@ -57,7 +57,7 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class FollowedCase:
     """What is followed, with each carrier of the ends of joints.
 
     Attributes
@@ -104,7 +104,7 @@ def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
 
 
 def path_of(
-    case: Case,
+    case: FollowedCase,
     carrier: Carrier,
     first: bool,
     *,
@@ -179,7 +179,9 @@ def _moved_much(bodies: Bodies, track: Track) -> bool:
     return many and track.ended is Ended.RESTS and float(track.travel.max()) > TOO_FAR
 
 
-def _from_rest(case: Case, carrier: Carrier, other: SettlementPath) -> SettlementPath | None:
+def _from_rest(
+    case: FollowedCase, carrier: Carrier, other: SettlementPath
+) -> SettlementPath | None:
     """The rest state with one carrier near that with the other; None where it is not found."""
     if other.outcome is not Outcome.RESTS or other.met:
         return None
@@ -203,7 +205,7 @@ def _from_rest(case: Case, carrier: Carrier, other: SettlementPath) -> Settlemen
 
 
 def _path_after(
-    case: Case, carrier: Carrier, first: bool, bodies: Bodies, track: Track
+    case: FollowedCase, carrier: Carrier, first: bool, bodies: Bodies, track: Track
 ) -> tuple[SettlementPath, bool]:
     """A track in physical numbers, with its outcome.
 
@@ -219,7 +221,7 @@ def _path_after(
     return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
 
 
-def _with_outcome(path: SettlementPath, track: Track, case: Case) -> SettlementPath:
+def _with_outcome(path: SettlementPath, track: Track, case: FollowedCase) -> SettlementPath:
     chosen, moving = case.chosen, case.motion is not None
     travel = float(track.travel.max(initial=0.0))
     if track.ended is not Ended.RESTS:
@@ -242,7 +244,7 @@ def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
     return out
 
 
-def _physical(case: Case, carrier: Carrier, bodies: Bodies, track: Track) -> SettlementPath:
+def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track) -> SettlementPath:
     """A track in m, rad and N, for all corners of the model and of the faces that were met."""
     joints = len(case.model.contacts)
     model, corners, kept = model_with_met(case.model, case.apart, track.met)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State, Verdict
-from drystone.answer.asked import directions
 from drystone.answer.drawing import enlargement, interface_layers, state_of
+from drystone.answer.question import directions
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError

@@ -25,7 +25,7 @@ from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.outcomes import outcome_of
 from drystone.settlement.path import (
-    Case,
+    FollowedCase,
     carriers_of,
     path_of,
     support_motion,
@@ -127,7 +127,7 @@ def _carried(
         return _nothing_free(model, moving, chosen)
     carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
-    case = Case(model, apart, chosen, clock, moving, left_at)
+    case = FollowedCase(model, apart, chosen, clock, moving, left_at)
     tries = [(one, one is not carriers[-1]) for one in carriers]
     known: list[tuple[SettlementPath, bool]] = []
     # of many blocks, the second run depends on the first one
@@ -250,5 +250,5 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
     return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, {"solve": 0.0})
 
 
-def _tried(case: Case, which: tuple[Carrier, bool]) -> tuple[SettlementPath, bool]:
+def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> tuple[SettlementPath, bool]:
     return path_of(case, *which)

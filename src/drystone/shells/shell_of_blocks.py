@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Asked, Role, Scene, Sentence
+from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot, unit
@@ -85,9 +85,9 @@ class Shell(Answer):
         return f"'{self.shape.name}', {counted(len(self.voussoirs), 'voussoir')}, {self.assembly!r}"
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> Question:
         """What it was made of."""
-        return replace(Asked.of_blocks(self.assembly, self.contacts), made=self.when)
+        return replace(Question.of_blocks(self.assembly, self.contacts), made=self.when)
 
     @property
     def title(self) -> str:

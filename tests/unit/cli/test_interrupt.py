@@ -13,7 +13,7 @@ import pytest
 
 from drystone import check, io
 from drystone.cli import main
-from drystone.cli.base import verdict
+from drystone.cli.base import checking
 from drystone.cli.base.waiting import Waiting
 from drystone.model import Model
 from drystone.models import tower, wall
@@ -275,5 +275,5 @@ def test_strict_wants_every_stiffness_tried() -> None:
     pair = tower(2)
     result = check(Model.of(pair))
     stopped = replace(result, stopped="the time was up")
-    assert [verdict.exit_code(result, strict) for strict in (False, True)] == [0, 0]
-    assert [verdict.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]
+    assert [checking.exit_code(result, strict) for strict in (False, True)] == [0, 0]
+    assert [checking.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]

@@ -7,7 +7,7 @@ import pytest
 
 from drystone import LoadCase, Result, Verdict
 from drystone.limits.brackets import Bracket
-from drystone.limits.search import VerdictSearch, Width
+from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.model import Model
 from drystone.models import tower
 from tests.oracle import touching_faces

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import drystone
-from drystone.answer.asked import asked_line
+from drystone.answer.question import asked_line
 from drystone.checks import corner_motion
 from drystone.design import ChangedByHand, DiagnosisOptions
 from drystone.design.changes import ballasted, glued, tied

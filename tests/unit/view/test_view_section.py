@@ -11,7 +11,7 @@ import pytest
 import drystone
 from drystone.base.errors import InputError
 from drystone.cli import main
-from drystone.cli.base import verdict, written
+from drystone.cli.base import checking, written
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
@@ -118,7 +118,7 @@ def test_a_section_beside_the_model_is_refused_before_any_work(
     model = "arch" if "thickness" in command else tmp_path / "tower.json"
     drystone.write(drystone.Model.of(tower(2)), tmp_path / "tower.json")
     monkeypatch.setattr(written.Pictures, "of", None)  # no picture is begun
-    monkeypatch.setattr(verdict, "solve", None)
+    monkeypatch.setattr(checking, "solve", None)
     page = tmp_path / "a.html"
     assert main([*command, str(model), "--section", "z=9", "--html", str(page)]) == 2
     told = capsys.readouterr().err

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Annotated
 
-from drystone.cli.base import verdict
+from drystone.cli.base import checking
 from drystone.cli.base.command import Option, command
 from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
@@ -43,12 +43,12 @@ def check(
     """
     model = subject.prepared(waiting, finding, seismic)
     wanted.require_through(model.assembly)
-    result = verdict.solve(model, waiting, time_limit, strict)
+    result = checking.solve(model, waiting, time_limit, strict)
     if result.falls and not result.stopped:
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend_command.short(result, waiting)
     return Told(
-        result, why, exit_code=verdict.exit_code(result, strict), notes=result.model.notes,
+        result, why, exit_code=checking.exit_code(result, strict), notes=result.model.notes,
         files=partial(wanted.all_of, result),
     )  # fmt: skip

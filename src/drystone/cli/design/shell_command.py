@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli.base import kinds, verdict
+from drystone.cli.base import checking, kinds
 from drystone.cli.base.command import OUTPUT, Experts, Option, command
 from drystone.cli.base.told import Told
 from drystone.cli.base.waiting import Waiting
@@ -111,7 +111,7 @@ def shell(
     model = made.model() if friction is None else made.model(friction=friction)
     model = replace(model, notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
-    result = verdict.solve(model, waiting, time_limit)
+    result = checking.solve(model, waiting, time_limit)
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]

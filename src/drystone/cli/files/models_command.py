@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError, counted
-from drystone.cli.base import kinds, verdict
+from drystone.cli.base import checking, kinds
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.kinds import output_path
 from drystone.cli.base.output import Screen
@@ -140,7 +140,7 @@ def demo(
     assembly = vault()
     waiting.stage("detect", "finding contacts")
     model = Model.of(assembly, friction=friction)
-    result = verdict.solve(model, waiting, None)
+    result = checking.solve(model, waiting, None)
 
     def files() -> Files:
         return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer.asked import Asked
+from drystone.answer.question import Question
 from drystone.answer.widening import stage_among
 from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
@@ -62,7 +62,7 @@ def snapshot(asked: WishedModel, wish: Wish, found: Found) -> dict[str, Any]:
     turn = rotation_about(asked.axis, wish.tilt)
     layers = (*stage.layers, *pushes(asked, wish, turn))
     part = asked.part
-    facts = Asked.of(part).facts()
+    facts = Question.of(part).facts()
     stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
     encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
     encoded["stage"]["moved"] = found.moved

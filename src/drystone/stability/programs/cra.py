@@ -99,7 +99,6 @@ def solve_cra(
     InputError
         What was given cannot be made into a model.
     """
-    del executor  # the paths are short
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
@@ -126,7 +125,7 @@ def solve_cra(
             return replace(best, message=met, **told)
         wider = f"{met}, more than the {chosen.slide_limit:g} asked for"
         return replace(best, method="rest", message=wider, **told)
-    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock))
+    base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock), executor)
     told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
     if not problem.statics.free_count or base.falls:
         return replace(base, method="cra", **told)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.answer import Answer
-from drystone.answer.asked import asked_line
 from drystone.answer.chart import Chart
+from drystone.answer.question import asked_line
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from scipy.spatial.transform import Rotation
 
-from drystone.answer.asked import UP
+from drystone.answer.question import UP
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints

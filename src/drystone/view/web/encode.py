@@ -45,7 +45,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.answer.asked import asked_line
+from drystone.answer.question import asked_line
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged

@@ -29,7 +29,7 @@ _OWN = 1e-9
 
 
 @dataclass(frozen=True)
-class Asked(OneLine):
+class Question(OneLine):
     """What was asked.
 
     Attributes
@@ -87,7 +87,7 @@ class Asked(OneLine):
     made: str = ""
 
     @classmethod
-    def of(cls, model: Model, options: Any = None, made: str = "") -> Asked:
+    def of(cls, model: Model, options: Any = None, made: str = "") -> Question:
         """What was asked of a model."""
         return cls._of(
             model.assembly,
@@ -102,20 +102,20 @@ class Asked(OneLine):
         )
 
     @classmethod
-    def of_nothing(cls, options: Any = None, made: str = "") -> Asked:
+    def of_nothing(cls, options: Any = None, made: str = "") -> Question:
         """Options and version, where no model is known."""
         chosen = differing(options) if dataclasses.is_dataclass(options) else {}
         return cls(options=chosen, version=version(), commit=commit(), made=made)
 
     @classmethod
-    def of_blocks(cls, assembly: Assembly, contacts: Contacts) -> Asked:
+    def of_blocks(cls, assembly: Assembly, contacts: Contacts) -> Question:
         """Blocks and their interfaces, without an analysis."""
         return cls._of(assembly, contacts, None)
 
     @classmethod
     def _of(
         cls, assembly: Assembly, contacts: Contacts, load: LoadCase | None, **more: Any
-    ) -> Asked:
+    ) -> Question:
         free = ~assembly.fixed
         density = np.array([block.density for block in assembly.blocks])
         bounds = assembly.bounds
@@ -182,7 +182,7 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
     Parameters
     ----------
     facts
-        Of a scene and its stage; see :meth:`Asked.facts`.
+        Of a scene and its stage; see :meth:`Question.facts`.
     made
         When and with what the picture was made.
 
