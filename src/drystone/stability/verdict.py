@@ -291,6 +291,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         found = replace(found, message=message, stopped=clock.reason)
     asked.steps += sum(path.iterations for path in found.paths)
     held = "uniform contact stiffness would not hold it in place"
+    if uniform.falling is None:
+        held = "uniform contact stiffness was not found to hold it in place"
     if hardly:
         held = "hardly anything presses on some of its blocks at first"
     elif uniform.stands:

@@ -188,6 +188,17 @@ def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed
         assert check(model, options=CheckOptions(seed=seed)).verdict is Verdict.UNSTABLE
 
 
+@pytest.mark.parametrize("tilt", [38.0, 40.0])
+def test_a_rest_state_to_which_no_path_converges_is_found_by_way_of_smooth_friction(
+    tilt: float,
+) -> None:
+    model = tilted(cube_curve("tall"), (1.0, 1.0, 0.0), tilt)
+    found = check(model, options=CheckOptions.robust())
+    assert found.stable
+    assert found.settlement is None
+    assert (found.samples.tried, found.samples.standing) == (5, 5)
+
+
 def test_a_rest_state_that_slides_far_is_followed() -> None:
     # close to its limit the hood slides 100 times its overlap; with other friction it falls
     model = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.7)
