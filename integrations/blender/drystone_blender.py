@@ -86,8 +86,8 @@ def model_of(objects: Sequence[Any], scene: Any, friction: float, density: float
 def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Colour the objects, draw the joints, and give keyframes to what falls."""
     from drystone.view.cad.drawn_parts import block_groups
-    from drystone.view.subjects import scene_of
     from drystone.view.style.palette import rgb
+    from drystone.view.subjects import scene_of
 
     clear(objects)
     (stage,) = scene_of(result).stages

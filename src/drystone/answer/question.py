@@ -14,6 +14,7 @@ from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine, differing
+from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
@@ -163,8 +164,10 @@ class Question(OneLine):
         return {name: text for name, text in told.items() if text}
 
     def line(self) -> str:
-        """The same in one line."""
-        return asked_line(self.facts())
+        """The same in one line, with the number of interfaces and the size."""
+        told = self.facts()
+        more = [counted(self.interfaces, "interface"), told.get("Size", "")] if self.blocks else []
+        return " \N{MIDDLE DOT} ".join(one for one in (asked_line(told), *more) if one)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values; empty entries are left out."""
@@ -194,8 +197,6 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
     shown = [facts.get("File", "")]
     for name, text in (
         ("Blocks", "{} blocks"),
-        ("Interfaces", "{} interfaces"),
-        ("Size", "{}"),
         ("Free mass", "free mass {}"),
         ("Density", "density {}"),
         ("Friction", "friction {}"),
@@ -210,7 +211,7 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
         if facts.get(name) == "none":
             shown.append(f"no {name.lower()}")
         elif name in facts:
-            one = facts[name] == "1" and text.endswith("s")
+            one = name == "Blocks" and facts[name] == "1"
             shown.append((text[:-1] if one else text).format(facts[name]))
     if "Left out" in facts:
         shown.append("shown without details, see below")

@@ -16,7 +16,7 @@ from drystone.mechanics.meeting import faces_apart
 from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch
 from drystone.settlement import Outcome, SettlementOptions, SettlementPath
-from drystone.settlement.path import Case, path_of
+from drystone.settlement.path import FollowedCase, path_of
 
 
 def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
@@ -78,7 +78,7 @@ def test_the_other_carrier_is_followed_from_where_many_blocks_rest() -> None:
     model = Model.of(assembly, friction=0.8, load=load)
     apart, chosen = faces_apart(model, 0.3), SettlementOptions()
     clock = Clock(float("inf"), None)
-    case = Case(model, apart, chosen, clock)
+    case = FollowedCase(model, apart, chosen, clock)
     first, _ = path_of(case, Carrier.MOVING, True)
     whole, _ = path_of(case, Carrier.RESTING, False)
     near, _ = path_of(case, Carrier.RESTING, False, other=first)
@@ -101,7 +101,7 @@ def test_both_carriers_of_many_blocks_are_followed_on_springs_of_one_stiffness(
     asked: list[tuple[Carrier, float | None]] = []
 
     def told(
-        case: Case, carrier: Carrier, first: bool, *, overlap: float | None, **how: Any
+        case: FollowedCase, carrier: Carrier, first: bool, *, overlap: float | None, **how: Any
     ) -> tuple[SettlementPath, bool]:
         asked.append((carrier, overlap))
         stiff = 1e-8 if carrier is Carrier.RESTING else overlap

@@ -63,7 +63,7 @@ def test_what_was_asked_is_told_in_one_line():
     scene = scene_of(drystone.check(model))
     line = asked_line(scene.facts, "2026, drystone 1")
     assert line == (
-        "tower.json · 2 blocks · 1 interface · 1 x 1 x 2 m · free mass 2.4 t · density 2400 kg/m³"
+        "tower.json · 2 blocks · free mass 2.4 t · density 2400 kg/m³"
         " · friction 0.5 · gravity · supports: block-0 · 2026, drystone 1"
     )
     numbered = [replace(one, name=str(i)) for i, one in enumerate(tower(2).blocks)]
