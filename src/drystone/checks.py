@@ -7,7 +7,6 @@ corner of the block. A small block on a large one is therefore checked at its ow
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,16 +153,6 @@ def check_forces(
     moved = None if displacement is None else displacement[:, None]
     props = None if prop is None else prop[:, None]
     return _residuals(model, force[:, None], moved, props)[0]
-
-
-def check_several(
-    model: Model, force: Sequence[Floats], displacement: Sequence[Floats]
-) -> list[Residuals]:
-    """:func:`check_forces` of several claims about one model, as one calculation.
-
-    Where the numbers of one are too large, none is proved.
-    """
-    return _residuals(model, np.stack(force, axis=1), np.stack(displacement, axis=1), None)
 
 
 def _residuals(
