@@ -15,10 +15,10 @@ from drystone.base.display import Card, OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
-from drystone.detection.report.block_overlaps import overlap_lines
-from drystone.detection.report.inexact import inexact_lines
-from drystone.detection.report.reasons import Missed
-from drystone.detection.report.unjoined import among
+from drystone.detection.block_overlaps import overlap_lines
+from drystone.detection.inexact import inexact_lines
+from drystone.detection.reasons import Missed
+from drystone.detection.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of

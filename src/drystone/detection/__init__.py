@@ -1,15 +1,15 @@
 """The contacts of an assembly, with a report of what was found and what was left out."""
 
+from drystone.detection.block_overlaps import Overlap
+from drystone.detection.contact_report import ContactReport
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.find import Detection, find_contacts, find_overlaps
-from drystone.detection.freeform.given import contacts_from_mesh
-from drystone.detection.freeform.regroup import regroup
-from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.contact_report import ContactReport
-from drystone.detection.report.gap_sweep import GapSweep, gap_sweep
-from drystone.detection.report.inexact import Inexact
-from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.gap_sweep import GapSweep, gap_sweep
+from drystone.detection.given import contacts_from_mesh
+from drystone.detection.inexact import Inexact
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.regroup import regroup
+from drystone.detection.shortfall import Shortfall
 
 __all__ = [
     "ContactReport",

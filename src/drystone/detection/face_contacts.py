@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from drystone.detection.candidates import Pairs, facing_patches
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.freeform.shortfall import Shortfall, shortfalls
-from drystone.detection.report.misses import compare_with_tolerances, dropped, misses
-from drystone.detection.report.reasons import Missed, Reason
-from drystone.detection.search.candidates import Pairs, facing_patches
-from drystone.detection.search.face_overlaps import negligible, overlaps, within
-from drystone.detection.search.interfaces import Interfaces, from_pieces
-from drystone.detection.search.nearest import uncovered
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import planes_between
+from drystone.detection.face_overlaps import negligible, overlaps, within
+from drystone.detection.interfaces import Interfaces, from_pieces
+from drystone.detection.misses import compare_with_tolerances, dropped, misses
+from drystone.detection.nearest import uncovered
+from drystone.detection.patches import Patches
+from drystone.detection.planes import planes_between
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.shortfall import Shortfall, shortfalls
 
 
 def face_contacts(

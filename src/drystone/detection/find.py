@@ -11,22 +11,22 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Ints, of_type
 from drystone.base.display import Card
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.detection_options import DetectionOptions, EdgeContacts
-from drystone.detection.face_contacts import face_contacts
-from drystone.detection.freeform.regroup import merge_slivers
-from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.inexact_joints import Joined, join_inexact
-from drystone.detection.report.block_overlaps import Overlap, block_overlaps
-from drystone.detection.report.contact_report import ContactReport
-from drystone.detection.report.misses import edge_misses
-from drystone.detection.search.candidates import (
+from drystone.detection.block_overlaps import Overlap, block_overlaps
+from drystone.detection.candidates import (
     Pairs,
     most_slack,
     near_blocks,
 )
-from drystone.detection.search.edgecontacts import edge_contacts
-from drystone.detection.search.interfaces import Interfaces, joined
-from drystone.detection.search.patches import Patches, patches_of
+from drystone.detection.contact_report import ContactReport
+from drystone.detection.detection_options import DetectionOptions, EdgeContacts
+from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.face_contacts import face_contacts
+from drystone.detection.inexact_joints import Joined, join_inexact
+from drystone.detection.interfaces import Interfaces, joined
+from drystone.detection.misses import edge_misses
+from drystone.detection.patches import Patches, patches_of
+from drystone.detection.regroup import merge_slivers
+from drystone.detection.shortfall import Shortfall
 from drystone.geometry.coincidence import duplicates
 from drystone.geometry.parts import separate_parts
 

@@ -15,20 +15,20 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
+from drystone.detection.block_overlaps import Overlap, block_overlaps
+from drystone.detection.candidates import Pairs, facing_patches, fits
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
-from drystone.detection.freeform.regroup import merge_slivers
+from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.face_overlaps import negligible, overlaps, within
+from drystone.detection.inexact import Error, Inexact
+from drystone.detection.interfaces import Interfaces, from_pieces, joined
+from drystone.detection.misses import EXPLAINED, NOTABLE, compare_with_tolerances, missed_of
 from drystone.detection.mortar_joints import join_by_mortar
-from drystone.detection.report.block_overlaps import Overlap, block_overlaps
-from drystone.detection.report.inexact import Error, Inexact
-from drystone.detection.report.misses import EXPLAINED, NOTABLE, compare_with_tolerances, missed_of
-from drystone.detection.report.reasons import Missed, Reason
-from drystone.detection.search.candidates import Pairs, facing_patches, fits
-from drystone.detection.search.edgecontacts import edge_contacts
-from drystone.detection.search.face_overlaps import negligible, overlaps, within
-from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.search.nearest import EXACT, uncovered
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import planes_between
+from drystone.detection.nearest import EXACT, uncovered
+from drystone.detection.patches import Patches
+from drystone.detection.planes import planes_between
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.regroup import merge_slivers
 from drystone.detection.warped_joints import join_warped
 
 DEEPEST = 0.08

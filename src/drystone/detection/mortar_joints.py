@@ -9,15 +9,15 @@ import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
+from drystone.detection.candidates import facing_patches, near_blocks
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.report.inexact import Error, Inexact
-from drystone.detection.report.misses import NOTABLE, compare_with_tolerances
-from drystone.detection.search.candidates import facing_patches, near_blocks
-from drystone.detection.search.face_overlaps import negligible, overlaps, projections
-from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.search.nearest import uncovered
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, planes_between, tidy
+from drystone.detection.face_overlaps import negligible, overlaps, projections
+from drystone.detection.inexact import Error, Inexact
+from drystone.detection.interfaces import Interfaces, from_pieces, joined
+from drystone.detection.misses import NOTABLE, compare_with_tolerances
+from drystone.detection.nearest import uncovered
+from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes, planes_between, tidy
 from drystone.geometry import planar
 
 THICKEST = 0.2

@@ -12,15 +12,15 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, Ints, cross
+from drystone.detection.candidates import near_blocks
+from drystone.detection.coplanar import PLANAR
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.face_contacts import face_contacts
-from drystone.detection.freeform.regroup import merge_slivers
-from drystone.detection.report.inexact import Error, Inexact
-from drystone.detection.report.reasons import Missed, Reason
-from drystone.detection.search.candidates import near_blocks
-from drystone.detection.search.coplanar import PLANAR
-from drystone.detection.search.interfaces import Interfaces, joined
-from drystone.detection.search.patches import Patches, patches_of
+from drystone.detection.inexact import Error, Inexact
+from drystone.detection.interfaces import Interfaces, joined
+from drystone.detection.patches import Patches, patches_of
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.regroup import merge_slivers
 
 
 def join_warped(

@@ -15,7 +15,7 @@ from drystone.base.errors import InputError, counted, meant
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.detection import DetectionOptions, find_overlaps
-from drystone.detection.report.block_overlaps import overlap_lines, require_apart
+from drystone.detection.block_overlaps import overlap_lines, require_apart
 from drystone.io.registry import files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.loads import LoadCase

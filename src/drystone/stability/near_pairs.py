@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from drystone.contacts import joined_contacts
-from drystone.detection.report.unjoined import contacts_if_joined, words_on
+from drystone.detection.unjoined import contacts_if_joined, words_on
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability.proofs import moving_blocks

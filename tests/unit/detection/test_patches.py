@@ -7,7 +7,7 @@ import pytest
 
 from drystone import Assembly, Block, InputError
 from drystone.base.arrays import Floats
-from drystone.detection.search.patches import patches_of
+from drystone.detection.patches import patches_of
 from drystone.models import box, concave, curve_three_blocks, dome, prism, tower, welded
 
 

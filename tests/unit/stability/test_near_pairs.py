@@ -7,7 +7,7 @@ import pytest
 
 from drystone import Assembly, Block, Model, Verdict, check, solve_rbe
 from drystone.detection import DetectionOptions
-from drystone.detection.report.reasons import Reason
+from drystone.detection.reasons import Reason
 from drystone.models import box, stool, tower
 
 

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.detection.search.interfaces import Interfaces, joined
+from drystone.detection.interfaces import Interfaces, joined
 from drystone.geometry import facets as geometry
 from drystone.geometry.facets import Facet
 from drystone.geometry.frames import frames_from_normals

@@ -13,12 +13,12 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import Card, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
+from drystone.detection.advice import suggestions
+from drystone.detection.block_overlaps import Overlap, overlap_lines, require_apart
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.report.advice import suggestions
-from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.report.inexact import Inexact, inexact_lines
-from drystone.detection.report.reasons import SHOWN, Missed, Reason, millimetres
+from drystone.detection.inexact import Inexact, inexact_lines
+from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres
+from drystone.detection.shortfall import Shortfall
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""

@@ -11,8 +11,8 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.detection.report.advice import rounded_up
-from drystone.detection.report.reasons import Missed, Reason, millimetres
+from drystone.detection.advice import rounded_up
+from drystone.detection.reasons import Missed, Reason, millimetres
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 

@@ -11,14 +11,14 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
-from drystone.detection.freeform.curvature import curvature
-from drystone.detection.search.coplanar import (
+from drystone.detection.coplanar import (
     STRAIGHT,
     coplanar_groups,
     rings_of,
     unit_rows,
     without_straight,
 )
+from drystone.detection.curvature import curvature
 from drystone.geometry.halfedge import HalfEdges, half_edges, turn_angles
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats, Ints, frozen_points
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.freeform.regroup import contacts_of
+from drystone.detection.regroup import contacts_of
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector, area_vectors
 from drystone.geometry.solid import distance

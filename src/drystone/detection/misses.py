@@ -9,14 +9,14 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
+from drystone.detection.candidates import Pairs, granted_to
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.report.reasons import Missed, Reason
-from drystone.detection.search.candidates import Pairs, granted_to
-from drystone.detection.search.edgecontacts import edge_contacts
-from drystone.detection.search.interfaces import Interfaces, angles, from_pieces
-from drystone.detection.search.nearest import gaps
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes
+from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.interfaces import Interfaces, angles, from_pieces
+from drystone.detection.nearest import gaps
+from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes
+from drystone.detection.reasons import Missed, Reason
 
 EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""

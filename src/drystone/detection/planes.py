@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged, expand
-from drystone.detection.search.patches import Patches
+from drystone.detection.patches import Patches
 from drystone.geometry import clip
 from drystone.geometry.frames import frames_from_normals
 

@@ -9,8 +9,8 @@ import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, merged, tidy
+from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes, merged, tidy
 from drystone.geometry import clip, planar
 
 NEGLIGIBLE = 0.02

@@ -8,10 +8,10 @@ import numpy as np
 
 from drystone.base.display import named
 from drystone.base.errors import counted
+from drystone.detection.block_overlaps import Overlap
 from drystone.detection.detection_options import LARGEST, DetectionOptions
-from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.reasons import SHOWN, Missed, Reason
+from drystone.detection.reasons import SHOWN, Missed, Reason
+from drystone.detection.shortfall import Shortfall
 
 Pair = tuple[int, int]
 """Two blocks by their positions."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.detection.candidates import fits
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.report.misses import ToleranceCheck
-from drystone.detection.search.candidates import fits
-from drystone.detection.search.nearest import gaps
-from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes
+from drystone.detection.misses import ToleranceCheck
+from drystone.detection.nearest import gaps
+from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes
 
 _WORTH = 0.02
 """Share of the area of a joint that may be missing without a report."""

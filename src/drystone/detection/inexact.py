@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.detection.report.reasons import millimetres
+from drystone.detection.reasons import millimetres
 
 
 class Error(StrEnum):

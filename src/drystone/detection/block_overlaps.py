@@ -11,9 +11,9 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.detection.report.reasons import SHOWN, millimetres
-from drystone.detection.search.candidates import Pairs
-from drystone.detection.search.patches import Patches
+from drystone.detection.candidates import Pairs
+from drystone.detection.patches import Patches
+from drystone.detection.reasons import SHOWN, millimetres
 from drystone.geometry.shared_volume import shared_volumes
 
 _REFUSED = 0.1

@@ -13,10 +13,10 @@ import shapely
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged
+from drystone.detection.candidates import Pairs, warp_slack
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.search.candidates import Pairs, warp_slack
-from drystone.detection.search.interfaces import Interfaces
-from drystone.detection.search.patches import Patches
+from drystone.detection.interfaces import Interfaces
+from drystone.detection.patches import Patches
 from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import edges_of

@@ -1,1 +1,0 @@
-"""Joints on curved surfaces as many planar interfaces."""

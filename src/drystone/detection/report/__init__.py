@@ -1,1 +1,0 @@
-"""What the contact search found, what it left out, and why."""

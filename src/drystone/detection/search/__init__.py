@@ -1,1 +1,0 @@
-"""Which faces of blocks touch, and where."""
