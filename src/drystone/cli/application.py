@@ -19,9 +19,9 @@ from typing import Any
 import click
 
 from drystone.base.errors import DrystoneError
-from drystone.cli.base import kinds, output
-from drystone.cli.base.command import SETTINGS, write_examples
-from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
+from drystone.cli import kinds, output
+from drystone.cli.command import SETTINGS, write_examples
+from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 
 _SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""
@@ -96,12 +96,12 @@ limit = _group(
     "limit",
     "Limits: largest tilt, least friction and others.",
     {
-        "friction": "analysis.limit_commands",
-        "imperfections": "analysis.limit_models",
-        "load": "analysis.limit_commands",
-        "shrink": "analysis.limit_commands",
-        "thickness": "analysis.limit_models",
-        "tilt": "analysis.limit_commands",
+        "friction": "limit_commands",
+        "imperfections": "limit_models",
+        "load": "limit_commands",
+        "shrink": "limit_commands",
+        "thickness": "limit_models",
+        "tilt": "limit_commands",
     },
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
@@ -110,27 +110,27 @@ app = _group(
     "drystone",
     "Does a structure of loose blocks stand by contact and friction alone?",
     {
-        "check": "analysis.check_command",
-        "convert": "files.convert_command",
-        "cut": "design.cut_command",
-        "demo": "files.models_command",
-        "fall": "analysis.fall_command",
-        "inspect": "files.inspect_command",
+        "check": "check_command",
+        "convert": "convert_command",
+        "cut": "cut_command",
+        "demo": "models_command",
+        "fall": "fall_command",
+        "inspect": "inspect_command",
         "limit": "application",
         "live": "server_commands",
         "mcp": "server_commands",
-        "mend": "design.mend_command",
-        "models": "files.models_command",
-        "plan": "design.plan_command",
-        "push": "analysis.limit_commands",
-        "recut": "design.recut_command",
-        "reproduce": "files.reproduce_command",
-        "scaffold": "design.scaffold_command",
-        "settle": "analysis.settle_command",
-        "shape": "design.shape_command",
-        "sharpen": "design.sharpen_command",
-        "shell": "design.shell_command",
-        "tune": "design.tune_command",
+        "mend": "mend_command",
+        "models": "models_command",
+        "plan": "plan_command",
+        "push": "limit_commands",
+        "recut": "recut_command",
+        "reproduce": "reproduce_command",
+        "scaffold": "scaffold_command",
+        "settle": "settle_command",
+        "shape": "shape_command",
+        "sharpen": "sharpen_command",
+        "shell": "shell_command",
+        "tune": "tune_command",
     },
     "drystone demo",
     "drystone check arch.json --html arch.html",

@@ -13,12 +13,11 @@ import click
 
 from drystone.base.errors import InputError
 from drystone.base.files import write_bytes
-from drystone.cli.base import kinds, output
-from drystone.cli.base.command import ANALYSIS, OUTPUT, Argument, Option, command
-from drystone.cli.base.kinds import POSITIVE
-from drystone.cli.base.told import Printed
-from drystone.cli.base.waiting import Waiting
-from drystone.cli.inputs import options
+from drystone.cli import kinds, options, output
+from drystone.cli.command import ANALYSIS, OUTPUT, Argument, Option, command
+from drystone.cli.kinds import POSITIVE
+from drystone.cli.told import Printed
+from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.live.serving import Live

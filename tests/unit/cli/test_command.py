@@ -13,9 +13,9 @@ import pytest
 from drystone import io
 from drystone.cli import main
 from drystone.cli.application import app
-from drystone.cli.base.command import MODEL, Argument, Command, Option, command
-from drystone.cli.base.told import Printed
-from drystone.cli.base.waiting import Waiting
+from drystone.cli.command import MODEL, Argument, Command, Option, command
+from drystone.cli.told import Printed
+from drystone.cli.waiting import Waiting
 from drystone.models import arch
 
 Capsys = pytest.CaptureFixture[str]

@@ -12,9 +12,8 @@ from pathlib import Path
 import pytest
 
 from drystone import check, io
-from drystone.cli import main
-from drystone.cli.base import checking
-from drystone.cli.base.waiting import Waiting
+from drystone.cli import checking, main
+from drystone.cli.waiting import Waiting
 from drystone.model import Model
 from drystone.models import tower, wall
 from drystone.sequence import LocalWorkers
@@ -62,7 +61,7 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
     model, page = tmp_path / "wall.json", tmp_path / "page.html"
     io.write(wall(4, 6), model)
     code = (
-        "from drystone.cli.base.waiting import Waiting\n"
+        "from drystone.cli.waiting import Waiting\n"
         "report = Waiting.__call__\n"
         "def held(self, stage, done, total):\n"
         "    report(self, stage, done, total)\n"
@@ -219,7 +218,7 @@ def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
     def pressed(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drystone.cli.base.told.Told.show", pressed)
+    monkeypatch.setattr("drystone.cli.told.Told.show", pressed)
     model, page = tmp_path / "tower.json", tmp_path / "page.html"
     io.write(tower(2), model)
     assert main(["check", str(model), "--html", str(page)]) == 130

@@ -8,7 +8,7 @@ import pytest
 
 from drystone import io, models
 from drystone.cli import main
-from drystone.cli.inputs.families import family, names, setting
+from drystone.cli.families import family, names, setting
 
 Capsys = pytest.CaptureFixture[str]
 

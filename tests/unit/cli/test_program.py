@@ -12,9 +12,8 @@ import pytest
 import drystone
 from drystone.base.errors import MissingDependency
 from drystone.base.version import commit
-from drystone.cli import application, main
-from drystone.cli.base import output
-from drystone.cli.base.waiting import Waiting
+from drystone.cli import application, main, output
+from drystone.cli.waiting import Waiting
 from drystone.models import tower
 
 HEAVY = ("matplotlib", "PIL", "starlette", "fastapi", "uvicorn", "rhino3dm", "trimesh", "compas")
@@ -125,7 +124,7 @@ def test_numbers_that_json_does_not_know_become_null(capsys: pytest.CaptureFixtu
 def test_nothing_is_drawn_where_stderr_is_no_terminal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("drystone.cli.base.waiting.PATIENCE", 0.0)
+    monkeypatch.setattr("drystone.cli.waiting.PATIENCE", 0.0)
     with Waiting() as waiting:
         waiting.stage("solve", "solving")
         waiting("solving", 1, 2)
@@ -143,7 +142,7 @@ def test_a_bar_is_drawn_on_a_terminal_once_patience_ends(
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr("drystone.cli.base.waiting.PATIENCE", 0.0)
+    monkeypatch.setattr("drystone.cli.waiting.PATIENCE", 0.0)
     with Waiting() as waiting:
         waiting.stage("solve", "solving the vault")
         assert waiting.shown.wait(10.0)

@@ -4,7 +4,7 @@ import json
 from types import SimpleNamespace
 
 from drystone.cli import main
-from drystone.cli.files.reproduce_command import _show
+from drystone.cli.reproduce_command import _show
 from drystone.reproduce.published_case import Line
 
 

@@ -9,7 +9,7 @@ import pytest
 import drystone
 from drystone import InputError, design
 from drystone.cli import main
-from drystone.cli.base.waiting import UNDER_WAY
+from drystone.cli.waiting import UNDER_WAY
 from drystone.design import BuildableOptions, BuildNeeds, make_buildable
 from drystone.design.buildable import (
     course_of,

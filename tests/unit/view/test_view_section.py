@@ -10,8 +10,7 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.cli import main
-from drystone.cli.base import checking, written
+from drystone.cli import checking, main, written
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of

@@ -1,1 +1,0 @@
-"""Commands for analysis: verdict, limits, settlement, fall."""

@@ -1,1 +1,0 @@
-"""What every command is made of: options in groups, an answer, output, progress."""

@@ -1,0 +1,52 @@
+"""``drystone check``: the verdict, what falls, and the props that it needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Annotated
+
+from drystone.cli import checking, loading, mend_command, options
+from drystone.cli.command import Option, command
+from drystone.cli.model_input import Finding, Subject
+from drystone.cli.told import Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Written
+
+
+@command(
+    "drystone check arch.json --html arch.html",
+    "drystone check arch.json --friction 40deg --load 'voussoir-05:1kN'",
+)
+def check(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    strict: Annotated[
+        bool,
+        Option(
+            "Try other contact stiffnesses too: exit code 0 only if it stands for all of them.",
+            expert=True,
+        ),
+    ] = False,
+    time_limit: options.TimeLimit = None,
+    wanted: Written,
+    waiting: Waiting,
+) -> Told:
+    """Check whether a model stands, with a proof.
+
+    Exit code 0: it stands. 1: it falls, or it is undecided. 2: bad input. 130: stopped by Ctrl-C,
+    with what is known so far.
+    """
+    model = subject.prepared(waiting, finding, seismic)
+    wanted.require_through(model.assembly)
+    result = checking.solve(model, waiting, time_limit, strict)
+    if result.falls and not result.stopped:
+        said = subject.upright(result.model, waiting)
+        result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
+    why = mend_command.short(result, waiting)
+    return Told(
+        result, why, exit_code=checking.exit_code(result, strict), notes=result.model.notes,
+        files=partial(wanted.all_of, result),
+    )  # fmt: skip

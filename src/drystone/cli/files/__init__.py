@@ -1,1 +1,0 @@
-"""Commands about model files and built-in models."""

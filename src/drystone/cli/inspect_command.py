@@ -1,0 +1,53 @@
+"""``drystone inspect``: the blocks of a file, their defects and their contacts."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated
+
+from drystone.cli import options
+from drystone.cli.command import CONTACTS, OUTPUT, Option, command
+from drystone.cli.model_input import Source, Tolerances
+from drystone.cli.told import Files, Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
+
+
+@command("drystone inspect arch.json", "drystone inspect arch.json --sweep --html contacts.html")
+def inspect(
+    *,
+    source: Source,
+    supports: options.Supports = None,
+    tolerances: Tolerances,
+    sweep: Annotated[bool, Option("Count the contacts for many gap tolerances.", CONTACTS)] = False,
+    pictures: Pictures,
+    everything: Annotated[bool, Option("List every block.", OUTPUT, ("--all",))] = False,
+    waiting: Waiting,
+) -> Told:
+    """List the blocks of a model, the defects of their meshes and the contacts between them.
+
+    The page and the figure show the contacts, near misses in orange. Exit code 0: every block can
+    be used. 2: some cannot.
+    """
+    from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.detection import find_contacts, gap_sweep
+    from drystone.io.inspection import Inspection, usable
+
+    waiting.stage("read", f"reading {source.model}")
+    built = io.inspect(source.model, supports=supports, **source.how())
+    assembly, notes = usable(built, supports)
+    found = swept = None
+    if assembly is not None:
+        pictures.require_through(assembly)
+        waiting.stage("detect", "finding contacts")
+        found = find_contacts(assembly, options=tolerances.options())
+        if sweep:
+            waiting.stage("sweep", "trying gaps")
+            swept = gap_sweep(assembly, progress=waiting)
+    answer = Inspection(assembly, found, swept, built, source.model)
+    files = partial(pictures.of, answer) if assembly is not None else _no_files
+    return Told(answer, notes=notes, files=files, everything=everything)
+
+
+def _no_files() -> Files:
+    return [], []

@@ -1,0 +1,118 @@
+"""The option of joint capacities: one for all joints, or a table."""
+
+from __future__ import annotations
+
+import csv
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+from drystone.base import units
+from drystone.base.errors import InputError
+from drystone.cli.command import CONTACTS, Option
+
+if TYPE_CHECKING:
+    from drystone.joint_capacity import JointCapacity
+    from drystone.model import Model
+
+NAMES = ("tension", "cohesion", "shear")
+_WHERE = "--joint-capacity"
+_EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
+
+JointCapacities: TypeAlias = Annotated[
+    str | None,
+    Option(
+        "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and "
+        f"bending moment in Nm, such as {_EXAMPLE}; or a table "
+        "block_a,block_b,tension,cohesion,shear in N.",
+        CONTACTS,
+        metavar="WHAT|FILE.csv",
+        expert=True,
+    ),
+]
+
+
+def with_joint_capacity(model: Model, text: str) -> Model:
+    """The model with the capacities of the option.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or names blocks that do not touch.
+    """
+    if text.lower().endswith(".csv"):
+        return model.with_capacity(_of_table(model, text))
+    return model.with_capacity(_of_words(model, text))
+
+
+def _of_words(model: Model, text: str) -> JointCapacity:
+    from drystone.joint_capacity import JointCapacity
+
+    known = units.PRESSURES | units.FORCES, units.MOMENTS
+    found: dict[str, float] = {}
+    stress: dict[str, bool] = {}
+    for part in text.split(","):
+        name, equals, value = (one.strip() for one in part.partition("="))
+        if not equals or name not in (*NAMES, "moment") or name in found:
+            raise InputError(f"'{part}' is no capacity", where=_WHERE, remedy=f"write {_EXAMPLE}")
+        try:
+            found[name] = units.measured(value, known[name == "moment"], what=name)
+        except InputError as error:
+            raise error.located(_WHERE) from error
+        stress[name] = value.endswith("Pa")
+    area = model.contacts.area
+    forces = {name: value * area if stress[name] else value for name, value in found.items()}
+    try:
+        return JointCapacity.of(model.contacts, **forces)
+    except InputError as error:
+        raise error.located(_WHERE) from error
+
+
+def _of_table(model: Model, path: str) -> JointCapacity:
+    import numpy as np
+
+    from drystone.base.files import read_bytes
+    from drystone.joint_capacity import NO_LIMIT, JointCapacity
+
+    lines = read_bytes(path).decode("utf-8-sig", "replace").splitlines()
+    try:
+        rows = list(csv.reader(lines, strict=True))
+    except csv.Error as error:
+        raise InputError(f"is no table: {error}", where=path, remedy="save it as CSV") from error
+    expected = ["block_a", "block_b", *NAMES]
+    if not rows or [one.strip() for one in rows[0]] != expected:
+        raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
+    contacts, names = model.contacts, model.assembly.names
+    place = {name: i for i, name in enumerate(names)}
+    values = {name: np.zeros(contacts.count) for name in NAMES}
+    values["shear"][:] = NO_LIMIT
+    for number, row in enumerate(rows[1:], start=2):
+        if not row:
+            continue
+        where = f"{path}, line {number}"
+        if len(row) != len(expected):
+            raise InputError(f"has {len(row)} values", where=where, remedy="give five")
+        ends = [place.get(one.strip(), -1) for one in row[:2]]
+        if min(ends) < 0:
+            raise InputError("names no block", where=where, remedy="see 'drystone inspect'")
+        own = ((contacts.block_a == ends[0]) & (contacts.block_b == ends[1])) | (
+            (contacts.block_a == ends[1]) & (contacts.block_b == ends[0])
+        )
+        if not own.any():
+            raise InputError("names two blocks that do not touch", where=where)
+        area = np.where(own, contacts.area, 0.0)
+        share = area / area.sum() if area.any() else own / own.sum()
+        for name, text in zip(NAMES, row[2:], strict=True):
+            if not text.strip():
+                continue
+            try:
+                value = float(text)
+            except ValueError:
+                value = np.nan
+            if not value >= 0.0:
+                raise InputError(
+                    f"{name} '{text[:40]}' is no number from 0 on", where=where, remedy="give N"
+                )
+            values[name][own] = NO_LIMIT if value >= NO_LIMIT else value * share[own]
+    try:
+        return JointCapacity(**values)
+    except InputError as error:
+        raise error.located(path) from error

@@ -1,0 +1,217 @@
+"""Loads on the command line: forces, masses and moments on blocks, earthquakes, cases of a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+from drystone.base import units
+from drystone.base.errors import InputError
+from drystone.cli.command import LOADS, Option
+from drystone.cli.options import vector
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly
+    from drystone.loads import LoadCase
+
+_Direction: TypeAlias = tuple[float, float, float]
+
+Loads: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "A load at the centroid of a block or at a point in m: a force such as 0,0,-500 in N, 2kN "
+        "along gravity, a mass 80kg, a moment m=0,0,25 in N m. Can be given several times.",
+        LOADS,
+        metavar="BLOCK:WHAT[@X,Y,Z]",
+    ),
+]
+Seismic: TypeAlias = Annotated[
+    str | None,
+    Option(
+        "Horizontal forces as shares of the weight, along x and y.",
+        LOADS,
+        metavar="KX,KY",
+        expert=True,
+    ),
+]
+
+Moves: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "Motion of a support: a translation in m, and a rotation vector in degrees about its "
+        "centroid. Can be given several times.",
+        LOADS,
+        metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
+    ),
+]
+_EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
+
+
+def _parsed_load(
+    text: str, assembly: Assembly, where: str = "--load", gravity: _Direction | None = None
+) -> LoadCase:
+    """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or the block is fixed or unknown.
+    """
+    from drystone.loads import LoadCase
+
+    block, colon, rest = text.rpartition(":")
+    what, at_sign, place = (part.strip() for part in rest.partition("@"))
+    if not colon or not block:
+        raise InputError(
+            f"'{text}' names no block", where=where, remedy="write BLOCK:FX,FY,FZ[@X,Y,Z]"
+        )
+    down = (0.0, 0.0, -1.0) if gravity is None else gravity
+    try:
+        at = vector(place, "0,0,1.2") if at_sign else None
+        if what.startswith("m="):
+            if at is not None:
+                raise InputError("a moment acts at no point", remedy="leave out what follows @")
+            moment = _components(what[2:], units.MOMENTS, "m=0,0,25")
+            return LoadCase.moment(assembly, block, moment)
+        if "," in what:
+            force = _components(what, units.FORCES, _EXAMPLE)
+            return LoadCase.point_load(assembly, block, force, at)
+        if any(what.endswith(unit) for unit in units.FORCES):
+            size = (
+                units.measured(what, units.FORCES, what="force") / sum(x * x for x in down) ** 0.5
+            )
+            return LoadCase.point_load(assembly, block, [size * x for x in down], at)
+        if any(what.endswith(unit) for unit in units.MASSES):
+            mass = units.measured(what, units.MASSES, what="mass")
+            return LoadCase.extra_mass(assembly, block, mass, at, direction=down)
+        raise InputError(f"'{what}' is not a load", remedy=f"write {_EXAMPLE}")
+    except InputError as error:
+        raise error.located(error.where or where) from error
+
+
+def _components(text: str, known: dict[str, float], example: str) -> list[float]:
+    """Three numbers; the unit of the last is that of all numbers without one."""
+    parts = text.split(",")
+    last = next((unit for unit in reversed(known) if parts[-1].strip().endswith(unit)), "")
+    try:
+        values = [units.measured(part, known, known[last] if last else 1.0) for part in parts]
+    except InputError as error:
+        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+    if len(values) != 3:
+        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
+    return values
+
+
+def _parsed_move(text: str, assembly: Assembly) -> LoadCase:
+    """A settlement from ``BLOCK:DX,DY,DZ[,RX,RY,RZ]``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or the block is unknown.
+    """
+    from drystone.loads import LoadCase
+
+    block, colon, rest = text.rpartition(":")
+    if not colon or not block:
+        raise InputError(
+            f"'{text}' names no block", where="--move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
+        )
+    values = [_number(part, "--move") for part in rest.split(",")]
+    try:
+        turned = [math.radians(value) for value in values[3:]]
+        return LoadCase.settlement(assembly, block, values[:3] + turned)
+    except InputError as error:
+        raise error.located("--move") from error
+
+
+def _parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
+    """A load case from ``KX,KY``."""
+    from drystone.loads import LoadCase
+
+    parts = text.split(",")
+    if len(parts) not in (1, 2):
+        raise InputError(f"'{text}' is not KX,KY", where="--seismic", remedy="write 0.1,0")
+    return LoadCase.seismic(assembly, *(_number(part, "--seismic") for part in parts))
+
+
+def loaded(
+    assembly: Assembly,
+    base: LoadCase,
+    loads: Iterable[str] | None,
+    seismic: str | None,
+    moves: Iterable[str] | None = None,
+    gravity: _Direction | None = None,
+) -> LoadCase:
+    """The base load plus the loads of the options."""
+    total = base
+    for text in loads or ():
+        total = total + _parsed_load(text, assembly, gravity=gravity)
+    if seismic is not None:
+        total = total + _parsed_seismic(seismic, assembly)
+    for text in moves or ():
+        total = total + _parsed_move(text, assembly)
+    return total
+
+
+def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
+    """The sum of load cases of the file, each ``[FACTOR*]NAME``.
+
+    Raises
+    ------
+    InputError
+        A factor is not a number, or the file has no such case.
+    """
+    from drystone.loads import LoadCase
+
+    known = {case.name: case for case in cases}
+    parts = []
+    for text in texts:
+        factor, star, name = text.rpartition("*")
+        if name not in known:
+            names = ", ".join(f"'{case}'" for case in known) or "none"
+            raise InputError(
+                f"no load case is called '{name}'", where="--case", remedy=f"the file has {names}"
+            )
+        parts.append((_number(factor, "--case") if star else 1.0, known[name]))
+    return LoadCase.combine(parts, " + ".join(texts))
+
+
+def chosen_case(
+    text: str,
+    assembly: Assembly,
+    cases: Iterable[LoadCase],
+    gravity: _Direction | None = None,
+) -> LoadCase:
+    """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``.
+
+    Raises
+    ------
+    InputError
+        None of the three.
+    """
+    known = list(cases)
+    for case in known:
+        if case.name == text:
+            return case
+    if text.startswith("seismic:"):
+        return _parsed_seismic(text.removeprefix("seismic:"), assembly)
+    if ":" not in text:
+        names = ", ".join(f"'{case.name}'" for case in known) or "none"
+        raise InputError(
+            f"no load case is called '{text}'",
+            where="CASE",
+            remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
+        )
+    return _parsed_load(text, assembly, "CASE", gravity)
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise InputError(f"'{text}' is not a number", where=where) from error
+    if not abs(value) < float("inf"):
+        raise InputError(f"is {value}", where=where, remedy="give a finite number")
+    return value

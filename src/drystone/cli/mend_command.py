@@ -1,0 +1,245 @@
+"""``drystone mend``: why it falls, and which changes make it stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from drystone.base.errors import InputError
+from drystone.cli import kinds, loading, options
+from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.model_input import Finding, Subject
+from drystone.cli.told import Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
+
+if TYPE_CHECKING:
+    from drystone.cli.told import Files
+    from drystone.design import DesignMargin, Diagnosis, Mends, Shaped, Sharpened
+    from drystone.design.changed_answer import ChangedAnswer
+    from drystone.results import Result
+
+_SHORT = 3
+"""Regions that ``check`` prints; ``mend`` prints all."""
+
+
+KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glue or merge"
+
+
+Margin: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "Margin with which it has to stand: tilt=2deg to each side, load=1.2 times the load, "
+        "friction=0.9x, or sensitive, where STABLE after settling is enough.",
+        metavar="WHAT",
+        expert=True,
+    ),
+]
+
+
+@command(
+    "drystone mend arch.json --friction 0.3 --diagnose --html why.html",
+    "drystone mend arch.json --margin friction=0.9x --auto --out firm.json",
+)
+def mend(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    diagnose: Annotated[
+        bool,
+        Option("Say why it falls and what is missing, without a search for mends.", expert=True),
+    ] = False,
+    auto: Annotated[
+        bool, Option("Make the cheapest mend of each region until the model stands.")
+    ] = False,
+    only: Annotated[
+        tuple[str, ...],
+        Option(
+            f"Try this kind of mend only: {KIND}. Can be given several times.",
+            metavar="KIND",
+            expert=True,
+        ),
+    ] = (),
+    keep: Annotated[
+        tuple[str, ...],
+        Option(
+            "Blocks that may not be changed: names and patterns, separated by commas, as for "
+            "--supports. Can be given several times.",
+            metavar="BLOCK",
+            expert=True,
+        ),
+    ] = (),
+    margin: Margin = (),
+    apply: Annotated[
+        int | None,
+        Option(
+            "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.whole(1), expert=True
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
+    ] = None,
+    pages: Annotated[
+        Path | None,
+        Option(
+            "Folder for a page of each mend: the mended model, with edges of what it was.",
+            OUTPUT,
+            kind=kinds.FOLDER,
+            expert=True,
+        ),
+    ] = None,
+    time_limit: options.TimeLimit = None,
+    wanted: Pictures,
+    waiting: Waiting,
+) -> Told:
+    """Say why a model falls, and find changes with which it stands.
+
+    Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
+    --html and --png show it with the edges of the model before.
+
+    Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
+    130: stopped by Ctrl-C, with what is known so far.
+    """
+    _refuse(diagnose, auto, apply, out)
+    if pages is not None and (diagnose or auto):
+        raise InputError(
+            "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
+        )
+    asked = margins(margin)
+    from drystone import design  # work is imported when there is some
+
+    model = subject.prepared(waiting, finding, seismic)
+    wanted.require_through(model.assembly)
+    waiting.stage("diagnose", "diagnosing")
+    with waiting.keywords(time_limit) as common:
+        if diagnose:
+            why = design.diagnose(model, **common)
+            return Told(why, notes=model.notes, files=partial(wanted.of, why))
+        chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
+        waiting.stage("mend", "mending")
+        if auto:
+            made = design.mend(model, options=chosen, **common)
+            useless = not (made.steps or made.stands)
+            files = partial(changed_files, made, wanted, None if useless else out)
+            if useless and out is not None:
+                files = partial(_with_note, files, f"{out} is not written: no mend was made")
+            return Told(made, notes=model.notes, files=files)
+        mends = design.find_mends(model, options=chosen, **common)
+    stands = not mends.mends and not mends.diagnosis.regions
+    told = Told(mends, notes=model.notes, files=partial(wanted.of, mends))
+    if apply is not None and not stands:
+        if not 1 <= apply <= len(mends.mends):
+            what = f"there is no mend {apply}: {len(mends.mends)} were found"
+            raise InputError(what, where="--apply", remedy="give the number of one that is listed")
+        from drystone.stability import check
+
+        one = mends.mends[apply - 1]
+        made_one = replace(one, result=check(one.model))
+        told = replace(
+            told, also={"applied": made_one}, exit_code=made_one.code,
+            files=partial(changed_files, made_one, wanted, out),
+        )  # fmt: skip
+    if pages is not None:
+        told = replace(told, files=partial(_with_pages, told.files, mends, pages))
+    return told
+
+
+def _with_note(others: Any, note: str) -> Files:
+    """The other files, and a remark."""
+    jobs, notes = others()
+    return jobs, [*notes, note]
+
+
+def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
+    """The other files, and a page of each mend."""
+    from drystone.view import save_page  # as above
+
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs, notes = others()
+    for number, one in enumerate(mends.mends, 1):
+        jobs.append((folder / f"mend-{number:02d}.html", partial(save_page, one)))
+    return jobs, notes
+
+
+def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> None:
+    """Refuse options that contradict each other."""
+    if diagnose + auto + (apply is not None) > 1:
+        raise InputError(
+            "--diagnose, --auto and --apply ask for different things", remedy="give one of them"
+        )
+    if out is not None and not auto and apply is None:
+        raise InputError(
+            "no mend is made", where="--out", remedy="add --auto, or --apply with a number"
+        )
+
+
+def margins(asked: tuple[str, ...]) -> DesignMargin:
+    """The margin of ``--margin`` options.
+
+    Raises
+    ------
+    InputError
+        One of them is not known, has no number, or is given twice.
+    """
+    from drystone.design import DesignMargin
+
+    ends = {"tilt": "deg", "load": "", "friction": "x"}
+    given: dict[str, Any] = {}
+    for text in asked:
+        name, _, value = text.partition("=")
+        number: float | bool
+        remedy = "write tilt=2deg, load=1.2, friction=0.9x or sensitive"
+        if name == "sensitive" and not value:
+            name, number = "robust", False
+        else:
+            if name not in ends:
+                raise InputError(f"'{text}' is no margin", where="--margin", remedy=remedy)
+            try:
+                number = float(value.removesuffix(ends[name]))
+            except ValueError as error:
+                what = f"'{text}' has no number"
+                raise InputError(what, where="--margin", remedy=remedy) from error
+        if name in given:
+            raise InputError(f"{name} is given twice", where="--margin", remedy="give it once")
+        given[name] = number
+    return DesignMargin(**given)
+
+
+@dataclass(frozen=True)
+class Changed(Pictures):
+    """The margin and the files of a command that changes a model."""
+
+    margin: Margin = ()
+    out: Annotated[
+        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
+    ] = None
+    time_limit: options.TimeLimit = None
+
+    def files(self, found: Shaped | Sharpened) -> Files:
+        """The changed model, and its pictures with the edges of the model before."""
+        return changed_files(found, self, self.out)
+
+
+def changed_files(found: ChangedAnswer, wanted: Pictures, out: Path | None) -> Files:
+    """The changed model, and its pictures with the edges of the model before."""
+    jobs, said = wanted.of(found)
+    if out is None:
+        return jobs, said
+    from drystone import io
+
+    return [(out, partial(io.write, found.model)), *jobs], said
+
+
+def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
+    """Why the heaviest regions of a result fall; nothing if nothing falls."""
+    if not result.falls:
+        return {}
+    from drystone.design import DiagnosisOptions, diagnose  # as above
+
+    few = DiagnosisOptions(needs=False, regions=_SHORT)
+    with waiting.stoppable() as stop:
+        return {"diagnosis": diagnose(result.model, result=result, options=few, stop=stop)}

@@ -1,0 +1,147 @@
+"""``drystone models``: parametric models, listed and written; ``drystone demo``: one of them."""
+
+from __future__ import annotations
+
+import inspect
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base import units
+from drystone.base.errors import InputError, counted
+from drystone.cli import checking, families, kinds, options
+from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.kinds import output_path
+from drystone.cli.output import Screen
+from drystone.cli.told import Printed, Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
+
+if TYPE_CHECKING:
+    from drystone.cli.told import Files
+
+
+_SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
+
+_DEMO = "drystone-demo"
+
+
+@command("drystone models", "drystone models arch --set voussoirs=12 --out arch.json")
+def models(
+    *,
+    family: Annotated[
+        str | None, Argument("FAMILY", "A parametric family; all are listed when left out.")
+    ] = None,
+    set: families.Settings = (),
+    out: Annotated[
+        Path | None,
+        Option(
+            "Write the model; its suffix determines the format.",
+            OUTPUT,
+            kind=kinds.target(*_SUFFIXES),
+        ),
+    ] = None,
+    waiting: Waiting,
+) -> Printed:
+    """List the parametric models, or build one and write it.
+
+    Their supports are fixed. STL and OBJ files cannot store that: add --supports lowest.
+    """
+    if family is None:
+        if set or out is not None:
+            raise InputError("no family is named", where="FAMILY", remedy="see 'drystone models'")
+        rows = [_told(name) for name in families.names()]
+        return Printed({"families": rows}, partial(_show_all, rows))
+    build, known = families.family(family)
+    given = dict(families.setting(text, known) for text in set)
+    missing = [one.name for one in known.values() if one.default is one.empty]
+    still_missing = [name for name in missing if name not in given]
+    if still_missing:
+        raise InputError(f"{family} needs {', '.join(still_missing)}", where="--set",
+                         remedy=f"write --set {still_missing[0]}=VALUE")  # fmt: skip
+    from drystone.io import format_of  # the program starts fast
+
+    waiting.stage("build", f"building {family}")
+    assembly = build(**given)
+    size = assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)
+    data = {
+        **_told(family.replace("_", "-")),
+        "set": given,
+        "blocks": len(assembly),
+        "fixed": int(assembly.fixed.sum()),
+        "mass": float(assembly.mass.sum()),
+        "size": size.tolist(),
+        "loses": "" if out is None else format_of(out, writing=True).loses,
+    }
+
+    def files() -> Files:
+        from drystone import io  # the program starts fast
+
+        return ([(out, partial(io.write, assembly))] if out is not None else []), []
+
+    return Printed(data, partial(_show, data), files=files)
+
+
+def _told(name: str) -> dict[str, Any]:
+    """Name, summary and parameters of a family, with their defaults."""
+    build, known = families.family(name)
+    summary = (inspect.getdoc(build) or "").partition("\n")[0].replace("``", "")
+    return {
+        "family": name,
+        "summary": summary,
+        "parameters": {
+            one.name: None if one.default is one.empty else one.default for one in known.values()
+        },
+    }
+
+
+def _show_all(rows: list[dict[str, Any]], screen: Screen) -> None:
+    told = [(row["family"], row["summary"]) for row in rows]
+    screen.table(("family", ""), told, len(told))
+    screen.dim("'drystone models FAMILY' lists its parameters, --out FILE writes it")
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(data["summary"], data["family"])
+    screen.line(
+        f"{counted(data['blocks'], 'block')}, {data['fixed']} of them fixed, "
+        f"{units.extent(data['size'])}, {units.mass(data['mass'])}"
+    )
+    rows = []
+    for name, default in data["parameters"].items():
+        value = data["set"].get(name, default)
+        rows.append((name, "not set" if value is None else str(value)))
+    screen.table(("parameter", "value"), rows, len(rows))
+    if data["loses"]:
+        screen.dim(f"this format does not store {data['loses']}")
+
+
+@command("drystone demo", "drystone demo --friction 0.3 --folder .")
+def demo(
+    *,
+    friction: options.Friction = None,
+    folder: Annotated[str, Option("Folder for the model, the page and the figure.", OUTPUT)] = ".",
+    waiting: Waiting,
+) -> Told:
+    """Check a built-in vault, and write its model, a page and a figure.
+
+    The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
+    """
+    model_path, page, figure = (
+        output_path(str(Path(folder) / f"{_DEMO}{suffix}"), (suffix,))
+        for suffix in (".json", ".html", ".png")
+    )
+    from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.model import Model
+    from drystone.models import vault
+
+    waiting.stage("read", "building the vault")
+    assembly = vault()
+    waiting.stage("detect", "finding contacts")
+    model = Model.of(assembly, friction=friction)
+    result = checking.solve(model, waiting, None)
+
+    def files() -> Files:
+        return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []
+
+    return Told(result, subject="built-in vault", notes=result.model.notes, files=files)

@@ -1,0 +1,131 @@
+"""The options of a search for parameters, and the search: of ``tune`` and of ``shell --vary``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError
+from drystone.cli import families
+from drystone.cli.command import MODEL, OUTPUT, Option
+from drystone.cli.mend_command import Margin, margins
+from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.design import Parameter, Tuned
+
+
+@dataclass(frozen=True)
+class SearchRequest:
+    """What is varied, what is asked of it, and how long."""
+
+    vary: Annotated[
+        tuple[str, ...],
+        Option(
+            "A parameter and its bounds, or values separated by commas, to be searched. Can be "
+            "given several times.",
+            MODEL,
+            metavar="NAME=LOW:HIGH",
+        ),
+    ] = ()
+    least: Annotated[
+        tuple[str, ...],
+        Option(
+            "What is to be least: volume, blocks, height, reach, props, held or a parameter "
+            "(volume).",
+            metavar="GOAL",
+        ),
+    ] = ()
+    most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = ()
+    margin: Margin = ()
+    props: Annotated[
+        int | None,
+        Option(
+            "Largest number of blocks that may need a prop while it is built, course by course."
+        ),
+    ] = None
+    trials: Annotated[int | None, Option("Structures that are built and checked (100).")] = None
+    workers: Annotated[int | None, Option("Processes (1).")] = None
+    seed: Annotated[int | None, Option("Of the search (0).", expert=True)] = None
+    store: Annotated[
+        Path | None,
+        Option("File that keeps the trials: an interrupted search continues from it.", OUTPUT),
+    ] = None
+
+    def refuse_without_vary(self) -> None:
+        """Raise InputError where an option of the search is given, and nothing is varied."""
+        for name, value in vars(self).items():
+            if name != "vary" and value not in (None, ()):
+                raise InputError(
+                    "is for a search of parameters",
+                    where=f"--{name}",
+                    remedy="give --vary NAME=LOW:HIGH with it",
+                )
+
+    def run(
+        self,
+        build: Callable[..., Any],
+        known: families.Parameters,
+        how: Mapping[str, Any],
+        waiting: Waiting,
+        time_limit: float | None,
+    ) -> Tuned:
+        """Search for the values with which what ``build`` makes stands and is best.
+
+        Raises
+        ------
+        InputError
+            Nothing is varied, a parameter is not known, or the search refuses what is asked.
+        """
+        if not self.vary:
+            raise InputError(
+                "nothing is varied", where="--vary", remedy="write --vary NAME=LOW:HIGH"
+            )
+        ranges = [parameter_range(text, known) for text in self.vary]
+        stands_at = margins(self.margin)
+        from drystone import design  # work is imported when there is some
+
+        goals = (*self.least, *(f"-{goal}" for goal in self.most)) or ("volume",)
+        chosen = design.TuneOptions(
+            trials=100 if self.trials is None else self.trials,
+            seed=self.seed or 0,
+            margin=stands_at,
+            props=self.props,
+        )
+        workers = 1 if self.workers is None else self.workers
+        if workers < 1:
+            raise InputError(f"is {workers}", where="--workers", remedy="give 1 or more")
+        waiting.stage("tune", "searching")
+        with waiting.keywords(time_limit, workers) as common:
+            return design.tune(
+                build, ranges, goals=goals, how=how, store=self.store, options=chosen, **common
+            )
+
+
+def parameter_range(text: str, known: families.Parameters) -> Parameter:
+    """A parameter from ``NAME=LOW:HIGH`` or ``NAME=ONE,OTHER``."""
+    from drystone.design import Parameter
+
+    name, equals, bounds = text.partition("=")
+    name = name.replace("-", "_")
+    if not equals:
+        raise InputError(f"'{text}' is not NAME=LOW:HIGH", where="--vary")
+    families.refuse_unknown(name, known, "--vary")
+    low, colon, high = bounds.partition(":")
+    try:
+        values = [
+            families.setting(f"{name}={one}", known)[1]
+            for one in ((low, high) if colon else bounds.split(","))
+        ]
+    except InputError as error:
+        raise error.located("--vary") from error
+    if not colon:
+        return Parameter(name, choices=tuple(values))
+    if not all(isinstance(end, int | float) for end in values):
+        raise InputError(
+            f"{name} has no bounds", where="--vary", remedy="give values separated by commas"
+        )
+    whole = all(isinstance(end, int) for end in values)
+    return Parameter(name, float(values[0]), float(values[1]), whole=whole)

@@ -1,0 +1,82 @@
+"""``drystone reproduce``: the structures of the source, published and computed figures."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from drystone.base.errors import InputError
+from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.output import Screen
+from drystone.cli.told import Printed
+from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drystone.reproduce import Case
+
+
+@command("drystone reproduce 6.2", "drystone reproduce 6.2 --out .")
+def reproduce(
+    *,
+    section: Annotated[
+        str | None,
+        Argument("SECTION", "Section of Kao 2023, such as 7.2.4; all of them when left out."),
+    ] = None,
+    out: Annotated[
+        str | None,
+        Option(
+            "Folder for the pages and figures, made where there is none; none without it.", OUTPUT
+        ),
+    ] = None,
+    waiting: Waiting,
+) -> Printed:
+    """Compute the case studies of the source, and compare with the published figures.
+
+    Exit code 0: all figures agree. 1: some differ. 2: bad input.
+    """
+    from drystone import reproduce as cases  # the program starts fast
+
+    if section is not None and section not in cases.SECTIONS:
+        cases.reproduce(section)  # says which there are
+    if out is not None:
+        try:
+            Path(out).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"'{out}' cannot be a folder: {error.strerror}", where="--out",
+                remedy="name another folder",
+            ) from error  # fmt: skip
+
+    found: list[Case] = []
+    written: list[str] = []
+    for name in cases.SECTIONS if section is None else [section]:
+        waiting.stage("solve", f"section {name}")
+        found.append(cases.reproduce(name))
+        written += [] if out is None else cases.save_case(found[-1], out)
+        waiting.wrote = written
+    sections = [
+        {
+            "section": case.section,
+            "title": case.title,
+            "agrees": case.agrees,
+            "lines": [line.to_dict() for line in case.lines],
+        }
+        for case in found
+    ]
+    code = 0 if all(case.agrees for case in found) else 1
+    return Printed({"sections": sections}, partial(_show, found), code, written=written)
+
+
+def _show(found: Sequence[Case], screen: Screen) -> None:
+    """A line per claim."""
+    for case in found:
+        screen.line(case.title, case.section, gap=" ")
+        for line in case.lines:
+            mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
+            note = f" ({line.note})" if line.note else ""
+            published = f"published {line.published}" if line.published else "no published figure"
+            told = f"{published}; found {line.found}"
+            screen.line(f"  {line.what}: {told}  {mark}{note}")

@@ -1,0 +1,133 @@
+"""``drystone settle``: forces and joints when supports move."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from drystone.base.errors import InputError
+from drystone.cli import kinds, loading, options
+from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.model_input import Finding, Subject
+from drystone.cli.told import Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Curves, Written
+
+if TYPE_CHECKING:
+    from drystone.answer import Answer
+    from drystone.cli.told import Files
+    from drystone.settlement import LargeDisplacement, SupportResponse
+
+
+LARGE = 0.1
+"""Motion of a support by the mean size of a block from which on it is no longer small."""
+
+
+@command(
+    "drystone settle arch.json --gravity 0,1,-9.81 --html settled.html",
+    "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
+)
+def settle(
+    *,
+    move: loading.Moves = (),
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    to: Annotated[
+        float | None,
+        Option(
+            "Follow the blocks by finite steps until the corner of a support that moves farthest "
+            "has moved by this, m, or they fall.",
+            kind=kinds.POSITIVE,
+        ),
+    ] = None,
+    compliance: Annotated[
+        float,
+        Option(
+            "Overlap of a corner under the mean weight of a block, as a share of the motion: small "
+            "for stiff blocks (0.001).",
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = 1e-3,
+    time_limit: options.TimeLimit = None,
+    curve: Annotated[
+        Path | None,
+        Option(
+            "With --to: write the curve of force against displacement, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+            expert=True,
+        ),
+    ] = None,
+    wanted: Written,
+    waiting: Waiting,
+) -> Told:
+    """Where the blocks come to rest; with --move, which joints open when supports move.
+
+    Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
+    input.
+    """
+    model = subject.prepared(waiting, finding, seismic, move, settling=True)
+    wanted.require_through(model.assembly)
+    if model.load.motion is None and (move or to is not None):
+        raise InputError(
+            "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
+        )
+    if curve is not None and to is None:
+        raise InputError("there is no curve without --to", where="--curve", remedy="add --to")
+    if time_limit is not None and model.load.motion is not None and to is None:
+        raise InputError(
+            "small motions of supports take no steps that could end early",
+            where="--time-limit",
+            remedy="leave it out, or add --to",
+        )
+    if (to is not None or model.load.motion is None) and (
+        wanted.joints or wanted.strength is not None
+    ):
+        raise InputError(
+            "there is no table of joints without --move, nor with --to",
+            remedy="ask for --html, --png or --json",
+        )
+    # work is imported when there is some
+    from drystone import settlement
+
+    notes = model.notes
+    with waiting.keywords(time_limit) as common:
+        if model.load.motion is None:
+            waiting.stage("solve", "following the blocks")
+            found: Answer = settlement.settle(model, **common)
+        elif to is not None:
+            waiting.stage("solve", "moving")
+            return _far(settlement.move_supports(model, to=to, **common), wanted, curve)
+        else:
+            waiting.stage("solve", "settling")
+            chosen = settlement.SupportResponseOptions(compliance=compliance)
+            response = settlement.support_response(model, options=chosen)
+            if response.size > LARGE * model.assembly.size.mean():
+                notes += ("the motion is large, and this answer is for small ones: --to follows "
+                          "the blocks",)  # fmt: skip
+            return Told(response, notes=notes, files=partial(_files, response, wanted))
+    return Told(found, notes=notes, files=partial(_pictures, found, wanted))
+
+
+def _far(found: LargeDisplacement, wanted: Written, curve: Path | None) -> Told:
+    """Supports that move by finite amounts."""
+    if wanted.cad is not None:
+        raise InputError(
+            "--to has no file for CAD programs", remedy="ask for --html, --png, --curve or --json"
+        )
+    curves = Curves(html=wanted.html, png=wanted.png, section=wanted.section, curve=curve)
+    return Told(found, notes=found.model.notes, files=partial(curves.with_curve, found))
+
+
+def _pictures(found: Answer, wanted: Written) -> Files:
+    jobs, said = wanted.of(found)
+    return [*jobs, *wanted.for_cad(found)], said
+
+
+def _files(found: SupportResponse, wanted: Written) -> Files:
+    jobs, _ = _pictures(found, wanted)
+    tables, said = wanted.tables(found.result)
+    return [*jobs, *tables], said

@@ -1,0 +1,154 @@
+"""``drystone shell``: a surface divided into blocks, with files and a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial as bound
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError
+from drystone.cli import checking, families, kinds, options
+from drystone.cli.buildable_search import find_buildable
+from drystone.cli.command import OUTPUT, Experts, Option, command
+from drystone.cli.parameter_search import SearchRequest, parameter_range
+from drystone.cli.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
+from drystone.cli.surfaces import SurfaceRequest, surface_of
+from drystone.cli.told import Told
+from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures, apart
+
+if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.cli.told import Files
+    from drystone.design import Tuned
+    from drystone.shells import Shell
+
+_BLOCK_FORMATS = ("obj", "stl", "ply", "glb", "3dm", "json")
+"""Formats of the files of single blocks."""
+
+
+@command(
+    "drystone shell barrel --courses 5 --blocks 2 --thickness 0.6 --out barrel.json",
+    "drystone shell dome --courses 4 --blocks 8 --thickness 0.4 --html dome.html",
+)
+def shell(
+    *,
+    wanted: SurfaceRequest,
+    pattern: ShellPattern,
+    buildable: Annotated[
+        bool,
+        Option(
+            "Search courses, width and stagger, where they are not given, and a wedge for each "
+            "course, so that the fewest blocks are propped, then held, while it is built."
+        ),
+    ] = False,
+    search: Annotated[SearchRequest, Experts(but=("vary",))],
+    friction: options.Friction = None,
+    time_limit: options.TimeLimit = None,
+    out: Annotated[
+        Path | None,
+        Option("Write the blocks: .json or .obj.", OUTPUT, kind=kinds.target(".json", ".obj")),
+    ] = None,
+    schedule: Annotated[
+        Path | None,
+        Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
+    ] = None,
+    unrolled: Annotated[
+        Path | None,
+        Option("Write the flattened joint faces: .svg or .dxf.", OUTPUT,
+               kind=kinds.target(".svg", ".dxf"), expert=True),
+    ] = None,
+    block_files: Annotated[
+        str | None,
+        Option("Folder for a file per block in its own frame.", OUTPUT, expert=True),
+    ] = None,
+    block_format: Annotated[
+        str | None,
+        Option("Format of these files (obj).", OUTPUT, kind=kinds.one_of(_BLOCK_FORMATS),
+        expert=True),
+    ] = None,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Told:  # fmt: skip
+    """Divide a surface into blocks that fit, and check whether they stand.
+
+    With --vary its options are searched, as ``drystone tune`` does; the best shell is the answer.
+
+    Exit code 0: it stands. 1: it does not. 2: bad input. 130: Ctrl-C ended it; of a search the best
+    shell so far is written.
+    """
+    apart([out, schedule, unrolled, pictures.html, pictures.png])
+    pattern.refuse_two_ways()
+    if block_format is not None and block_files is None:
+        raise InputError(
+            "is for --block-files", where="--block-format", remedy="name a folder with that"
+        )
+    tuned = None
+    if search.vary:
+        if buildable:
+            raise InputError(
+                "are two searches", where="--buildable and --vary", remedy="give one of them"
+            )
+        tuned = _search(wanted, pattern, search, friction, waiting, time_limit)
+        if not tuned.front:
+            return Told(tuned, subject=wanted.surface)
+        wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
+    else:
+        search.refuse_without_vary()
+    from drystone.shells import write_blocks
+
+    waiting.stage("read", "building the shell")
+    base = surface_of(wanted)
+    told = None
+    if buildable:
+        layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
+        told = find_buildable(base.shape, layout, body, pattern, friction, waiting, time_limit)
+        made = told.shell
+    else:
+        made = shell_on(base, wanted, pattern, waiting)
+    model = made.model() if friction is None else made.model(friction=friction)
+    model = replace(model, notes=(*base.notes, *made.notes))
+    pictures.require_through(model.assembly)
+    result = checking.solve(model, waiting, time_limit)
+    if block_files is not None:
+        write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
+        waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]
+    files = bound(_files, made, out, schedule, unrolled, pictures.of(result)[0])
+    also = {"shell": made, "buildable": told, "search": tuned}
+    return Told(
+        result, {key: one for key, one in also.items() if one is not None}, base.shape.name,
+        notes=result.model.notes, files=files, written=waiting.wrote,
+    )  # fmt: skip
+
+
+def _search(
+    wanted: SurfaceRequest,
+    pattern: ShellPattern,
+    search: SearchRequest,
+    friction: float | None,
+    waiting: Waiting,
+    time_limit: float | None,
+) -> Tuned:
+    """The shells that were tried."""
+    known = families.shell_parameters()
+    ranges = [parameter_range(text, known) for text in search.vary]
+    with_values(wanted, pattern, **{one.name: one.choices[0] if one.choices else one.low
+                                    for one in ranges})  # fmt: skip
+    how: dict[str, Any] = {} if friction is None else {"friction": friction}
+    return search.run(bound(varied_shell, wanted, pattern), known, how, waiting, time_limit)
+
+
+def _files(
+    made: Shell, out: Path | None, schedule: Path | None, unrolled: Path | None, pictures: list[Job]
+) -> Files:
+    from drystone import io, shells
+
+    jobs: list[Job] = []
+    if out is not None:
+        jobs.append((out, bound(io.write, made.assembly)))
+    if schedule is not None:
+        jobs.append((schedule, bound(shells.write_schedule, made)))
+    if unrolled is not None:
+        jobs.append((unrolled, bound(shells.write_unrolled, made)))
+    return [*jobs, *pictures], []

@@ -1,0 +1,153 @@
+"""The pattern and the blocks of a shell as ``drystone shell`` asks for them, and the shell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError
+from drystone.cli import kinds
+from drystone.cli.command import Option
+from drystone.cli.surfaces import Surface, SurfaceRequest, refuse_unused, surface_of
+
+if TYPE_CHECKING:
+    from drystone.shells import Layout, Shell, ShellBody
+
+
+def _count_or_auto(text: str) -> int | None:
+    if text == "auto":
+        return None
+    try:
+        return int(text)
+    except ValueError as error:
+        raise InputError(f"is '{text}'", remedy="give a number or auto") from error
+
+
+def _wedges(text: str) -> tuple[float, ...]:
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"is '{text}'", remedy="give numbers separated by commas") from error
+    if not all(map(math.isfinite, found)):
+        raise InputError(f"is {text}", remedy="give finite numbers")
+    return found
+
+
+@dataclass(frozen=True)
+class ShellPattern:
+    """How a surface is divided, and what its blocks are like."""
+
+    courses: Annotated[int | None, Option("Number of courses (12).")] = None
+    course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None
+    partial: Annotated[
+        int | None,
+        Option(
+            "Courses that end inside where a side is longer: a number or auto (0).",
+            kind=kinds.OptionKind("COUNT|auto", _count_or_auto),
+            expert=True,
+        ),
+    ] = 0
+    blocks: Annotated[int | None, Option("Blocks in each course.")] = None
+    width: Annotated[float | None, Option("Or their width in m (an eighth of the span).")] = None
+    wedge: Annotated[
+        tuple[float, ...] | None,
+        Option(
+            "Shift of bed joints, by the height of a course: -0.45 to 0.45 (0; with --straight "
+            "what the curvatures ask for). One value, or one for each bed line between courses.",
+            kind=kinds.OptionKind("WEDGE[,WEDGE...]", _wedges),
+            expert=True,
+        ),
+    ] = None
+    joggle: Annotated[
+        float,
+        Option(
+            "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
+        ),
+    ] = 0.0
+    straight: Annotated[bool, Option("Make the inner face of every block planar.", expert=True)] = (
+        False
+    )
+
+    @property
+    def any_courses(self) -> bool:
+        """Whether neither the number nor the height of courses is given."""
+        return self.courses is None and self.course_height is None
+
+    @property
+    def any_width(self) -> bool:
+        """Whether neither the number nor the width of blocks is given."""
+        return self.blocks is None and self.width is None
+
+    def refuse_two_ways(self) -> None:
+        """Raise InputError where two options say the same thing."""
+        for one, other, names in (
+            (self.courses, self.course_height, "--courses and --course-height"),
+            (self.blocks, self.width, "--blocks and --width"),
+        ):
+            if one is not None and other is not None:
+                raise InputError("say the same thing", where=names, remedy="give one of them")
+
+    def layout(self, width: float) -> Layout:
+        """The division, with the width of blocks [m] where none is given."""
+        from drystone.shells import Layout
+        from drystone.shells.shell_by_name import COURSES
+
+        wedge = self.wedge
+        shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
+        return Layout(
+            courses=COURSES if self.any_courses else self.courses,
+            height=self.course_height,
+            partial=self.partial,
+            blocks=self.blocks,
+            width=width if self.any_width else self.width,
+            wedge=0.0 if wedge is None and not self.straight else shift,
+        )
+
+    def body(self, thickness: float | None) -> ShellBody:
+        """What blocks of a thickness [m] are like."""
+        from drystone.shells import Intrados, ShellBody
+
+        return ShellBody(
+            thickness=thickness,
+            joggle_deg=self.joggle,
+            intrados=Intrados.STRAIGHT if self.straight else Intrados.OFFSET,
+        )
+
+
+def shell_on(
+    base: Surface, wanted: SurfaceRequest, pattern: ShellPattern, progress: Any = None
+) -> Shell:
+    """The shell that is asked for, on its surface."""
+    from drystone.shells import build_shell
+
+    layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
+    return build_shell(base.shape, layout, body, progress=progress)
+
+
+def with_values(
+    wanted: SurfaceRequest, pattern: ShellPattern, **values: Any
+) -> tuple[SurfaceRequest, ShellPattern]:
+    """What is asked for, with other values of some of its options.
+
+    Raises
+    ------
+    InputError
+        A value is of an option that this surface does not have, or two say the same thing.
+    """
+    if "wedge" in values:
+        values = {**values, "wedge": (values["wedge"],)}
+    own = {one.name for one in fields(wanted)}
+    surface = replace(wanted, **{name: value for name, value in values.items() if name in own})
+    division = replace(
+        pattern, **{name: value for name, value in values.items() if name not in own}
+    )
+    refuse_unused(surface)
+    division.refuse_two_ways()
+    return surface, division
+
+
+def varied_shell(wanted: SurfaceRequest, pattern: ShellPattern, **values: Any) -> Shell:
+    """The shell with other values of some of its options; processes of a search can import it."""
+    surface, division = with_values(wanted, pattern, **values)
+    return shell_on(surface_of(surface), surface, division)

@@ -1,0 +1,219 @@
+"""Surfaces that ``drystone shell`` knows by name, and those from mesh files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+
+from drystone.base.errors import InputError
+from drystone.cli import kinds
+from drystone.cli.command import MODEL, Argument, Option
+
+if TYPE_CHECKING:
+    from drystone.shells import Patch, Shape, Side
+
+_FOOT = 0.02
+"""A side of a mesh is taken for its foot where none of it is higher above the lowest point, by the
+size of the mesh, chosen."""
+
+
+_USED = {
+    "barrel": {"--span", "--length", "--rise"},
+    "cross": {"--span"},
+    "pavilion": {"--span", "--eye", "--keystone"},
+    "dome": {"--span", "--eye", "--keystone"},
+    "free-edge": {"--span", "--length", "--rise"},
+    "three-vaults": {"--span", "--rise"},
+    "tri-dome": {"--span", "--rise", "--eye", "--keystone"},
+    None: {"--supports", "--units"},
+}
+"""Options of the surface that each kind has; None is a mesh file."""
+
+
+@dataclass(frozen=True)
+class SurfaceRequest:
+    """The surface that is asked for, and its size."""
+
+    surface: Annotated[
+        str,
+        Argument(
+            "SURFACE",
+            "barrel, cross, pavilion, dome or tri-dome; free-edge or three-vaults, whose form is "
+            "found; or an open mesh file.",
+        ),
+    ]
+    span: Annotated[
+        float | None, Option("Span or diameter in m (6).", MODEL, kind=kinds.POSITIVE)
+    ] = None
+    length: Annotated[
+        float | None,
+        Option(
+            "Length of a barrel, depth of a free-edge plan, in m.",
+            MODEL,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None
+    rise: Annotated[
+        float | None,
+        Option(
+            "Rise of a barrel or tri-dome, height of a form found, in m.",
+            MODEL,
+            kind=kinds.POSITIVE,
+        ),
+    ] = None
+    thickness: Annotated[
+        float | None,
+        Option("Thickness in m (0.075 of the span of a barrel, else the size by 30).", MODEL),
+    ] = None
+    eye: Annotated[
+        float | None,
+        Option(
+            "Diameter of the opening at the crown, in m (1).",
+            MODEL,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None
+    keystone: Annotated[bool, Option("Close the opening with one block.", MODEL, expert=True)] = (
+        False
+    )
+    supports: Annotated[
+        str | None,
+        Option(
+            "Sides that a mesh stands on: bottom, top, left, right; separated by commas (the "
+            "bottom and those as low).",
+            MODEL,
+            expert=True,
+        ),
+    ] = None
+    units: Annotated[
+        str | None, Option("Unit of length of a mesh file (m).", MODEL, kind=kinds.UNIT,
+                           expert=True)
+    ] = None  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The surface, and how it was made.
+
+    Attributes
+    ----------
+    shape
+    width : [m]
+        Of its blocks where none is given: an eighth of its span.
+    notes
+    """
+
+    shape: Shape
+    width: float
+    notes: tuple[str, ...]
+
+
+def surface_of(wanted: SurfaceRequest) -> Surface:
+    """The surface asked for.
+
+    Raises
+    ------
+    InputError
+        A surface that is not known, or an option that it does not have.
+    """
+    from drystone.shells.shell_by_name import EYE, SHARE, SPAN, SurfaceKind, shape_by_name
+
+    known = [kind.value for kind in SurfaceKind]
+    kind = wanted.surface if wanted.surface in known else None
+    if kind is None and not Path(wanted.surface).suffix:
+        raise InputError(
+            f"surface '{wanted.surface}' is not known",
+            remedy=f"use {', '.join(known)} or a mesh file",
+        )
+    refuse_unused(wanted)
+    if kind is None:
+        return _from_mesh(wanted.surface, wanted.supports, wanted.units)
+    span = SPAN if wanted.span is None else wanted.span
+    shape, notes = shape_by_name(
+        SurfaceKind(kind),
+        span=span,
+        length=wanted.length,
+        rise=wanted.rise,
+        eye=EYE if wanted.eye is None else wanted.eye,
+        keystone=wanted.keystone,
+        thickness=wanted.thickness,
+    )
+    return Surface(shape, span / SHARE, notes)
+
+
+def refuse_unused(wanted: SurfaceRequest) -> None:
+    """Raise InputError where an option is given that the surface does not have."""
+    kind = wanted.surface if wanted.surface in _USED else None
+    for option, value in (
+        ("--span", wanted.span),
+        ("--length", wanted.length),
+        ("--rise", wanted.rise),
+        ("--eye", wanted.eye),
+    ):
+        _refuse(option, value is not None, kind)
+    _refuse("--keystone", wanted.keystone, kind)
+    _refuse("--supports", wanted.supports is not None, kind)
+    _refuse("--units", wanted.units is not None, kind)
+
+
+def _refuse(option: str, given: bool, kind: str | None) -> None:
+    if not given or option in _USED[kind]:
+        return
+    users = [one or "mesh files" for one, used in _USED.items() if option in used]
+    what = "a mesh file" if kind is None else f"'{kind}'"
+    raise InputError(f"is for {', '.join(users)}", where=option, remedy=f"leave it out for {what}")
+
+
+def _from_mesh(path: str, supports: str | None, units: str | None) -> Surface:
+    from drystone import shells
+
+    fit = shells.patch_from_mesh(*shells.read_surface(path, units=units), name=Path(path).name)
+    notes = [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
+    if supports is None:
+        sides = _foot(fit.patch)
+        names = ", ".join(side.value for side in sides)
+        notes.append(f"stands on its {names}, assumed: --supports names other sides")
+    else:
+        sides = [_side(text) for text in supports.split(",")]
+    edges = tuple(shells.Edge(0, side) for side in sides)
+    shape = shells.Shape((fit.patch,), (), edges, name=fit.patch.name)
+    return Surface(shape, _width(fit.patch), tuple(notes))
+
+
+def _foot(patch: Patch) -> list[Side]:
+    """The bottom, and the other sides that lie as low."""
+    from drystone.shells import Side
+
+    along = np.linspace(0.0, 1.0, 33)
+    height = {side: patch.border(side, along)[:, 2] for side in Side}
+    lowest = min(float(z.min()) for z in height.values())
+    low = [side for side, z in height.items() if z.max() - lowest <= _FOOT * patch.size]
+    return low if Side.BOTTOM in low else [Side.BOTTOM, *low]
+
+
+def _width(patch: Patch) -> float:
+    """[m], an eighth of the longer of its bottom and top."""
+    from drystone.shells import Side
+
+    along = np.linspace(0.0, 1.0, 129)
+    lengths = [
+        np.linalg.norm(np.diff(patch.border(side, along), axis=0), axis=1).sum()
+        for side in (Side.BOTTOM, Side.TOP)
+    ]
+    return float(max(lengths)) / 8.0
+
+
+def _side(text: str) -> Side:
+    from drystone.shells import Side
+
+    known = [side.value for side in Side]
+    if text.strip() not in known:
+        raise InputError(
+            f"'{text}' is not a side", where="--supports", remedy=f"name {', '.join(known)}"
+        )
+    return Side(text.strip())
