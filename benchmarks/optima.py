@@ -20,10 +20,10 @@ from drystone import Assembly, Model, check, read, write
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.design import (
+    Changed,
     DesignMargin,
     FamilyMoves,
     Parameter,
-    Shaped,
     ShapeOptions,
     TuneOptions,
     block_moves,
@@ -100,7 +100,7 @@ def catenary(x: Floats) -> Floats:
     return heights
 
 
-def again(found: Shaped) -> str:
+def again(found: Changed) -> str:
     """The verdict on the shape, written to a file and read."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "shape.json"
@@ -131,7 +131,7 @@ def vertical() -> tuple[str, str, str, str]:
     return "t/R 0.2", f"t/R {thick:.4f}", f"0.1095, by bisection {high:.4f}", again(found)
 
 
-def hung(count: int, thickness: float) -> tuple[Shaped, Floats, Floats]:
+def hung(count: int, thickness: float) -> tuple[Changed, Floats, Floats]:
     """A half circle shaped to stand, and its heights above the catenary, before and after."""
     angle = np.pi * (1.0 - np.arange(1, count + 1) / (2 * count + 2))
     names = [f"z{i}" for i in range(count)]
@@ -200,7 +200,7 @@ def four() -> tuple[str, str, str, str]:
     Arrangements and places by search; the best of each arrangement is then shaped by gradient.
     Friction between bricks of three courses would help.
     """
-    best: Shaped | None = None
+    best: Changed | None = None
     tried = []
     how = {"friction": 0.0}
     for courses in ARRANGEMENTS:

@@ -38,16 +38,16 @@ def row(voussoirs: int, ratio: float, friction: float, models: Path | None = Non
         again = check(read(path)).verdict.value
     needed = 0
     joints, close = PlaneJoints.of(model), SharpenOptions().close
-    for k in np.flatnonzero(found.sharpness):
+    for k in np.flatnonzero(found.x):
         falls = True
-        for value in (max(found.sharpness[k] - close, 0.0), 0.0):
-            less = np.array(found.sharpness)
+        for value in (max(found.x[k] - close, 0.0), 0.0):
+            less = np.array(found.x)
             less[k] = value
             result = check(joints.wedged(less))
             falls &= not DesignMargin().meets(result)
         needed += falls
-    angle = found.sharpness
-    state = f"{len(found.joints)} of {len(angle)}" if found.stands else "falls"
+    angle = found.x
+    state = f"{len(found.changes)} of {len(angle)}" if found.stands else "falls"
     return (
         f"| {voussoirs} | {ratio:g} | {friction:g} | {found.rounds} | {state} | "
         f"{angle.max():.1f} | {angle.sum():.0f} | {needed} | {again} | {spent:.0f} |\n"

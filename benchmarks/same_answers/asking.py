@@ -143,10 +143,11 @@ def mends_of(model: Model, kinds: tuple[str, ...]) -> Answer:
     """The mends in their order: kind, joints, added parts, cost, and whether it stands then."""
     options = MendOptions(kinds=kinds) if kinds else MendOptions()
     found = find_mends(model, options=options)
+    kept = [one.change for one in found.mends]
     return {
-        "mends": [f"{one.kind} {one.joints} {one.added}" for one in found.mends],
-        "cost": [_value(one.cost) for one in found.mends],
-        "value": [_value(one.value) for one in found.mends],
+        "mends": [f"{one.kind} {one.joints} {one.added}" for one in kept],
+        "cost": [_value(one.cost) for one in kept],
+        "value": [_value(one.value) for one in kept],
         "stand": all(one.result.verdict is Verdict.STABLE for one in found.mends),
     }
 

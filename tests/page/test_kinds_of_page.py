@@ -13,7 +13,7 @@ import pytest
 
 import drystone
 from drystone.answer import Answer
-from drystone.design import ChangedByHand
+from drystone.design import Changed
 from drystone.detection import find_contacts, gap_sweep
 from drystone.fall import Film
 from drystone.io import Inspection
@@ -48,7 +48,7 @@ def mended() -> Any:
     light = replace(STACK.assembly.blocks[2], density=1200.0)
     blocks = (*STACK.assembly.blocks[:2], light)
     after = drystone.Model.of(replace(STACK.assembly, blocks=blocks), friction=0.5)
-    return ChangedByHand(STACK, drystone.check(after), "a lighter block").layers()
+    return Changed.by_hand(STACK, drystone.check(after), "a lighter block").layers()
 
 
 KINDS: dict[str, tuple[Callable[[], Any], str]] = {

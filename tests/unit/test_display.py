@@ -99,7 +99,7 @@ def values(folder: Path) -> Iterator[object]:
     pressed = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.005))
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], pressed)))
     yield Inspection(tower(3), drystone.find_contacts(tower(3)))
-    yield design.ChangedByHand(stands.model, stands)
+    yield design.Changed.by_hand(stands.model, stands)
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
     moves = {"springer-right": (0.01, 0.0, 0.0)}

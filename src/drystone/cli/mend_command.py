@@ -17,8 +17,7 @@ from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files
-    from drystone.design import DesignMargin, Diagnosis, Mends, Shaped, Sharpened
-    from drystone.design.changed_answer import ChangedAnswer
+    from drystone.design import Changed, DesignMargin, Diagnosis, Mends
     from drystone.results import Result
 
 _SHORT = 3
@@ -123,7 +122,7 @@ def mend(
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, **common)
-            useless = not (made.steps or made.stands)
+            useless = not (made.changes or made.stands)
             files = partial(changed_files, made, wanted, None if useless else out)
             if useless and out is not None:
                 files = partial(_with_note, files, f"{out} is not written: no mend was made")
@@ -138,7 +137,8 @@ def mend(
         from drystone.stability import check
 
         one = mends.mends[apply - 1]
-        made_one = replace(one, result=check(one.model))
+        result = check(one.model)
+        made_one = replace(one, result=result, stands=result.stable)
         told = replace(
             told, also={"applied": made_one}, exit_code=made_one.code,
             files=partial(changed_files, made_one, wanted, out),
@@ -210,7 +210,7 @@ def margins(asked: tuple[str, ...]) -> DesignMargin:
 
 
 @dataclass(frozen=True)
-class Changed(Pictures):
+class ChangedFiles(Pictures):
     """The margin and the files of a command that changes a model."""
 
     margin: Margin = ()
@@ -219,12 +219,12 @@ class Changed(Pictures):
     ] = None
     time_limit: options.TimeLimit = None
 
-    def files(self, found: Shaped | Sharpened) -> Files:
+    def files(self, found: Changed) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
         return changed_files(found, self, self.out)
 
 
-def changed_files(found: ChangedAnswer, wanted: Pictures, out: Path | None) -> Files:
+def changed_files(found: Changed, wanted: Pictures, out: Path | None) -> Files:
     """The changed model, and its pictures with the edges of the model before."""
     jobs, said = wanted.of(found)
     if out is None:

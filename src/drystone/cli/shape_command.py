@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from drystone.base.errors import InputError
 from drystone.cli import kinds
 from drystone.cli.command import Option, command
-from drystone.cli.mend_command import Changed, margins
+from drystone.cli.mend_command import ChangedFiles, margins
 from drystone.cli.model_input import Finding, Subject
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
@@ -96,7 +96,7 @@ def shape(
             expert=True,
         ),
     ] = None,
-    changed: Changed,
+    changed: ChangedFiles,
     waiting: Waiting,
 ) -> Told:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from drystone.cli import kinds
 from drystone.cli.command import Option, command
-from drystone.cli.mend_command import Changed, margins
+from drystone.cli.mend_command import ChangedFiles, margins
 from drystone.cli.model_input import Finding, Subject
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
@@ -48,7 +48,7 @@ def sharpen(
             metavar="BLOCK",
         ),
     ] = (),
-    changed: Changed,
+    changed: ChangedFiles,
     waiting: Waiting,
 ) -> Told:
     """Make wedges of two planes from plane joints with tension, until the model stands.

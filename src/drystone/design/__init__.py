@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from drystone.design.buildable import BuildNeeds as BuildNeeds
     from drystone.design.buildable import TriedLayout as TriedLayout
     from drystone.design.buildable import make_buildable as make_buildable
-    from drystone.design.changed_answer import ChangedByHand as ChangedByHand
+    from drystone.design.changed import Changed as Changed
+    from drystone.design.changed import Kept as Kept
     from drystone.design.cuts import Cut as Cut
     from drystone.design.cuts import CutDesign as CutDesign
     from drystone.design.cuts import CutLoop as CutLoop
@@ -47,10 +48,8 @@ if TYPE_CHECKING:
     from drystone.design.joint_surgery import turn_joint as turn_joint
     from drystone.design.joint_surgery import wedge_joint as wedge_joint
     from drystone.design.margin import DesignMargin as DesignMargin
-    from drystone.design.mend_types import Mend as Mend
     from drystone.design.mend_types import MendOptions as MendOptions
     from drystone.design.mend_types import Mends as Mends
-    from drystone.design.mending import Mending as Mending
     from drystone.design.mending import mend as mend
     from drystone.design.mends import find_mends as find_mends
     from drystone.design.needs import Need as Need
@@ -63,12 +62,10 @@ if TYPE_CHECKING:
     from drystone.design.recuts import recut_joints as recut_joints
     from drystone.design.shape_options import HelpMeasure as HelpMeasure
     from drystone.design.shape_options import ShapeAim as ShapeAim
-    from drystone.design.shape_options import Shaped as Shaped
     from drystone.design.shape_options import ShapeOptions as ShapeOptions
     from drystone.design.shape_variables import FamilyMoves as FamilyMoves
     from drystone.design.shaping import shape as shape
     from drystone.design.shared_planes import PlaneMoves as PlaneMoves
-    from drystone.design.sharpening import Sharpened as Sharpened
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
     from drystone.design.sharpening import sharpen as sharpen
     from drystone.design.tuned_values import Parameter as Parameter
@@ -78,7 +75,7 @@ if TYPE_CHECKING:
     from drystone.design.tuning import tune as tune
 
 _NAMES = {
-    "changed_answer": "ChangedByHand",
+    "changed": "Changed Kept",
     "block_surgery": "cut_block faces_toward insert_block merge_blocks move_face thicken_blocks",
     "cuts": "Cut CutDesign CutLoop CutOptions Trial cut_until_free design_cuts split_block "
     "tilted_cuts",
@@ -92,17 +89,17 @@ _NAMES = {
     "props": "PropForce",
     "bench": "Tried",
     "margin": "DesignMargin",
-    "mend_types": "Mend MendOptions Mends",
-    "mending": "Mending mend",
+    "mend_types": "MendOptions Mends",
+    "mending": "mend",
     "mends": "find_mends",
     "free_moves": "Moves block_moves free_vertices joint_moves thickening",
-    "shape_options": "HelpMeasure ShapeAim ShapeOptions Shaped",
+    "shape_options": "HelpMeasure ShapeAim ShapeOptions",
     "shaping": "shape",
     "shared_planes": "PlaneMoves",
     "shape_variables": "FamilyMoves",
     "tuned_values": "Parameter TuneTrial Tuned",
     "tuning": "TuneOptions tune",
-    "sharpening": "SharpenOptions Sharpened sharpen",
+    "sharpening": "SharpenOptions sharpen",
 }
 """The public names of each module."""
 

@@ -11,12 +11,11 @@ from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.design.bench import Tried
-from drystone.design.changed_answer import ChangedAnswer
+from drystone.design.changed import Changed
 from drystone.design.diagnosed import Diagnosis
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.model import Model
-from drystone.results import Result
 
 
 @dataclass(frozen=True)
@@ -69,80 +68,6 @@ def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Mend(ChangedAnswer):
-    """A change with which a region stands, checked on the whole structure.
-
-    Attributes
-    ----------
-    kind
-        One of those of :class:`MendOptions`.
-    blocks
-        Names of the blocks of the region.
-    description
-    value
-        The least value, in degrees, as a coefficient, as a share or in newtons; see the
-        description.
-    joints
-        Number of joints that are touched.
-    added
-        Number of blocks, props, ties or weights that are added, and of joints that are glued.
-    volume : [m3]
-        Sum of the changes of volume of all blocks.
-    cost
-        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
-    before, model
-        The structure without the change, and with it.
-    result
-        The full check of it.
-    held
-        Names of blocks of other regions that were held during the search.
-    """
-
-    kind: str
-    blocks: tuple[str, ...]
-    description: str
-    value: float
-    joints: int
-    added: int
-    volume: float
-    cost: float
-    before: Model
-    model: Model
-    result: Result
-    held: tuple[str, ...] = ()
-
-    def _summary(self) -> str:
-        return f"'{self.description}', cost {self.cost:.3g}, {self.result.verdict.value}"
-
-    @property
-    def unchanged(self) -> Model:
-        """The structure without the change."""
-        return self.before
-
-    @property
-    def change(self) -> str:
-        """What it is."""
-        held = f" ({named(self.held)} held meanwhile)" if self.held else ""
-        return self.description + held
-
-    def numbers(self) -> Mapping[str, Any]:
-        """What it changes, and what that costs."""
-        return {
-            "kind": self.kind,
-            "blocks": self.blocks,
-            "description": self.description,
-            "value": self.value,
-            "cost": self.cost,
-            "joints": self.joints,
-            "added": self.added,
-            "volume": self.volume,
-            "verdict": self.result.verdict,
-            "message": self.result.message,
-            "held": self.held,
-        }
-
-
-@dataclass(frozen=True, eq=False)
 class Mends(Answer):
     """The mends of every region of a structure.
 
@@ -151,7 +76,8 @@ class Mends(Answer):
     diagnosis
         Of the structure, or of the first case of the margin in which it falls.
     mends
-        Per region, in order of cost; of equal cost and kind the smallest value first.
+        Each has one change. Per region, in order of cost; of equal cost and kind the smallest
+        value first.
     tried
         Kinds that do not hold a region, by the names of its blocks.
     message
@@ -159,16 +85,16 @@ class Mends(Answer):
     """
 
     diagnosis: Diagnosis
-    mends: tuple[Mend, ...]
+    mends: tuple[Changed, ...]
     tried: tuple[tuple[tuple[str, ...], Tried], ...] = ()
     message: str = ""
 
     def _summary(self) -> str:
         return self.message or f"{counted(len(self.mends), 'mend')}"
 
-    def of(self, blocks: Sequence[str]) -> tuple[Mend, ...]:
+    def of(self, blocks: Sequence[str]) -> tuple[Changed, ...]:
         """The mends of the region with these blocks."""
-        return tuple(mend for mend in self.mends if set(mend.blocks) == set(blocks))
+        return tuple(mend for mend in self.mends if set(mend.change.blocks) == set(blocks))
 
     @property
     def model(self) -> Model:
@@ -184,8 +110,9 @@ class Mends(Answer):
         """Why it falls, the mends, and the kinds that do not help."""
         said = [*self.diagnosis.sentences(), Sentence(self.message)]
         for number, one in enumerate(self.mends, 1):
-            told = f"mend {number}, of {named(one.blocks)}: {one.description}"
-            said.append(Sentence(f"{told} (cost {one.cost:.3g})"))
+            kept = one.change
+            told = f"mend {number}, of {named(kept.blocks)}: {kept.description}"
+            said.append(Sentence(f"{told} (cost {kept.cost:.3g})"))
         for blocks, failed in self.tried:
             told = f"no solution for {named(blocks)}: {failed.kind}: {failed.what}"
             said.append(Sentence(told))
@@ -199,7 +126,7 @@ class Mends(Answer):
         """The diagnosis, the mends, and the kinds that do not help."""
         return {
             **self.diagnosis.numbers(),
-            "mends": [mend.numbers() for mend in self.mends],
+            "mends": [mend.as_mend() for mend in self.mends],
             "tried": [
                 {"blocks": blocks, "kind": one.kind, "what": one.what} for blocks, one in self.tried
             ],

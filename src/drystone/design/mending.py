@@ -2,92 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 
-from drystone.answer import Sentence
 from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design.changed_answer import ChangedAnswer
-from drystone.design.mend_types import Mend, MendOptions, Mends
+from drystone.design.changed import Changed, Kept
+from drystone.design.mend_types import MendOptions, Mends
 from drystone.design.mends import find_mends, kept_blocks, stands_already
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
-from drystone.results import Result
 
 _ROUNDS = 20
 """Largest number of mends of :func:`mend`. Chosen."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mending(ChangedAnswer):
-    """A structure mended region by region.
-
-    Attributes
-    ----------
-    steps
-        The mends in order.
-    model
-        With all of them.
-    result
-        Its full check, or that of the case of the margin in which it falls.
-    stands
-        Whether it stands at the margin.
-    log
-        The steps, one sentence each.
-    """
-
-    steps: tuple[Mend, ...]
-    model: Model
-    result: Result
-    stands: bool
-    log: tuple[str, ...]
-
-    def _summary(self) -> str:
-        state = "stands" if self.stands else "falls"
-        return f"{state} after {counted(len(self.steps), 'mend')}"
-
-    @property
-    def unchanged(self) -> Model:
-        """The structure before the first mend."""
-        return self.steps[0].before if self.steps else self.model
-
-    @property
-    def change(self) -> str:
-        """The mends."""
-        return "; ".join(one.description for one in self.steps)
-
-    @property
-    def stands_now(self) -> bool:
-        """Whether it stands at the margin."""
-        return self.stands
-
-    @property
-    def title(self) -> str:
-        """Whether it stands, and after how many mends."""
-        return self._summary()[0].upper() + self._summary()[1:]
-
-    def sentences(self) -> Sequence[Sentence]:
-        """The verdict on what was made, and the steps."""
-        verdict, _ = super().sentences()
-        word = verdict if self.steps else replace(verdict, text=self.result.verdict.upper())
-        return [word, *map(Sentence, self.log)]
-
-    def numbers(self) -> Mapping[str, Any]:
-        """Whether it stands, and the steps."""
-        return {
-            "stands": self.stands,
-            "verdict": self.result.verdict,
-            "message": self.result.message,
-            "steps": [step.numbers() for step in self.steps],
-            "log": self.log,
-        }
 
 
 @checked_call
@@ -100,7 +32,7 @@ def mend(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
-) -> Mending:
+) -> Changed:
     """The structure with the lowest-cost mend of each region, until it stands.
 
     The heaviest region comes first; one that no mend holds is passed over. A mend that holds only
@@ -119,7 +51,7 @@ def mend(
     >>> from drystone.models import box
     >>> base, out = box((1.0, 1.0, 1.0)), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
     >>> made = mend(Assembly((base, out)).with_fixed([0]), options=MendOptions(kinds=("prop",)))
-    >>> made.stands, len(made.steps)
+    >>> made.stands, len(made.changes)
     (True, 1)
     """
     chosen = MendOptions.of(options)
@@ -134,8 +66,9 @@ def _mended(
     pool: WorkerPool,
     progress: Progress | None,
     clock: Clock,
-) -> Mending:
-    steps: list[Mend] = []
+) -> Changed:
+    before = model
+    steps: list[Kept] = []
     log: list[str] = []
     names = tuple(model.assembly.names)
     chosen = replace(chosen, keep=tuple(names[i] for i in kept_blocks(model, chosen.keep)))
@@ -168,18 +101,20 @@ def _mended(
             break
         firm = (one for one in found.mends if chosen.margin.meets(one.result))
         best = next(firm, found.mends[0])
-        steps.append(best)
-        log.append(f"{named(best.blocks)}: {best.description} (cost {best.cost:.3g})")
+        kept = best.change
+        steps.append(kept)
+        log.append(f"{named(kept.blocks)}: {kept.description} (cost {kept.cost:.3g})")
         # what now touches other blocks is tried again
-        changed = _changed(model, best.model) | set(best.blocks)
+        changed = _changed(model, best.model) | set(kept.blocks)
         passed = {blocks: near for blocks, near in passed.items() if not near & changed}
         model = best.model
-    return Mending(tuple(steps), model, result, stands, tuple(log))
+    words = "; ".join(one.description for one in steps)
+    return Changed(before, model, result, stands, words, tuple(steps), tuple(log))
 
 
 def _hopeless(found: Mends) -> dict[tuple[str, ...], str]:
     """The regions that no mend holds: the tried kinds, and their largest values."""
-    held = {mend.blocks for mend in found.mends}
+    held = {mend.change.blocks for mend in found.mends}
     said: dict[tuple[str, ...], list[str]] = {}
     for blocks, one in found.tried:
         if blocks not in held:

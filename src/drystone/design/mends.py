@@ -13,10 +13,11 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
+from drystone.design.changed import Changed
 from drystone.design.diagnosis import diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
-from drystone.design.mend_types import Mend, MendOptions, Mends
+from drystone.design.mend_types import MendOptions, Mends
 from drystone.design.whole_check import mends_of_kind
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -31,7 +32,7 @@ def find_mends(
     options: MendOptions | None = None,
     regions: int | None = None,
     besides: Collection[frozenset[str]] = (),
-    found_one: Callable[[Mend], None] | None = None,
+    found_one: Callable[[Changed], None] | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -79,7 +80,7 @@ def find_mends(
         if first.stable:
             told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
         return Mends(found, (), message=told)
-    mends: list[Mend] = []
+    mends: list[Changed] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     mended = 0
     others = set(found.others).union(*(region.blocks for region in found.regions))
@@ -90,7 +91,7 @@ def find_mends(
             if mended == regions or frozenset(names) in besides:
                 continue
             held = sorted(others - set(region.blocks))
-            own: list[Mend] = []
+            own: list[Changed] = []
             task = partial(
                 mends_of_kind, model, found.motion, region, chosen.margin, keep, held, clock
             )
@@ -127,8 +128,9 @@ def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
     return more
 
 
-def _rank(one: Mend) -> tuple[float, int, float]:
+def _rank(made: Changed) -> tuple[float, int, float]:
     """Cost, then kind, then size; costs that differ by rounding are equal."""
+    one = made.change
     return round(one.cost, 9), KINDS.index(one.kind), one.value
 
 

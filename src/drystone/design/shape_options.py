@@ -1,19 +1,14 @@
-"""What a shape is changed for, and what came of it."""
+"""What a shape is changed for."""
 
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from drystone.answer import Sentence
-from drystone.base.arrays import Floats
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.design.changed_answer import ChangedStructure
 from drystone.design.margin import DesignMargin
 
 
@@ -33,12 +28,13 @@ class HelpMeasure(enum.Enum):
     BALANCE = "balance"
 
 
-_MEASURES = {
+MEASURES = {
     ShapeAim.STAND: "share of the load that needs help",
     ShapeAim.VOLUME: "volume [m3]",
     ShapeAim.REACH: "reach [m]",
     ShapeAim.TILT: "tilt [degrees]",
 }
+"""What is to be best."""
 
 
 @dataclass(frozen=True)
@@ -105,42 +101,3 @@ class ShapeOptions(Options):
             )
         if not 0.0 < self.close < 1.0:
             raise InputError(f"close is {self.close}", remedy="give a share between 0 and 1")
-
-
-@dataclass(frozen=True, eq=False)
-class Shaped(ChangedStructure):
-    """A structure with another shape.
-
-    Attributes
-    ----------
-    x : (p,) [m]
-        The variables.
-    value
-        Volume [m3], reach [m] or tilt [degrees] of ``model``; the help that it needs where it was
-        to stand.
-    first
-        The same of ``before``.
-    aim
-    """
-
-    x: Floats
-    value: float
-    first: float
-    aim: ShapeAim = ShapeAim.STAND
-
-    @property
-    def change(self) -> str:
-        """How far vertices moved."""
-        return f"vertices moved by up to {1e3 * float(abs(self.x).max(initial=0.0)):.1f} mm"
-
-    def sentences(self) -> Sequence[Sentence]:
-        """The verdict, how it came about, and how far vertices moved."""
-        said = f"{self.value:.4g}, {self.first:.4g} before"
-        moved = f"{counted(len(self.x), 'variable')}: {self.change}"
-        measure = _MEASURES[self.aim]
-        return [*super().sentences(), Sentence(f"{measure} {said}"), Sentence(moved)]
-
-    def numbers(self) -> Mapping[str, Any]:
-        """Whether it stands, and the variables."""
-        own = {"value": self.value, "first": self.first, "variables": self.x}
-        return {**super().numbers(), **own, "aim": self.aim}

@@ -10,12 +10,14 @@ from scipy.optimize import minimize
 from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress, Stop, Stopped
+from drystone.design.changed import Changed, Kept
 from drystone.design.help_needed import GROUND
 from drystone.design.mends import stands_already
-from drystone.design.shape_options import HelpMeasure, ShapeAim, Shaped, ShapeOptions
+from drystone.design.shape_options import MEASURES, HelpMeasure, ShapeAim, ShapeOptions
 from drystone.design.shape_values import ShapeValues
 from drystone.design.shape_variables import ShapeVariables
 from drystone.model import Model
+from drystone.results import Result
 
 _HELPED = 1e-4
 """Share of the load on the ground up to which a shape is taken to stand in the first round; at
@@ -57,7 +59,7 @@ class ShapeSearch(ShapeValues):
         self.progress = progress
         self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
-    def run(self, start: Floats | None = None) -> Shaped:
+    def run(self, start: Floats | None = None) -> Changed:
         """The best shape, from variables (p,) that nearly stand; from zero when left out.
 
         A structure that falls is shaped on stiff ground first, and where that leads to nothing that
@@ -81,7 +83,7 @@ class ShapeSearch(ShapeValues):
             best = found if found.stands or found.value < best.value else best
         return best
 
-    def followed(self, start: Floats | None, ground: float) -> Shaped:
+    def followed(self, start: Floats | None, ground: float) -> Changed:
         """The best shape with a stiffness of the ground at first."""
         options, moves = self.options, self.moves
         stand_only = options.aim is ShapeAim.STAND
@@ -269,7 +271,7 @@ class ShapeSearch(ShapeValues):
         if self.progress is not None:
             self.progress("shaping", rounds - 1, self.options.rounds)
 
-    def answer(self, x: Floats, model: Model, rounds: int, words: str) -> Shaped:
+    def answer(self, x: Floats, model: Model, rounds: int, words: str) -> Changed:
         """What was found, checked in full."""
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
@@ -289,5 +291,25 @@ class ShapeSearch(ShapeValues):
             if ends:
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
                 words += "larger ones may help"
-        return Shaped(self.model, model, result, stands, rounds, words, x, values[0], values[1],
-                      self.options.aim)  # fmt: skip
+        return self.shaped(x, model, result, (values[0], values[1]), rounds, words)
+
+    def shaped(
+        self,
+        x: Floats,
+        model: Model,
+        result: Result,
+        values: tuple[float, float],
+        rounds: int,
+        message: str,
+    ) -> Changed:
+        """The answer with a shape; ``values`` of it and of the model as given."""
+        moved = 1e3 * float(abs(x).max(initial=0.0))
+        words = f"{counted(len(x), 'variable')}: vertices moved by up to {moved:.1f} mm"
+        value, first = values
+        told = f"{MEASURES[self.options.aim]} {value:.4g}, {first:.4g} before"
+        names = tuple(model.assembly.names)
+        kept = (Kept("shape", names, words, value),) if x.any() else ()
+        return Changed(
+            self.model, model, result, self.options.margin.meets(result), words, kept,
+            (told, message), x, value, first, rounds,
+        )  # fmt: skip

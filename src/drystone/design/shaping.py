@@ -11,8 +11,9 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.design.changed import Changed
 from drystone.design.search import bracket
-from drystone.design.shape_options import ShapeAim, Shaped, ShapeOptions
+from drystone.design.shape_options import ShapeAim, ShapeOptions
 from drystone.design.shape_search import ShapeSearch
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import vertices_of
@@ -40,7 +41,7 @@ def shape(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
-) -> Shaped:
+) -> Changed:
     """Move vertices until a structure stands, or to the best shape that stands.
 
     The help that it needs, and its derivative by all variables (one more solve), come from the
@@ -59,7 +60,7 @@ def shape(
 
     Returns
     -------
-    Shaped
+    Changed
         The best shape that stands; where none does, the one that needs least help.
 
     Raises
@@ -100,7 +101,7 @@ def shape(
     return _raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
 
 
-def _raise_tilt(search: ShapeSearch) -> Shaped:
+def _raise_tilt(search: ShapeSearch) -> Changed:
     """Shape a structure to stand at a tilt, then at a larger one, until no larger one is reached.
 
     Each shape starts from the last one that stands. The step is doubled after each success, and
@@ -134,11 +135,9 @@ def _raise_tilt(search: ShapeSearch) -> Shaped:
             words = f"stands at {_STEEPEST:g} degrees, and no more was tried"
             break
         step *= 2.0
-    margin = replace(search.options.margin, tilt=tilt)
-    result = margin.holds(now)
-    stands = margin.meets(result)
+    result = replace(search.options.margin, tilt=tilt).holds(now)
     words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
-    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first, ShapeAim.TILT)
+    return search.shaped(x, now, result, (tilt, first), rounds, words)
 
 
 def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:

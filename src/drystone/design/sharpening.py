@@ -5,10 +5,9 @@ Source: Kao 2023, section 6.3.3: joints are made wedges where the penalty form s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 
@@ -16,8 +15,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.base.table import Table
-from drystone.design.changed_answer import ChangedStructure
+from drystone.design.changed import Changed, Kept
 from drystone.design.joint_surgery import STEEPEST
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already
@@ -75,51 +73,6 @@ class SharpenOptions(Options):
             )
 
 
-@dataclass(frozen=True, eq=False)
-class Sharpened(ChangedStructure):
-    """A structure with wedges in some joints.
-
-    Attributes
-    ----------
-    sharpness : (j,) [degrees]
-        Of each interface of ``before``; zero where it stays plane.
-    least
-        Whether every sharpened joint is known to be needed: with any one of them plane, or less
-        sharp by ``close``, it falls. Not so where it was stopped.
-    """
-
-    sharpness: Floats
-    least: bool
-
-    @property
-    def joints(self) -> list[tuple[str, str, float]]:
-        """Names of the two blocks, and sharpness [degrees], of each wedge."""
-        contacts, names = self.before.contacts, self.before.assembly.names
-        return [
-            (names[contacts.block_a[k]], names[contacts.block_b[k]], float(self.sharpness[k]))
-            for k in np.flatnonzero(self.sharpness > 0.0)
-        ]
-
-    @property
-    def change(self) -> str:
-        """How many joints are wedges now."""
-        wedges = self.joints
-        if not wedges:
-            return self.message
-        steepest = max(value for *_, value in wedges)
-        return f"{counted(len(wedges), 'joint')} made wedges of up to {steepest:.3g} degrees"
-
-    def tables(self) -> Sequence[Table]:
-        """The wedges, and what the check has."""
-        a, b, value = zip(*self.joints, strict=True) if self.joints else ((), (), ())
-        columns = {"block_a": a, "block_b": b, "sharpness_deg": value}
-        return [Table("joints", columns, {"sharpness_deg": "deg"}), *super().tables()]
-
-    def numbers(self) -> Mapping[str, Any]:
-        """Whether it stands, and whether every wedge is needed."""
-        return {**super().numbers(), "least": self.least}
-
-
 @checked_call
 def sharpen(
     given: Given,
@@ -130,7 +83,7 @@ def sharpen(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
-) -> Sharpened:
+) -> Changed:
     """Make plane joints wedges of two planes where tension appears, until the structure stands.
 
     In each round the joints that would pull if they were glued are made sharper by a step. Once it
@@ -147,7 +100,7 @@ def sharpen(
 
     Returns
     -------
-    Sharpened
+    Changed
         The ridge of each wedge is horizontal. Where no sharpness holds the structure, it says so,
         with the joints as sharp as they were made.
 
@@ -173,8 +126,8 @@ def sharpen(
     none = np.zeros(model.contacts.count)
     first = chosen.margin.holds(model)
     if chosen.margin.meets(first):
-        words = stands_already(chosen.margin)
-        return Sharpened(model, model, first, True, 0, words, sharpness=none, least=True)
+        told = (stands_already(chosen.margin),)
+        return Changed(model, model, first, True, log=told, x=none)
     if not joints.usable.any():
         kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
         what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
@@ -198,10 +151,10 @@ class _Sharpening:
         self.late = late
         self.limit = np.where(joints.usable, options.most, 0.0)
 
-    def run(self) -> Sharpened:
+    def run(self) -> Changed:
         sharpness, rounds, stands = self.rounds()
         if not stands:
-            return self.answer(sharpness, rounds, False, self.why(sharpness))
+            return self.answer(sharpness, rounds, self.why(sharpness))
         sharpness = self.lowered(sharpness)
         sharpness, known = each_needed(
             sharpness,
@@ -214,15 +167,27 @@ class _Sharpening:
         words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
         if not known:
             words += "; it was stopped before each of them was known to be needed"
-        return self.answer(sharpness, rounds, known, words)
+        return self.answer(sharpness, rounds, words)
 
-    def answer(self, sharpness: Floats, rounds: int, least: bool, words: str) -> Sharpened:
-        model = self.joints.wedged(sharpness)
+    def answer(self, sharpness: Floats, rounds: int, message: str) -> Changed:
+        before, model = self.joints.model, self.joints.wedged(sharpness)
         result = self.options.margin.holds(model)
-        stands = self.options.margin.meets(result)
-        least = least and stands
-        before = self.joints.model
-        return Sharpened(before, model, result, stands, rounds, words, sharpness, least)
+        names, contacts = before.assembly.names, before.contacts
+        kept = [
+            Kept(
+                "wedge",
+                (names[contacts.block_a[k]], names[contacts.block_b[k]]),
+                f"made a wedge of {sharpness[k]:.3g} degrees",
+                float(sharpness[k]),
+            )
+            for k in np.flatnonzero(sharpness > 0.0)
+        ]
+        some = counted(len(kept), "joint")
+        words = f"{some} made wedges of up to {sharpness.max():.3g} degrees" if kept else ""
+        return Changed(
+            before, model, result, self.options.margin.meets(result), words, tuple(kept),
+            (message,), sharpness, rounds=rounds,
+        )  # fmt: skip
 
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:

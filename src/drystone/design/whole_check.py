@@ -9,14 +9,15 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
 from drystone.design.bench import Bench, Tried, volume_changed
+from drystone.design.changed import Changed, Kept
 from drystone.design.changes import Change
 from drystone.design.diagnosed import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import MAKERS
-from drystone.design.mend_types import Mend
 from drystone.design.search import bracket
 from drystone.model import Model
 from drystone.results import Result
@@ -40,7 +41,7 @@ def mends_of_kind(
     held: list[int],
     clock: Clock,
     kind: str,
-) -> tuple[list[Mend], list[Tried]]:
+) -> tuple[list[Changed], list[Tried]]:
     """The mends of one kind for a region, and what was tried without success."""
     bench = Bench(model, motion, region, margin, keep, clock.late)
     made = []
@@ -89,7 +90,7 @@ class WholeCheck:
         self.why: dict[float, str] = {}
         self.least = self.largest = value
 
-    def mend(self) -> Mend | None:
+    def mend(self) -> Changed | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""
         found = self._least()
         if found is None:
@@ -105,7 +106,7 @@ class WholeCheck:
             gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
             cost += FRICTION * float(gained.sum())
         how = ", which holds only after settling" if found.settles else ""
-        return Mend(
+        kept = Kept(
             candidate.kind,
             tuple(model.assembly.names[i] for i in blocks),
             candidate.words(found.value) + how,
@@ -114,11 +115,11 @@ class WholeCheck:
             candidate.added,
             volume,
             cost,
-            model,
-            made,
-            found.result,
             self._still(made),
         )
+        held = f" ({named(kept.held)} held meanwhile)" if kept.held else ""
+        words = kept.description + held
+        return Changed(model, made, found.result, found.result.stable, words, (kept,))
 
     def _least(self) -> _Held | None:
         """The least value with which the structure stands."""

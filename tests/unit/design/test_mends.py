@@ -45,11 +45,12 @@ def test_each_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(
     fallen: Mends, block: str, lower: str
 ) -> None:
     found = fallen.of([block])
-    assert {"support", "prop", "wedge", "let-in"} <= {one.kind for one in found}
-    joints = [one.description for one in found if one.kind in ("turn", "wedge", "let-in")]
+    assert {"support", "prop", "wedge", "let-in"} <= {one.change.kind for one in found}
+    changes = [one.change for one in found]
+    joints = [one.description for one in changes if one.kind in ("turn", "wedge", "let-in")]
     assert any(text.startswith(f"the lower joint, with '{lower}'") for text in joints)
     assert any(text.startswith("the upper joint, with 'frame'") for text in joints)
-    assert [one.cost for one in found] == sorted(one.cost for one in found)
+    assert [one.cost for one in changes] == sorted(one.cost for one in changes)
 
 
 def test_a_block_that_falls_only_once_another_one_is_held_is_in_the_way_of_no_mend(
@@ -57,7 +58,7 @@ def test_a_block_that_falls_only_once_another_one_is_held_is_in_the_way_of_no_me
 ) -> None:
     # at 0.6 no forces balance block 10; block 9 is balanced, and falls as well
     (one,) = find_mends(shelf(2), friction=0.6, options=MendOptions(kinds=("prop",))).mends
-    assert (one.blocks, one.held) == (("block-10",), ("block-9",))
+    assert (one.change.blocks, one.change.held) == (("block-10",), ("block-9",))
     fixed = one.model.assembly.indices(["block-9"]).tolist()
     fixed += np.flatnonzero(one.model.assembly.fixed).tolist()
     assert again(one.model.with_supports(fixed), tmp_path).stable
@@ -72,11 +73,11 @@ def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
         drystone.write(one.model, path)
         read = drystone.read(path)
         fixed = [read.assembly.names[i] for i in np.flatnonzero(read.assembly.fixed)]
-        result = drystone.check(read.with_supports([*fixed, *one.held]))
-        assert result.stable, one.description
+        result = drystone.check(read.with_supports([*fixed, *one.change.held]))
+        assert result.stable, one.change.description
         robust = result.samples.standing == result.samples.tried
-        assert robust or "after settling" in result.message, one.description
-        assert robust != one.description.endswith(", which holds only after settling")
+        assert robust or "after settling" in result.message, one.change.description
+        assert robust != one.change.description.endswith(", which holds only after settling")
 
 
 @pytest.mark.parametrize(("patience", "kinds"), [(600, []), (1800, ["prop"])])
@@ -99,13 +100,13 @@ def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
     found = find_mends(h_model(), friction=0.9, stop=stop)
     assert patience < asked < patience + 50
     assert after == 0
-    assert {*kinds} <= {one.kind for one in found.mends}
+    assert {*kinds} <= {one.change.kind for one in found.mends}
     assert bool(kinds) == bool(found.mends)
 
 
 def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen: Mends) -> None:
-    (turned,) = [one for one in fallen.of(["block-10"]) if one.kind == "turn"]
-    assert turned.value == pytest.approx(SLOPE - np.rad2deg(np.arctan(0.9)), abs=0.1)
+    (turned,) = [one for one in fallen.of(["block-10"]) if one.change.kind == "turn"]
+    assert turned.change.value == pytest.approx(SLOPE - np.rad2deg(np.arctan(0.9)), abs=0.1)
     model = fallen.diagnosis.model.with_supports([i for i in range(11) if i != 10])
     (joint,) = [i for i in range(model.contacts.count) if model.contacts[i].blocks == (8, 10)]
 
@@ -115,14 +116,14 @@ def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen:
 
     scanned = [round(0.1 * k, 1) for k in range(79, 84)]
     standing = [angle for angle in scanned if stands(angle) or stands(-angle)]
-    assert min(standing) == pytest.approx(turned.value, abs=0.1)
+    assert min(standing) == pytest.approx(turned.change.value, abs=0.1)
 
 
 @pytest.mark.parametrize("fix", [1, 2, 3])
 def test_the_partial_fixes_of_the_source_are_mended(fix: int, tmp_path: Path) -> None:
     model = Model.of(shelf(fix), friction=0.9)  # type: ignore[arg-type]
     made = mend(model, options=MendOptions(kinds=("turn",)))
-    assert [step.blocks for step in made.steps] == [("block-10",)]
+    assert [step.blocks for step in made.changes] == [("block-10",)]
     assert made.stands
     assert again(made.model, tmp_path).stable
     assert model.assembly.volume.sum() == pytest.approx(made.model.assembly.volume.sum(), rel=1e-6)
@@ -134,7 +135,7 @@ def test_regions_are_mended_one_after_the_other_until_all_stands(tmp_path: Path)
     left = box((0.8, 1.0, 0.2), (-0.7, 0.0, 1.0), "left")
     model = Model.of(Assembly((base, right, left)).with_fixed([0]), friction=0.6)
     made = mend(model, options=MendOptions(kinds=("glue",)))
-    assert [step.blocks for step in made.steps] == [("right",), ("left",)]
+    assert [step.blocks for step in made.changes] == [("right",), ("left",)]
     assert made.stands
     assert made.log[-1].startswith("it stands: ")
     assert again(made.model, tmp_path).stable
@@ -143,15 +144,15 @@ def test_regions_are_mended_one_after_the_other_until_all_stands(tmp_path: Path)
 def test_the_friction_for_a_margin_of_tilt_is_its_tangent() -> None:
     options = MendOptions(margin=DesignMargin(tilt=35.0), kinds=("friction",))
     (found,) = find_mends(tower(2), friction=0.6, options=options).mends
-    assert found.value == pytest.approx(np.tan(np.deg2rad(35.0)), abs=0.011)
-    assert found.value >= np.tan(np.deg2rad(35.0))
+    assert found.change.value == pytest.approx(np.tan(np.deg2rad(35.0)), abs=0.011)
+    assert found.change.value >= np.tan(np.deg2rad(35.0))
 
 
 def test_diagnosis_and_mend_tell_one_friction_that_is_enough() -> None:
     load = LoadCase.tilt(tower(2), (1.0, 0.0, 0.0), 35.0)
     model = Model.of(tower(2), friction=0.6, load=load)
     found = find_mends(model, options=MendOptions(kinds=("friction",)))
-    assert found.diagnosis.regions[0].needs.friction == found.mends[0].value == 0.71
+    assert found.diagnosis.regions[0].needs.friction == found.mends[0].change.value == 0.71
     assert "friction of 0.71 there" in found.diagnosis.reasons[0]
 
 
@@ -162,25 +163,27 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     weight = 9.81 * float(model.assembly.mass[1])
     mends = find_mends(model, options=MendOptions(kinds=("glue",)))
     (found,) = mends.mends
-    assert found.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
+    assert found.change.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
     (glue,) = mends.diagnosis.regions[0].needs.glue
-    assert glue.value == found.value
-    assert found.description in mends.diagnosis.reasons[0]
+    assert glue.value == found.change.value
+    assert found.change.description in mends.diagnosis.reasons[0]
     enough, half = (
-        JointCapacity(np.full(1, share * found.value), np.full(1, share * found.value))
+        JointCapacity(
+            np.full(1, share * found.change.value), np.full(1, share * found.change.value)
+        )
         for share in (1.0, 0.5)
     )
     assert drystone.check(model.with_capacity(enough)).stable
     assert drystone.check(model.with_capacity(half)).falls
-    assert "between" in found.description
+    assert "between" in found.change.description
     assert again(found.model, tmp_path).stable
 
 
 def test_a_thin_arch_is_glued_in_the_joints_that_pull(tmp_path: Path) -> None:
     model = Model.of(arch(0.06, voussoirs=6), friction=0.5)
     (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
-    assert found.joints == 5
-    assert found.description.startswith("glue in 5 joints, each of which carries a pull")
+    assert found.change.joints == 5
+    assert found.change.description.startswith("glue in 5 joints, each of which carries a pull")
     assert again(found.model, tmp_path).stable
     options = MendOptions(kinds=("turn", "glue"), keep=("voussoir-02",))
     (turned, glued) = find_mends(model, options=options).tried
@@ -196,8 +199,8 @@ def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) 
     model = Model.of(Assembly((base, *sides)).with_fixed([0]), friction=0.6)
     weight = 9.81 * float(model.assembly.mass[1])
     (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
-    assert found.value == pytest.approx(0.1 * weight / 0.25, rel=0.01)
-    assert found.added == 1
+    assert found.change.value == pytest.approx(0.1 * weight / 0.25, rel=0.01)
+    assert found.change.added == 1
     assert again(found.model, tmp_path).stable
 
 
@@ -207,9 +210,11 @@ def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
              box((1.0, 1.0, 1.0), (2.0, 0.0, 1.0), "two"))  # fmt: skip
     model = Model.of(Assembly((*walls, *loose)).with_fixed([0, 1]), friction=0.6)
     (found,) = find_mends(model, options=MendOptions(kinds=("prop",))).mends
-    assert found.added == 2
-    assert found.value == pytest.approx(9.81 * float(model.assembly.mass[2:].sum()), rel=1e-3)
-    assert found.description.startswith("2 props: ")
+    assert found.change.added == 2
+    assert found.change.value == pytest.approx(
+        9.81 * float(model.assembly.mass[2:].sum()), rel=1e-3
+    )
+    assert found.change.description.startswith("2 props: ")
     assert again(found.model, tmp_path).stable
 
 
@@ -241,10 +246,10 @@ def test_diagnosis_and_mend_name_the_same_props_of_a_stair(tmp_path: Path) -> No
     found = find_mends(stair(), options=MendOptions(once, kinds=("prop",)))
     (mended,) = found.mends
     point, force = found.diagnosis.props
-    assert len(point) == mended.added > 1
-    assert np.linalg.norm(force, axis=1).sum() == pytest.approx(mended.value, rel=1e-6)
+    assert len(point) == mended.change.added > 1
+    assert np.linalg.norm(force, axis=1).sum() == pytest.approx(mended.change.value, rel=1e-6)
     assert not len(found.diagnosis.missing[0])
-    assert f"{mended.added} supports on 'tread-00'" in found.diagnosis.reasons[0]
+    assert f"{mended.change.added} supports on 'tread-00'" in found.diagnosis.reasons[0]
     assert again(mended.model, tmp_path).stable
 
 
@@ -260,7 +265,7 @@ def test_what_stands_already_is_said_to_stand() -> None:
     found = find_mends(tower(2), friction=0.6)
     assert found.mends == ()
     assert found.message.startswith("it stands already: ask for a margin")
-    assert mend(tower(2), friction=0.6).steps == ()
+    assert mend(tower(2), friction=0.6).changes == ()
 
 
 def test_what_stands_after_settling_only_is_mended_to_stand_for_all_stiffnesses() -> None:
@@ -275,7 +280,7 @@ def test_what_stands_after_settling_only_is_mended_to_stand_for_all_stiffnesses(
 def test_what_was_tried_is_told_where_nothing_holds() -> None:
     made = mend(h_model(), friction=0.9, options=MendOptions(kinds=("friction", "ballast")))
     assert not made.stands
-    assert made.steps == ()
+    assert made.changes == ()
     assert (
         "no mend of the list holds block: friction: it falls up to a coefficient of 4 in all its "
         "joints; 100 % of its load is then still not carried" in made.log[0]
@@ -289,7 +294,7 @@ def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended() -> No
     left = box((0.8, 1.0, 0.2), (-0.7, 0.0, 1.0), "left")
     model = Model.of(Assembly((base, right, left)).with_fixed([0]), friction=0.6)
     made = mend(model, options=MendOptions(kinds=("glue",), keep=("right",)))
-    assert [step.blocks for step in made.steps] == [("left",)]
+    assert [step.blocks for step in made.changes] == [("left",)]
     assert not made.stands
     assert [text.partition(":")[0] for text in made.log] == [
         "no mend of the list holds right", "left", "it still falls"
@@ -302,11 +307,11 @@ def test_of_equal_cost_the_smaller_value_comes_first() -> None:
     post = box((1.0, 1.0, 1.0), (-0.3, 0.0, 1.0), "post")
     model = Model.of(Assembly((base, out, post)).with_fixed([0, 2]), friction=0.6)
     found = find_mends(model, options=MendOptions(kinds=("glue",))).mends
-    assert [one.description.split("that")[0] for one in found] == [
+    assert [one.change.description.split("that")[0] for one in found] == [
         "glue between 'out' and 'post' ", "glue between 'base' and 'out' "
     ]  # fmt: skip
-    assert found[0].cost == found[1].cost == 3.0
-    assert found[0].value < found[1].value
+    assert found[0].change.cost == found[1].change.cost == 3.0
+    assert found[0].change.value < found[1].change.value
 
 
 def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
@@ -316,7 +321,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
         find_mends(model, options=MendOptions(margin=margin, kinds=("prop",))).mends[0]
         for margin in (DesignMargin(), DesignMargin(load=1.5))
     )
-    assert firm.value == pytest.approx(1.5 * plain.value, rel=1e-6)
+    assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
 
 
 def test_blocks_to_keep_are_not_changed() -> None:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import drystone
 from drystone.answer.question import asked_line
 from drystone.checks import corner_motion
-from drystone.design import ChangedByHand, DiagnosisOptions
+from drystone.design import Changed, DiagnosisOptions
 from drystone.design.changes import ballasted, glued, tied
 from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
@@ -38,7 +38,7 @@ def test_a_mended_model_says_what_was_changed_and_shows_the_edges_of_what_it_was
     lower = box((1.0, 1.0, 0.5), (0.0, 0.0, 1.0), "block-1")
     changed = replace(before.assembly, blocks=(before.assembly.blocks[0], lower))
     after = drystone.check(drystone.Model.of(changed, friction=0.6))
-    scene = ChangedByHand(before, after, "block 'block-1' lower").layers()
+    scene = Changed.by_hand(before, after, "block 'block-1' lower").layers()
     (ghost,) = [layer for layer in scene.stages[0].layers if layer.key == "before"]
     assert ghost.count == 12  # the edges of one box
     assert scene.facts["Changed"] == "block 'block-1' lower"
@@ -95,7 +95,7 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
     friction = np.array(after.contacts.friction)
     friction[1] = 0.9
     after = after.with_friction(friction).with_load(ballasted(after, 3, 100.0).load)
-    (stage,) = ChangedByHand(before, drystone.check(after)).layers().stages
+    (stage,) = Changed.by_hand(before, drystone.check(after)).layers().stages
     layers = {layer.key: layer for layer in stage.layers}
     assert (layers["glued"].label, layers["glued"].count) == ("1 glued joint", 4)
     assert layers["rougher"].label == "1 rougher joint"
@@ -103,6 +103,6 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
     np.testing.assert_allclose(layers["weights"].vector, [[0.0, 0.0, -100.0]])
     assert after.assembly.names[4] == "prop-1"
     assert (stage.state == State.ADDED).tolist() == [False] * 4 + [True]
-    nothing = ChangedByHand(after, drystone.check(after)).layers().stages[0]
+    nothing = Changed.by_hand(after, drystone.check(after)).layers().stages[0]
     assert not {"glued", "rougher", "ties", "weights"} & {one.key for one in nothing.layers}
     assert not (nothing.state == State.ADDED).any()

@@ -21,7 +21,7 @@ from typing import Any
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError
-from drystone.design import Mend
+from drystone.design import Changed
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
@@ -59,7 +59,7 @@ class Calculator:
         self.models: dict[int, Model] = {}
         self.starts: OrderedDict[Any, dict[int, Floats]] = OrderedDict()
         self.dragged: OrderedDict[Any, CoarseSteps] = OrderedDict()
-        self.mends: tuple[str, list[Mend]] = ("", [])
+        self.mends: tuple[str, list[Changed]] = ("", [])
         self.job = 0
         self._reported = 0.0
 

@@ -17,8 +17,8 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.design import (
+    Changed,
     CutOptions,
-    Mend,
     MendOptions,
     cut_block,
     cut_until_free,
@@ -81,7 +81,7 @@ class Work:
     progress: Progress
     name: str
     tell: Callable[..., None]
-    mends: list[Mend] = field(default_factory=list)
+    mends: list[Changed] = field(default_factory=list)
 
     def require_still(self, what: str) -> None:
         """Refuse what is done before supports move.
@@ -128,7 +128,7 @@ def _mends(work: Work) -> Iterator[Event]:
     """Changes with which what falls would stand."""
     work.mends.clear()
 
-    def found_one(mend: Mend) -> None:
+    def found_one(mend: Changed) -> None:
         work.tell("mend", number=len(work.mends), mend=_told(mend))
         work.mends.append(mend)
 
@@ -150,17 +150,17 @@ def _mends(work: Work) -> Iterator[Event]:
     yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": work.stop()}
 
 
-def _told(mend: Mend) -> dict[str, Any]:
+def _told(mend: Changed) -> dict[str, Any]:
     return {
-        "kind": mend.kind,
-        "blocks": list(mend.blocks),
-        "what": mend.description,
-        "cost": mend.cost,
+        "kind": mend.change.kind,
+        "blocks": list(mend.change.blocks),
+        "what": mend.change.description,
+        "cost": mend.change.cost,
         "ghost": _ghost(mend),
     }
 
 
-def _ghost(mend: Mend) -> list[list[float]]:
+def _ghost(mend: Changed) -> list[list[float]]:
     """Edges (six numbers [m] each) of the blocks that a mend changes or adds, as they would be."""
     before = {id(block) for block in mend.before.assembly.blocks}
     ends = [
@@ -176,7 +176,8 @@ def _apply(work: Work) -> Iterator[Event]:
     number = work.extra["mend"].integer()
     if not 0 <= number < len(work.mends):
         raise InputError("there is no such mend any more", remedy="look for mends again")
-    yield "model", _made(work, work.mends[number].model, work.mends[number].description)
+    mend = work.mends[number]
+    yield "model", _made(work, mend.model, mend.change.description)
 
 
 def _made(work: Work, made: Model, what: str) -> dict[str, Any]:

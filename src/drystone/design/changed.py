@@ -1,0 +1,272 @@
+"""What a structure became: the changes that were kept, its check, and its picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine, named
+from drystone.base.errors import counted
+from drystone.base.table import Table
+from drystone.design.changed_model import ties_of
+from drystone.geometry.polyhedron import edges_of
+from drystone.joint_capacity import JointCapacity
+from drystone.model import Model
+from drystone.results import Result
+
+_EQUAL = 1e-6
+"""Strengths, coefficients and weights that differ by less than this share are equal: rounding."""
+
+_WIDE = 3.0
+"""Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
+
+
+@dataclass(frozen=True)
+class Kept(OneLine):
+    """A change that was kept.
+
+    Attributes
+    ----------
+    kind
+    blocks
+        Names: of the blocks of the region that it holds, or of the joint that is changed.
+    description
+    value
+        In degrees, as a coefficient, as a share or in newtons; see the description.
+    joints
+        Number of joints that are touched.
+    added
+        Number of blocks, props, ties or weights that are added, and of joints that are glued.
+    volume : [m3]
+        Sum of the changes of volume of all blocks.
+    cost
+        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
+    held
+        Names of blocks of other regions that were held during the search.
+    """
+
+    kind: str
+    blocks: tuple[str, ...]
+    description: str
+    value: float
+    joints: int = 1
+    added: int = 0
+    volume: float = 0.0
+    cost: float = 0.0
+    held: tuple[str, ...] = ()
+
+    def _summary(self) -> str:
+        return f"'{self.description}', cost {self.cost:.3g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Changed(Answer):
+    """A structure that was changed, with its check; pictures show the edges of what it was.
+
+    Attributes
+    ----------
+    before, model
+        The structure without the changes, and with them.
+    result
+        The check of ``model``, or that of the case of the margin in which it falls.
+    stands
+        Whether it stands as was asked for.
+    words
+        What was changed, in a few words; empty where nothing was.
+    changes
+        Those that were kept, in their order.
+    log
+        How it came about, one sentence each.
+    x : (p,)
+        Values of the variables of the search: sharpness of each interface of ``before`` [degrees],
+        or moves of vertices [m].
+    value, first
+        What was to be best, after the changes and before them: volume [m3], reach [m], tilt
+        [degrees], or the share of the load that needs help.
+    rounds
+        Of the search.
+    """
+
+    before: Model
+    model: Model
+    result: Result
+    stands: bool
+    words: str = ""
+    changes: tuple[Kept, ...] = ()
+    log: tuple[str, ...] = ()
+    x: Floats = field(default_factory=partial(np.zeros, 0))
+    value: float = float("nan")
+    first: float = float("nan")
+    rounds: int = 0
+
+    @classmethod
+    def by_hand(cls, before: Model, result: Result, words: str = "mended") -> Changed:
+        """What was changed by hand, with the check of what that gave."""
+        return cls(before, result.model, result, result.stable, words)
+
+    def _summary(self) -> str:
+        return f"'{self.title}', {self.result.verdict.value}"
+
+    @property
+    def change(self) -> Kept:
+        """The first one of its changes, the only one of a mend."""
+        return self.changes[0]
+
+    @property
+    def message(self) -> str:
+        """How it ended."""
+        return self.log[-1] if self.log else ""
+
+    @property
+    def title(self) -> str:
+        """What was changed."""
+        return self.words or self.message
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The verdict on the changed structure, what was changed, and how it came about."""
+        result = self.result
+        role = Role.GOOD if self.stands else Role.BAD if result.falls else Role.UNSURE
+        word = f"{result.verdict.upper()}{', changed' if self.words else ''}"
+        told = dict.fromkeys(one for one in (self.title, *self.log) if one)
+        return [Sentence(word, role), *map(Sentence, told)]
+
+    def tables(self) -> Sequence[Table]:
+        """The changes, and what the check has."""
+        some = self.changes
+        columns = {
+            "kind": [one.kind for one in some],
+            "blocks": [named(one.blocks) for one in some],
+            "value": [one.value for one in some],
+            "cost": [one.cost for one in some],
+            "description": [one.description for one in some],
+        }
+        own = [Table("changes", columns)] if some else []
+        return [*own, *self.result.tables()]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it stands, and how it came about."""
+        return {
+            "stands": self.stands,
+            "verdict": self.result.verdict,
+            "message": self.message,
+            "check": self.result.message,
+            "rounds": self.rounds,
+            "value": self.value,
+            "first": self.first,
+            "variables": self.x,
+            "log": self.log,
+        }
+
+    def as_mend(self) -> dict[str, Any]:
+        """Its only change and its verdict, as plain values."""
+        told = {"verdict": self.result.verdict, "message": self.result.message}
+        return {**asdict(self.change), **told}
+
+    def layers(self) -> Scene:
+        """The changed structure, the edges of the blocks as they were, and what was added."""
+        before, result = self.before, self.result
+        kept = {id(block) for block in result.assembly.blocks}
+        lines = [
+            block.vertices[edges_of(block.faces)]
+            for block in before.assembly.blocks
+            if id(block) not in kept
+        ]
+        stage = result.stage("mended")
+        layers = [*stage.layers, *_marked(before, result.model), *_weights(before, result.model)]
+        if lines:
+            ends = np.concatenate(lines)
+            start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+            label = "edges before"
+            layers.append(Layer("before", label, LayerKind.LINES, "missed", start, along))
+        names = result.assembly.names
+        added = np.array([name not in before.assembly for name in names], dtype=bool)
+        added &= stage.state != State.FALLING
+        state = np.where(added, State.ADDED, stage.state)
+        stage = replace(stage, state=state, layers=tuple(layers))
+        facts = {**result.asked.facts(), "Changed": self.words}
+        if before.origin.file:
+            facts["File"] = replace(result.asked, file=before.origin.file).facts()["File"]
+        shown = {name: text for name, text in facts.items() if text}
+        return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)
+
+
+def _marked(before: Model, after: Model) -> list[Layer]:
+    """Glued and rougher joints, and ties, that the model after has, and the other has not.
+
+    Joints are compared by the names of their blocks.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> dry = Model.of(tower(3), friction=0.6)
+    >>> glued = dry.with_capacity(JointCapacity.of(dry.contacts, tension=[0.0, 50.0]))
+    >>> [layer.label for layer in _marked(dry, glued)]
+    ['1 glued joint']
+    """
+    was: dict[tuple[str, ...], Floats] = {}
+    for pair, values in zip(_joints(before), _values(before), strict=True):
+        was[pair] = np.maximum(values, was.get(pair, 0.0))
+    contacts, pairs, tie = after.contacts, _joints(after), ties_of(after)
+    old = np.array([was.get(one, (0.0, np.inf, 0.0)) for one in pairs]).reshape(-1, 3)
+    more = _values(after) > (1.0 + _EQUAL) * old
+    glued, rougher = more[:, 0] & ~tie, more[:, 1] & ~more[:, 0] & ~tie
+    layers = []
+    for key, what, colour, chosen in (
+        ("glued", "glued joint", "added", glued),
+        ("rougher", "rougher joint", "kern", rougher),
+        ("ties", "tie", "added", more[:, 2]),
+    ):
+        some = np.flatnonzero(chosen).tolist()
+        if not some:
+            continue
+        ends = after.assembly.centroid[np.stack([contacts.block_a, contacts.block_b], axis=1)]
+        rings = [ends[k] if key == "ties" else contacts.polygon(k) for k in some]
+        start = np.concatenate(rings)
+        along = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) - start
+        label = counted(len({pairs[k] for k in some}), what)
+        layers.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=_WIDE))
+    return layers
+
+
+def _joints(model: Model) -> list[tuple[str, ...]]:
+    """The names of the two blocks of each interface."""
+    names, contacts = model.assembly.names, model.contacts
+    pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
+    return [tuple(sorted((names[a], names[b]))) for a, b in pairs]
+
+
+def _values(model: Model) -> Floats:
+    """Of each interface (m, 3): pull plus cohesion [N], friction, and 1 for a tie."""
+    capacity = model.contacts.capacity or JointCapacity.of(model.contacts)
+    tie: Bools = ties_of(model)
+    return np.stack(
+        [capacity.tension + capacity.cohesion, model.contacts.friction, tie.astype(np.float64)],
+        axis=1,
+    )
+
+
+def _weights(before: Model, after: Model) -> list[Layer]:
+    """The forces on blocks that did not change themselves and carry more."""
+    old = {id(block): i for i, block in enumerate(before.assembly.blocks)}
+    same = [(i, old[id(one)]) for i, one in enumerate(after.assembly.blocks) if id(one) in old]
+    now, was = np.array(same, dtype=np.intp).reshape(-1, 2).T
+    before_them = before.load.wrench[was, :3]
+    more = after.load.wrench[now, :3] - before_them
+    size = np.linalg.norm(more, axis=1)
+    chosen = size > _EQUAL * np.linalg.norm(before_them, axis=1)
+    if not chosen.any():
+        return []
+    block = now[chosen]
+    return [
+        Layer(
+            "weights", counted(len(block), "added weight"), LayerKind.ARROWS, "added",
+            after.assembly.centroid[block], more[chosen], block=block,
+            single=True, width=2.0, group="help",
+        )
+    ]  # fmt: skip
