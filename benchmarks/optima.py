@@ -34,7 +34,7 @@ from drystone.design import (
 )
 from drystone.design.help_needed import Form
 from drystone.models import arch, box, buttressed_arch, prism
-from drystone.models.masonry.arches import voussoirs_between
+from drystone.models.arches import voussoirs_between
 from drystone.stability import CheckOptions
 
 HEAD = "| case | start | found | known | its file | CPU s |\n|---|---|---|---|---|---|\n"

@@ -18,7 +18,7 @@ import numpy as np
 from drystone import Assembly, Block, InputError
 from drystone.detection import find_contacts
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.merge import merge_coplanar
+from drystone.geometry.halfedge import merge_coplanar
 
 Cell = tuple[int, int, int]
 KINDS = ("anywhere", "touching", "overlapping", "nested")

@@ -19,7 +19,7 @@ import drystone
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, Verdict
 from drystone.base.version import commit
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.geometry.polyhedron import edge_defects
+from drystone.geometry.surface import edge_defects
 from drystone.limits import LimitOptions, limit_friction, limit_tilt
 from drystone.model import Model
 from drystone.shells import (

@@ -22,7 +22,7 @@ from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.io.drystone_json_write import contacts_content
-from drystone.models.masonry.arches import voussoirs_between
+from drystone.models.arches import voussoirs_between
 
 Vector: TypeAlias = tuple[float, float, float]
 

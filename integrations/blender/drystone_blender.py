@@ -85,8 +85,8 @@ def model_of(objects: Sequence[Any], scene: Any, friction: float, density: float
 
 def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Colour the objects, draw the joints, and give keyframes to what falls."""
-    from drystone.view.cad.drawn_parts import block_groups
-    from drystone.view.style.palette import rgb
+    from drystone.view.drawn_parts import block_groups
+    from drystone.view.palette import rgb
     from drystone.view.subjects import scene_of
 
     clear(objects)
@@ -102,7 +102,7 @@ def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
 
 def draw_joints(stage: Any, scene: Any) -> None:
     """A mesh of the joints with the normal force as the colour of each corner."""
-    from drystone.view.style.palette import ramp_colours
+    from drystone.view.palette import ramp_colours
 
     layers = [layer for layer in stage.layers if layer.key in ("joint-force", "interfaces")]
     if not layers:
@@ -141,7 +141,7 @@ def _force_material() -> Any:
 
 def play(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Keyframes of the first motion; a free fall starts slowly."""
-    from drystone.view.cad.drawn_parts import matrix_of
+    from drystone.view.drawn_parts import matrix_of
 
     scale = scene.unit_settings.scale_length
     first = scene.frame_current

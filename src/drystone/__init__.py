@@ -94,7 +94,7 @@ __all__ = list(_HOME)
 
 def _beside(value: object) -> str:
     """A small picture of a value as HTML; drawing is loaded when one is asked for."""
-    from drystone.view.web.notebook import beside
+    from drystone.view.notebook import beside
 
     return beside(value)
 

@@ -11,11 +11,11 @@ from drystone.base.arrays import Floats, frozen_points
 from drystone.base.errors import InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.backing import backed
-from drystone.geometry.closing import plane_lids, with_joints, without_membranes
-from drystone.geometry.parts import separate_parts
+from drystone.geometry.closing import plane_lids, separate_parts, with_joints, without_membranes
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop, edge_defects, orient
+from drystone.geometry.polyhedron import Loop
 from drystone.geometry.soup import pulled_apart
+from drystone.geometry.surface import edge_defects, orient
 
 _MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of

@@ -11,8 +11,7 @@ import pytest
 import drystone
 from drystone import InputError, MissingDependency
 from drystone.models import arch, tower
-from drystone.view import interact
-from drystone.view.web import notebook
+from drystone.view import interact, notebook
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MODEL = drystone.Model.of(arch(0.2, 8), friction=0.7)

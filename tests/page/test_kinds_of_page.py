@@ -23,7 +23,7 @@ from drystone.models import arch, shelf, tower
 from drystone.sequence import PlanOptions, Rules, scaffolding
 from drystone.settlement import move_supports, push, support_response
 from drystone.view import Frame, save_page, save_report
-from drystone.view.paper.instructions import save_instructions
+from drystone.view.instructions import save_instructions
 from drystone.view.subjects import Subject
 from tests.page.browser import Tab
 

@@ -11,8 +11,7 @@ import pytest
 
 import drystone
 from drystone.models import arch
-from drystone.view import interact
-from drystone.view.web import widget
+from drystone.view import interact, widget
 from tests.page.browser import Browser, Tab
 
 pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")

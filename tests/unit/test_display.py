@@ -36,7 +36,7 @@ from drystone.fall import FallOptions, Film
 from drystone.io import FORMATS, Inspection, read_file
 from drystone.joints import force_network
 from drystone.models import arch, box, burr, dome, shelf, tower, vault
-from drystone.view.web import notebook
+from drystone.view import notebook
 
 INSIDE = {"cli", "geometry", "solvers", "formulations", "statics", "checks", "display", "settings"}
 """Rooms whose types no user meets."""

@@ -5,8 +5,8 @@ import pytest
 
 from drystone import CheckOptions, LoadCase, Model, Verdict, check, find_contacts
 from drystone.detection import DetectionOptions
-from drystone.geometry.polyhedron import edge_defects
 from drystone.geometry.solid import solid_angles
+from drystone.geometry.surface import edge_defects
 from drystone.geometry.triangulate import triangulate
 from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (

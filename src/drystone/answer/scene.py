@@ -258,7 +258,7 @@ class Scene(OneLine):
         The stage that a page shows first.
     preset
         The preset that is shown first: a key of
-        ``drystone.view.style.presets.PRESETS``; left empty, one that suits the first stage.
+        ``drystone.view.palette.PRESETS``; left empty, one that suits the first stage.
     section
         The axis (0, 1, 2) across which the model is cut, and the coordinate [m] of the cut: what
         lies between it and the eye is not drawn. None where nothing is cut.

@@ -180,7 +180,7 @@ def see(ctx: click.Context | None) -> str:
 
 
 def _section(text: str) -> str:
-    from drystone.view.transforms.section import (
+    from drystone.view.section import (
         read_section,  # pictures are imported when asked for
     )
 

@@ -58,7 +58,7 @@ class PlanFiles:
         jobs: list[Job] = cad_jobs(self.cad, plan)
         if self.html is not None or self.png is not None or self.instructions is not None:
             from drystone.view import save_figure, save_page
-            from drystone.view.paper.instructions import save_instructions
+            from drystone.view.instructions import save_instructions
 
             if self.html is not None:
                 jobs.append((self.html, partial(save_page, made or plan)))

@@ -56,13 +56,13 @@ class Pictures:
         InputError
         """
         if self.section is not None:
-            from drystone.view.transforms.section import section_through  # as below
+            from drystone.view.section import section_through  # as below
 
             section_through(assembly, self.section)
 
     def cut(self, scene: Scene) -> Scene:
         """A scene with the section that is asked for."""
-        from drystone.view.transforms.section import cut_at  # pictures are imported when asked for
+        from drystone.view.section import cut_at  # pictures are imported when asked for
 
         return scene if self.section is None else cut_at(scene, self.section)
 

@@ -27,8 +27,8 @@ from drystone.detection.misses import edge_misses
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.regroup import merge_slivers
 from drystone.detection.shortfall import Shortfall
+from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
-from drystone.geometry.parts import separate_parts
 
 _SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are duplicates."""

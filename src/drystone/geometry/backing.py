@@ -11,9 +11,10 @@ from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop, face_components, loop_edges, orient
+from drystone.geometry.polyhedron import Loop, loop_edges
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.solid import winding_number
+from drystone.geometry.surface import face_components, orient
 
 _SLOPE = 0.1
 """A surface is a field of heights when the sine of the slope of each face is above this. Chosen."""

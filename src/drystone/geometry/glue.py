@@ -11,12 +11,13 @@ from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.halved import halved
-from drystone.geometry.merge import merge_coplanar
 from drystone.geometry.planar import half_plane, overlay, parts_of, rings_of, valid
 from drystone.geometry.polygon import area_vector, area_vectors
-from drystone.geometry.polyhedron import Loop, Piece, edge_defects, loop_edges
+from drystone.geometry.polyhedron import Loop, Piece, loop_edges
 from drystone.geometry.soup import split_solids
+from drystone.geometry.surface import edge_defects
 
 _TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times

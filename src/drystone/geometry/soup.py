@@ -11,15 +11,9 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polyhedron import (
-    Faces,
-    Loop,
-    face_components,
-    fan_triangles,
-    loop_edges,
-    mass_properties,
-)
+from drystone.geometry.polyhedron import Faces, Loop, fan_triangles, loop_edges, mass_properties
 from drystone.geometry.solid import winding_number
+from drystone.geometry.surface import face_components
 
 _SAME_ANGLE = 1e-6
 """[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the

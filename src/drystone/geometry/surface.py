@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict, deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,8 +10,7 @@ from functools import lru_cache
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
-from drystone.geometry import polyhedron
-from drystone.geometry.polyhedron import Edge, Fan, Loop
+from drystone.geometry.polyhedron import Edge, Fan, Loop, loop_edges
 
 SHARED_FACES = 64
 """Longest face list in the cache, and number of lists in it. Chosen: some MB at most. Copies of one
@@ -82,7 +82,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         faces = tuple(tuple(new[i] for i in loop) for loop in faces)
         unused = counted(count - len(used), "unused vertex", "unused vertices")
         notes.append(f"{unused} dropped")
-    open_edges, crowded, consistent = polyhedron.edge_defects(faces)
+    open_edges, crowded, consistent = edge_defects(faces)
     if crowded:
         raise InputError(
             f"non-manifold: more than two faces meet at edges {_edges_text(crowded, used)}",
@@ -91,7 +91,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         )
     if open_edges:
         shown = _edges_text(open_edges, used)
-        at = polyhedron.open_faces(faces)
+        at = open_faces(faces)
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
             f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], _SHOWN)}",
@@ -99,12 +99,12 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
             kind=DefectKind.OPEN,
         )
     if not consistent:
-        oriented, turned = polyhedron.orient(faces)
-        if not polyhedron.edge_defects(oriented)[2]:
+        oriented, turned = orient(faces)
+        if not edge_defects(oriented)[2]:
             raise InputError("its surface has no inside", remedy="it is one-sided: model it again")
         faces = tuple(oriented)
         notes.append(f"faces {', '.join(map(str, turned[:8]))} turned to agree with the others")
-    pinched = polyhedron.pinched_vertices(faces)
+    pinched = pinched_vertices(faces)
     if pinched:
         raise InputError(
             f"its surface touches itself at vertex {used[pinched[0]]}",
@@ -150,3 +150,122 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     """The first edges, with the caller's vertex numbers."""
     return named([f"{number[a]}-{number[b]}" for a, b in edges], _SHOWN)
+
+
+def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:
+    """Edges that keep a face list from being a closed 2-manifold.
+
+    Returns
+    -------
+    open_edges
+        Used by one face only.
+    crowded_edges
+        Used by more than two faces.
+    consistent
+        Whether every edge is run once in each direction.
+    """
+    count: dict[Edge, int] = defaultdict(int)
+    balance: dict[Edge, int] = defaultdict(int)
+    for loop in faces:
+        previous = loop[-1]
+        for vertex in loop:
+            edge = (previous, vertex) if previous < vertex else (vertex, previous)
+            count[edge] += 1
+            balance[edge] += 1 if previous < vertex else -1
+            previous = vertex
+    open_edges = [e for e, used in count.items() if used == 1]
+    crowded = [e for e, used in count.items() if used > 2]
+    return open_edges, crowded, not any(balance.values())
+
+
+def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
+    """Orient the faces of each connected part like its first face.
+
+    Returns
+    -------
+    faces
+        Loops, some reversed.
+    turned
+        Indices of the reversed ones.
+
+    Notes
+    -----
+    At an edge of one face, or of more than two, nothing is compared. A surface that cannot be
+    oriented keeps inconsistent edges: :func:`edge_defects` of the result finds them.
+    """
+    users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in loop_edges(loop):
+            users[min(a, b), max(a, b)].append((f, a < b))
+    neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
+    for pair in users.values():
+        if len(pair) != 2:
+            continue
+        (f, forward_f), (g, forward_g) = pair
+        agree = forward_f != forward_g
+        neighbours[f].append((g, agree))
+        neighbours[g].append((f, agree))
+    turn: dict[int, bool] = {}
+    for seed in range(len(faces)):
+        if seed in turn:
+            continue
+        turn[seed] = False
+        queue = deque([seed])
+        while queue:
+            f = queue.popleft()
+            for g, agree in neighbours[f]:
+                if g not in turn:
+                    turn[g] = turn[f] if agree else not turn[f]
+                    queue.append(g)
+    turned = [f for f in range(len(faces)) if turn[f]]
+    return [loop[::-1] if turn[f] else loop for f, loop in enumerate(faces)], turned
+
+
+def open_faces(faces: Sequence[Loop]) -> list[int]:
+    """Faces with an edge that no other face uses."""
+    users: dict[Edge, list[int]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in loop_edges(loop):
+            users[min(a, b), max(a, b)].append(f)
+    return sorted({used[0] for used in users.values() if len(used) == 1})
+
+
+def face_components(faces: Sequence[Loop]) -> list[list[int]]:
+    """Faces grouped into parts connected through shared vertices."""
+    parent: dict[int, int] = {}
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = parent[i]
+        return i
+
+    for loop in faces:
+        for v in loop:
+            parent.setdefault(v, v)
+        first = root(loop[0])
+        for v in loop[1:]:
+            parent[root(v)] = first
+    groups: dict[int, list[int]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        groups[root(loop[0])].append(f)
+    return list(groups.values())
+
+
+def pinched_vertices(faces: Sequence[Loop]) -> list[int]:
+    """Vertices at which a closed surface touches itself: their faces form more than one fan."""
+    links: dict[int, dict[int, int]] = defaultdict(dict)
+    for loop in faces:
+        n = len(loop)
+        for i, v in enumerate(loop):
+            links[v][loop[i - 1]] = loop[(i + 1) % n]
+    pinched = []
+    for vertex, link in links.items():
+        start = next(iter(link))
+        current, steps = link[start], 1
+        while current != start and current in link and steps <= len(link):
+            current = link[current]
+            steps += 1
+        if current != start or steps != len(link):
+            pinched.append(vertex)
+    return pinched

@@ -15,8 +15,9 @@ from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
-from drystone.geometry import coincidence, polyhedron, selfcontact
-from drystone.geometry.parts import separate_parts
+from drystone.geometry import coincidence, selfcontact
+from drystone.geometry.closing import separate_parts
+from drystone.geometry.surface import open_faces
 from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.repair import mended_blocks, support_from_surface
 from drystone.supports import may_hold
@@ -331,7 +332,7 @@ def _faces_at_holes(shape: DraftBlock, scale: float) -> list[Floats]:
     """Corners (c, 3) [m] of the faces with a missing neighbour."""
     vertices = _scaled(shape, scale)
     loops = [tuple(face) for face in shape.faces]
-    return [vertices[list(loops[i])] for i in polyhedron.open_faces(loops)]
+    return [vertices[list(loops[i])] for i in open_faces(loops)]
 
 
 def _scaled(shape: DraftBlock, scale: float) -> Floats:

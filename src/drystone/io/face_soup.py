@@ -13,9 +13,10 @@ import numpy as np
 from drystone.base.arrays import FARTHEST, Floats, Ints
 from drystone.base.errors import FormatError, counted
 from drystone.geometry import coincidence
-from drystone.geometry.merge import merge_coplanar
-from drystone.geometry.polyhedron import Loop, edge_defects
+from drystone.geometry.halfedge import merge_coplanar
+from drystone.geometry.polyhedron import Loop
 from drystone.geometry.soup import split_solids, without_slivers
+from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
 
 _MANY = 5

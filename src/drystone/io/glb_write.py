@@ -12,8 +12,7 @@ import numpy as np
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
-from drystone.geometry.fans import fan_warped, point_owners
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
 from drystone.io.draft import Contents
 from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
 

@@ -21,7 +21,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, MissingDependency, counted
-from drystone.geometry.holes import faces_with_holes
+from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of

@@ -12,8 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats, unit
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_bytes
-from drystone.geometry.fans import fan_warped
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft
 from drystone.io.face_soup import FaceSoup, in_double, shapes_of
 

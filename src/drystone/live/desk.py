@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
-from drystone.live.computing.helper import Helper
+from drystone.live.helper import Helper
 from drystone.mcp.folder import Folder
 
 _URGENCY = {"read": 0, "quick": 0, "task": 1, "whole": 2, "cases": 3}

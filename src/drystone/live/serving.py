@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
-from drystone.live.computing.helper import ToolCalls
 from drystone.live.desk import Desk
-from drystone.live.requests.guard import MIB
-from drystone.live.requests.web import WebServer
-from drystone.view.web.page import Addition, page_of_data
+from drystone.live.guard import MIB
+from drystone.live.helper import ToolCalls
+from drystone.live.web import WebServer
+from drystone.view.page import Addition, page_of_data
 
 _PORT = 8377
 """Where the search for a free port begins; chosen, none of the registered ones."""

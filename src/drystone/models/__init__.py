@@ -4,12 +4,11 @@ Every family is a function that returns an :class:`~drystone.assembly.Assembly` 
 with planar faces that touch exactly; lengths are in metres, gravity is along -z.
 """
 
+from drystone.models.arches import arch, buttressed_arch
 from drystone.models.curved import cube_curve, curve_three_blocks
+from drystone.models.domes import dome, lune
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
-from drystone.models.masonry.arches import arch, buttressed_arch
-from drystone.models.masonry.domes import dome, lune
-from drystone.models.masonry.vaults import barrel_vault, vault
-from drystone.models.masonry.walls import corbelled_wall, ferris_wall, wall
+from drystone.models.published import a_model, concave, h_model, wedge
 from drystone.models.simple import (
     box,
     harmonic_offsets,
@@ -21,11 +20,10 @@ from drystone.models.simple import (
     two_blocks_on_incline,
 )
 from drystone.models.solids import prism, welded
-from drystone.models.source.published import a_model, concave, h_model, wedge
-from drystone.models.source.source_bridge import bridge
-from drystone.models.source.source_shelf import shelf
-from drystone.models.source.source_snake import snake
+from drystone.models.source_structures import bridge, shelf, snake
 from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
+from drystone.models.vaults import barrel_vault, vault
+from drystone.models.walls import corbelled_wall, ferris_wall, wall
 
 __all__ = [
     "a_model",

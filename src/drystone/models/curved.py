@@ -13,33 +13,8 @@ from scipy.interpolate import CubicSpline
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.models.solids import prism, rectangle, require, welded
+from drystone.models.solids import prism, rectangle, require, sections, welded
 
-# fmt: off
-LOWER = [
-    (0.0, 1.298927), (0.060567, 1.295832), (0.1204, 1.285981), (0.178544, 1.268791),
-    (0.233985, 1.244243), (0.285954, 1.212999), (0.334189, 1.176234), (0.378959, 1.135306),
-    (0.420924, 1.091496), (0.460952, 1.045903), (0.5, 0.999464), (0.539048, 0.953025),
-    (0.579076, 0.907432), (0.621041, 0.863621), (0.665811, 0.822693), (0.714046, 0.785928),
-    (0.766015, 0.754685), (0.821456, 0.730137), (0.8796, 0.712946), (0.939433, 0.703095),
-    (1.0, 0.7),
-]
-UPPER = [
-    (0.444256, 2.0), (0.472621, 1.944479), (0.505675, 1.891616), (0.543172, 1.841805),
-    (0.584832, 1.795419), (0.630342, 1.752806), (0.679363, 1.714283), (0.731529, 1.680138),
-    (0.786449, 1.650627), (0.843713, 1.62597), (0.902893, 1.606351), (0.963546, 1.591918),
-    (1.025219, 1.582778), (1.087451, 1.578999), (1.149778, 1.58061), (1.211731, 1.587598),
-    (1.27285, 1.599912), (1.332677, 1.61746), (1.390764, 1.640109), (1.446678, 1.667691),
-    (1.5, 1.7),
-]
-RIM = [
-    (-0.0, 0.9), (0.1, 0.889765), (0.164432, 0.870539), (0.225034, 0.841406),
-    (0.280724, 0.803696), (0.331345, 0.759384), (0.377511, 0.710429), (0.420244, 0.658435),
-    (0.460689, 0.604636), (0.5, 0.55), (0.539311, 0.495364), (0.579756, 0.441565),
-    (0.622489, 0.389571), (0.668655, 0.340616), (0.719276, 0.296304), (0.774966, 0.258594),
-    (0.835568, 0.229461), (0.9, 0.210235), (1.0, 0.2),
-]
-# fmt: on
 ROLLER_CENTRE = (1.1, 2.3)
 ROLLER_RADIUS = 0.7211
 
@@ -75,8 +50,8 @@ def curve_three_blocks(strips: int = 20) -> Assembly:
         ``base``, fixed, ``cradle`` and ``roller``.
     """
     require(strips > 1, f"a curve of {strips} strips", "give two or more")
-    bed = resampled(LOWER, strips)
-    hollow = resampled(UPPER, strips)
+    curves = sections("curve-three-blocks")
+    bed, hollow = resampled(curves["bed"], strips), resampled(curves["hollow"], strips)
     corners = {
         "base": [(0.0, 0.0), (1.0, 0.0), *bed[::-1]],
         "cradle": [(-0.5, bed[0, 1]), *bed, (1.5, 0.7), *hollow[::-1], (-0.5, 2.0)],
@@ -118,8 +93,8 @@ def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> 
     """
     require(height in ("short", "tall"), f"no model is '{height}'", "short or tall")
     require(strips > 3, f"a rim of {strips} strips", "give four or more")
-    inner = resampled(RIM[1:-1], strips - 2)
-    rim = np.vstack([RIM[0], inner, RIM[-1]])
+    first, *curve, last = sections("cube-curve")["rim"]
+    rim = np.vstack([first, resampled(curve, strips - 2), last])
     lift, top = (0.0, 1.1) if height == "short" else (0.8, 2.6)
     rim[:, 1] += lift
     lower = _hollow_block(rim, outside=0.0, floor=0.1, name="lower")

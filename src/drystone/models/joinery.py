@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.models.simple import box
-from drystone.models.solids import prism, require, welded
+from drystone.models.solids import prism, require, sections, welded
 
 
 def dovetail(
@@ -157,31 +157,6 @@ def _stick_cells(axis: int, side: int, length: int = 6) -> set[tuple[int, int, i
     return {(x, y, z) for x in ranges[0] for y in ranges[1] for z in ranges[2]}
 
 
-NOTCHES: dict[str, list[tuple[int, int, int]]] = {
-    "x-low": [
-        (-2, -1, -1), (-2, 0, -1), (-1, -1, -2), (-1, -1, -1), (0, -1, -2), (0, -1, -1),
-        (0, 0, -1), (1, -1, -1), (1, 0, -1),
-    ],
-    "y-high": [
-        (0, -2, -1), (0, -2, 0), (0, -1, -1), (0, -1, 0), (0, 0, -1), (0, 0, 0), (0, 1, -1),
-        (1, -1, 0), (1, 0, 0),
-    ],
-    "y-low": [
-        (-2, -1, 0), (-2, 0, 0), (-1, -2, -1), (-1, -2, 0), (-1, -1, -1), (-1, -1, 0),
-        (-1, 0, -1), (-1, 0, 0), (-1, 1, -1), (-1, 1, 0),
-    ],
-    "z-high": [
-        (-1, 0, -2), (-1, 0, -1), (-1, 0, 0), (-1, 0, 1), (0, 0, -2), (0, 0, 0), (0, 0, 1),
-        (0, 1, 0),
-    ],
-    "z-low": [
-        (-1, -1, 0), (-1, -1, 1), (0, -1, 0), (0, -1, 1),
-    ],
-}  # fmt: skip
-"""Cells that are cut out of each stick of the burr; the key is whole. They were found by trial:
-only the key can be moved first, and then all others one by one."""
-
-
 def burr(cell: float = 0.1) -> Assembly:
     """A burr puzzle: six notched sticks that cross and interlock; the key slides out.
 
@@ -201,9 +176,11 @@ def burr(cell: float = 0.1) -> Assembly:
     ('key', 'x-low', 'y-high', 'y-low', 'z-high', 'z-low')
     """
     require(cell > 0.0, f"a cell of {cell} m", "above zero")
+    # cut out of each stick; found by trial: only the key, which is whole, can be moved first
+    notches = sections("burr")
     blocks = []
     for name, (axis, side) in STICKS.items():
-        cells = _stick_cells(axis, side) - set(NOTCHES.get(name, ()))
+        cells = _stick_cells(axis, side) - set(map(tuple, notches.get(name, ())))
         blocks.append(welded(_surface(cells, cell), name))
     return Assembly(tuple(blocks))
 

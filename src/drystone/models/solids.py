@@ -1,8 +1,12 @@
-"""Blocks from a section or from faces, and checks of parameters."""
+"""Blocks from a section or from faces, published sections, and checks of parameters."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from functools import cache
+from importlib import resources
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +33,13 @@ def require(holds: bool, what: str, remedy: str) -> None:
     """
     if not holds:
         raise InputError(what, remedy=remedy)
+
+
+@cache
+def sections(model: str) -> Any:
+    """The sections (x, z) [m] of a model, to a micrometre or as published: ``sections.json``."""
+    text = resources.files("drystone.models").joinpath("sections.json").read_text("utf-8")
+    return json.loads(text)[model]
 
 
 def prism(

@@ -57,9 +57,7 @@ def leaning_column(
             for i in range(blocks + 1)
         ]
     )
-    low = joints[0]
-    base = prism([(low[0][0], 0.0), (low[1][0], 0.0), low[1], low[0]], (0.0, depth), "base")
-    return _stacked(base, joints, depth)
+    return _stacked(joints, depth)
 
 
 def winding_column(
@@ -94,9 +92,7 @@ def winding_column(
     slope = 2.0 * np.pi * swing / height * np.cos(phase)
     across = np.column_stack([np.ones(blocks + 1), -slope]) / np.hypot(1.0, slope)[:, None]
     joints = np.stack([centre - 0.5 * width * across, centre + 0.5 * width * across], axis=1)
-    low = joints[0]
-    base = prism([(low[0][0], 0.0), (low[1][0], 0.0), low[1], low[0]], (0.0, depth), "base")
-    return _stacked(base, joints, depth)
+    return _stacked(joints, depth)
 
 
 def corbelled_bridge(
@@ -159,8 +155,10 @@ def corbelled_bridge(
     return Assembly(blocks, np.arange(len(blocks)) < 2)
 
 
-def _stacked(base: Block, joints: Floats, depth: float) -> Assembly:
-    """Blocks between joints (j, 2, 2), each from left to right, over a base."""
+def _stacked(joints: Floats, depth: float) -> Assembly:
+    """Blocks between joints (j, 2, 2), each from left to right, over a base from the ground."""
+    left, right = joints[0]
+    base = prism([(left[0], 0.0), (right[0], 0.0), right, left], (0.0, depth), "base")
     made = [
         prism([a[0], a[1], b[1], b[0]], (0.0, depth), f"c{i:02d}-block")
         for i, (a, b) in enumerate(pairwise(joints), 1)

@@ -8,7 +8,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError, counted
 from drystone.geometry import boxes
-from drystone.geometry.convexity import convex_bodies
+from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
 from drystone.shells.pattern import Tessellation
 

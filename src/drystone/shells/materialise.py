@@ -15,10 +15,9 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry import polygon
-from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import loop_edges
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.triangulate import triangulate, warp_and_view
 from drystone.shells.pattern import Tessellation
 
 _LEAST_COSINE = 0.5

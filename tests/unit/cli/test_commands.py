@@ -13,7 +13,7 @@ from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
 from drystone.model import Model
 from drystone.models import arch, box, incline, prism, tower, vault
-from drystone.view.style.palette import ROLE_COLOUR
+from drystone.view.palette import ROLE_COLOUR
 from tests.unit.cli.running import Capsys, answer
 
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block
-from drystone.geometry.fans import fan_warped, point_owners, warp_and_view
 from drystone.geometry.polyhedron import mass_properties
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.triangulate import fan_warped, point_owners, triangulate, warp_and_view
 from drystone.models import box
 
 

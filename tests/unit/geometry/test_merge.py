@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block
-from drystone.geometry.merge import merge_coplanar
+from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 from drystone.models import arch, box, dome, tower, vault, wall

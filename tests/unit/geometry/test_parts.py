@@ -3,7 +3,7 @@ import pytest
 
 from drystone import Block
 from drystone.base.arrays import Floats
-from drystone.geometry.parts import separate_parts
+from drystone.geometry.closing import separate_parts
 from drystone.geometry.polyhedron import Loop
 from drystone.models import box
 

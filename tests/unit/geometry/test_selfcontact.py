@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from drystone.base.arrays import Floats
-from drystone.geometry.convexity import convex_bodies
 from drystone.geometry.polyhedron import Loop
-from drystone.geometry.selfcontact import self_contacts
+from drystone.geometry.selfcontact import convex_bodies, self_contacts
 from drystone.models import arch, box, concave, cube_curve, dome, vault
 
 Body = tuple[Floats, list[Loop]]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block
-from drystone.geometry.convexity import convex_bodies
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
 from drystone.models import box, prism
 

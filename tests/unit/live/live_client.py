@@ -16,8 +16,8 @@ import drystone
 from drystone import io
 from drystone.assembly import Assembly
 from drystone.io.jsontext import Field
-from drystone.live.computing.wish import Wish
 from drystone.live.serving import Live
+from drystone.live.wish import Wish
 from drystone.models import arch, box
 
 PATIENCE = 300.0

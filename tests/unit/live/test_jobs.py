@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 
 import pytest
 
-from drystone.live.computing.jobs import Jobs
+from drystone.live.jobs import Jobs
 
 
 @pytest.fixture

@@ -17,10 +17,8 @@ import pytest
 
 import drystone
 from drystone import io
-from drystone.live import client
-from drystone.live.computing import helper
-from drystone.live.computing.helper import ToolCalls
-from drystone.live.requests import web
+from drystone.live import client, helper, web
+from drystone.live.helper import ToolCalls
 from drystone.live.serving import Live
 from drystone.mcp.answers import TOOLS
 from drystone.models import arch, tower, vault

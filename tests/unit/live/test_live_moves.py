@@ -14,14 +14,14 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
-from drystone.live.computing.coarse_steps import CoarseSteps
-from drystone.live.computing.moved_mends import AfterMoving, moved_model
-from drystone.live.computing.moved_supports import at_once, verdict_of
-from drystone.live.computing.python_lines import python_lines
-from drystone.live.computing.snapshot import Found, snapshot
-from drystone.live.computing.tasks import TASKS, Work
-from drystone.live.computing.wish import asked
+from drystone.live.coarse_steps import CoarseSteps
+from drystone.live.moved_mends import AfterMoving, moved_model
+from drystone.live.moved_supports import at_once, verdict_of
+from drystone.live.python_lines import python_lines
 from drystone.live.serving import Live
+from drystone.live.snapshot import Found, snapshot
+from drystone.live.tasks import TASKS, Work
+from drystone.live.wish import asked
 from drystone.models import arch, box, tower
 from drystone.settlement import (
     End,

@@ -7,8 +7,8 @@ import pytest
 
 import drystone
 from drystone.limits import Tilt
-from drystone.live.computing import calculator
-from drystone.live.computing.calculator import DO, Calculator
+from drystone.live import calculator
+from drystone.live.calculator import DO, Calculator
 from drystone.models import arch
 from drystone.stability import check
 

@@ -9,7 +9,8 @@ import pytest
 
 from drystone import Assembly, Block, InputError, find_contacts, models
 from drystone.geometry import polyhedron
-from drystone.models.curved import LOWER, RIM, UPPER, resampled
+from drystone.models.curved import resampled
+from drystone.models.solids import sections
 from tests.oracle import touching_faces
 
 FAMILIES: dict[str, Assembly] = {
@@ -257,7 +258,9 @@ def test_buttressed_arch_has_the_published_layout() -> None:
     assert assembly.bounds[:, 1, 2].max() == pytest.approx(2.5 + 1.3 * np.cos(0.0), abs=0.01)
 
 
-@pytest.mark.parametrize("curve", [LOWER, UPPER, RIM])
+@pytest.mark.parametrize(
+    "curve", [*sections("curve-three-blocks").values(), sections("cube-curve")["rim"]]
+)
 def test_resampling_keeps_points_ends_and_shape(curve: list[tuple[float, float]]) -> None:
     count = len(curve) - 1
     assert resampled(curve, count).tolist() == np.array(curve).tolist()

@@ -7,7 +7,7 @@ import pytest
 
 from drystone import Assembly, find_contacts
 from drystone.models import arch, box, dome, tower, vault, wall
-from drystone.view.transforms.exploded import exploded
+from drystone.view.exploded import exploded
 
 
 def taken_apart(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:

@@ -11,8 +11,8 @@ from drystone.base.errors import InputError
 from drystone.models import arch, box, tower, wedge
 from drystone.settlement import Carrier, SettlementOptions, move_supports
 from drystone.view import Scene, SceneStage, scene_of
-from drystone.view.web import encode as encoding
-from drystone.view.web.encode import LEFT_OUT, encode
+from drystone.view import encode as encoding
+from drystone.view.encode import LEFT_OUT, encode
 
 
 def test_a_structure_that_settles_is_said_to_stand() -> None:

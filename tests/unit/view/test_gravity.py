@@ -8,7 +8,7 @@ import pytest
 from drystone import FormatError
 from drystone.models import tower
 from drystone.sequence import GravityRegion, gravity_region
-from drystone.view.paper.plots import save_gravity
+from drystone.view.plots import save_gravity
 
 
 def region(stands: bool = False) -> GravityRegion:

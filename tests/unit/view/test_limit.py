@@ -8,7 +8,7 @@ from drystone.base.errors import InputError
 from drystone.limits import Bracket, Limit, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
 from drystone.view import State, scene_of
-from drystone.view.web.panels import panel
+from drystone.view.panels import panel
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.sequence.plan_answer import block_numbers
 from drystone.view import State, page_text
-from drystone.view.paper.instructions import instructions_text
-from drystone.view.paper.labels import shown_middle
+from drystone.view.instructions import instructions_text
+from drystone.view.labels import shown_middle
 
 
 @pytest.fixture(scope="module")

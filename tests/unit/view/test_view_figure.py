@@ -14,9 +14,9 @@ import drystone
 from drystone.base.errors import InputError
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
-from drystone.view.paper.figure import draw, quantity
-from drystone.view.style.presets import first_preset
-from drystone.view.transforms.exploded import taken_apart
+from drystone.view.exploded import taken_apart
+from drystone.view.figure import draw, quantity
+from drystone.view.palette import first_preset
 from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -17,7 +17,7 @@ from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.models import box, tower
 from drystone.view import Layer, LayerKind, Scene, SceneStage, State, page_text, save_page, scene_of
-from drystone.view.web.page import SCRIPTS
+from drystone.view.page import SCRIPTS
 from tests.unit.view.pictures import (
     EVIL,
     falling_tower,
@@ -143,7 +143,7 @@ def test_the_page_asks_nothing_of_the_network() -> None:
 
 
 def test_no_script_can_end_its_own_element() -> None:
-    static = resources.files("drystone.view.web").joinpath("static")
+    static = resources.files("drystone.view").joinpath("static")
     names = {entry.name for entry in static.iterdir()}
     assert names == {*SCRIPTS, "page.css", "page.html", "widget.js"}
     for name in (*SCRIPTS, "widget.js"):

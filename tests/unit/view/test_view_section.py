@@ -14,8 +14,8 @@ from drystone.cli import checking, main, written
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
-from drystone.view.paper.figure import draw
-from drystone.view.transforms.section import behind, cut_at, plane_of
+from drystone.view.figure import draw
+from drystone.view.section import behind, cut_at, plane_of
 
 
 @pytest.fixture(scope="module")

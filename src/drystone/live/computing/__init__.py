@@ -1,1 +1,0 @@
-"""What answers a wish: the model that it makes, the process that computes, and its tasks."""

@@ -1,0 +1,95 @@
+"""An answer as the data of one picture of the live page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drystone.answer.question import Question
+from drystone.answer.widening import stage_among
+from drystone.base.arrays import Floats
+from drystone.geometry.frames import rotation_about
+from drystone.live.wish import Wish, WishedModel
+from drystone.loads import DOWN
+from drystone.results import Result, Verdict
+from drystone.view import Layer, LayerKind, Scene, SceneStage
+from drystone.view.encode import encode_stage
+
+QUICK = {
+    Verdict.STABLE: "Stands with uniform stiffness of the joints; others are being tried",
+    Verdict.UNDECIDED: "Not at rest with uniform stiffness of the joints; it is being checked",
+}
+"""Headlines while the whole verdict is not known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An answer and its picture, of the blocks that are in place.
+
+    Attributes
+    ----------
+    result
+    stage
+    moved
+        Whether the forces of the stage are those at the end of its motion.
+    """
+
+    result: Result
+    stage: SceneStage
+    moved: bool = False
+
+    @classmethod
+    def at_rest(cls, result: Result, *, quick: bool = False) -> Found:
+        """The picture of a result; ``quick`` where the whole verdict is still to come."""
+        stage = result.stage("live")
+        if quick:
+            stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
+        return cls(result, stage)
+
+
+def snapshot(asked: WishedModel, wish: Wish, found: Found) -> dict[str, Any]:
+    """An answer about ``asked.part``, encoded for the page that shows all blocks of ``asked``.
+
+    Parameters
+    ----------
+    asked
+    wish
+    found
+    """
+    stage = widened(found.stage, asked)
+    turn = rotation_about(asked.axis, wish.tilt)
+    layers = (*stage.layers, *pushes(asked, wish, turn))
+    part = asked.part
+    facts = Question.of(part).facts()
+    stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
+    encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
+    encoded["stage"]["moved"] = found.moved
+    return encoded
+
+
+def pushes(asked: WishedModel, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
+    """The forces with which blocks are pushed, as arrows that end at their centroids."""
+    if not wish.pushes:
+        return ()
+    assembly = asked.whole.assembly
+    block = assembly.indices([name for name, _ in wish.pushes])
+    force = np.array([force for _, force in wish.pushes]) @ turn
+    return (
+        Layer(
+            "pushes", "pushes", LayerKind.ARROWS, "resultant", assembly.centroid[block], force,
+            block=block, single=True, width=2.4, group="pushes",
+        ),
+    )  # fmt: skip
+
+
+def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:
+    """A stage of the blocks in place as one of all blocks; those taken out are absent."""
+    blocks, contacts = len(asked.whole), asked.whole.contacts
+    if len(asked.kept) == blocks:
+        return stage
+    here = np.zeros(blocks, dtype=bool)
+    here[asked.kept] = True
+    interface = np.flatnonzero(here[contacts.block_a] & here[contacts.block_b])
+    return stage_among(stage, blocks, contacts, asked.kept, interface)

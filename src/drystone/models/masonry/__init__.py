@@ -1,1 +1,0 @@
-"""Arches, domes, vaults and walls."""

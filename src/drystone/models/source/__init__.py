@@ -1,1 +1,0 @@
-"""Structures of the literature, from their published dimensions."""

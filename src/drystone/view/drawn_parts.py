@@ -1,0 +1,192 @@
+"""What pictures for CAD programs consist of: groups of blocks, small solids, and poses in time.
+
+Lines, arrows and marks are small solids, because lines in these programs have no width.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.answer.scene import Layer, MarkerShape, Scene, SceneStage, State
+from drystone.base.arrays import Floats, Ints
+from drystone.geometry.frames import frames_from_normals, rotation_about
+from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
+
+Triangles: TypeAlias = tuple[Floats, Ints]
+"""Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
+
+SIDES = 8
+"""Sides of a tube. Chosen: it looks round at the width of a force line."""
+
+HEAD = 2.6
+"""Radius of the head of an arrow, divided by that of its shaft. Chosen by eye."""
+
+_SECONDS = 2.4
+"""Duration [s] of a motion, as on the page."""
+
+FRAMES = 25
+"""Number of poses of a motion. Chosen: programs interpolate linearly between them."""
+
+NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "falling blocks"}
+
+
+def tubes(start: Floats, end: Floats, radius: Floats) -> Triangles:
+    """Prisms from (p, 3) to (p, 3) [m] with the radii (p,) [m]; closed at both ends."""
+    ring = _ring(end - start) * radius[None, :, None]
+    points = np.concatenate([start + ring, end + ring], axis=0)  # (2 SIDES, p, 3)
+    k = np.arange(SIDES)
+    after = (k + 1) % SIDES
+    sides = [
+        np.stack([k, after, SIDES + after], axis=1),
+        np.stack([k, SIDES + after, SIDES + k], axis=1),
+    ]
+    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
+    return _repeated(points, np.concatenate([*sides, fan[:, ::-1], fan + SIDES]))
+
+
+def cones(start: Floats, end: Floats, radius: Floats) -> Triangles:
+    """Cones whose bases lie at (p, 3) and whose tips lie at (p, 3) [m]."""
+    ring = start + _ring(end - start) * radius[None, :, None]
+    points = np.concatenate([ring, end[None]], axis=0)
+    k = np.arange(SIDES)
+    side = np.stack([k, (k + 1) % SIDES, np.full(SIDES, SIDES)], axis=1)
+    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
+    return _repeated(points, np.concatenate([side, fan[:, ::-1]]))
+
+
+def arrows(start: Floats, end: Floats, radius: float) -> Triangles:
+    """Arrows from (p, 3) to (p, 3) [m]; a head is at most half of its arrow."""
+    length = np.linalg.norm(end - start, axis=1)
+    head = np.minimum(2.0 * HEAD * radius, 0.5 * length)
+    neck = (
+        end - (end - start) * np.divide(head, length, where=length > 0.0, out=head * 0.0)[:, None]
+    )
+    thick = np.full(len(start), radius)
+    return joined(tubes(start, neck, thick), cones(neck, end, HEAD * thick))
+
+
+def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
+    """Starts and ends (p, 3) [m] of the arrows of a layer; ``scale`` in m/N.
+
+    An arrow that acts on one block ends at its point; others are in pairs, action and reaction.
+    """
+    if layer.vector is None:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    arrow, at = scale * layer.vector, layer.position
+    if layer.single:
+        start, end = at - arrow, at
+    else:
+        start, end = np.concatenate([at, at]), np.concatenate([at + 0.5 * arrow, at - 0.5 * arrow])
+    return (end, start) if layer.inward else (start, end)
+
+
+def marks(position: Floats, radius: float, shape: MarkerShape) -> Triangles:
+    """Spheres or octahedra about (p, 3) [m]."""
+    points, corners = _octahedron()
+    if shape is MarkerShape.DISC:
+        for _ in range(2):
+            points, corners = _rounded(points, corners)
+    return _repeated(radius * points[:, None] + position[None], corners)
+
+
+def joined(*parts: Triangles) -> Triangles:
+    """Several sets of triangles as one."""
+    first = np.cumsum([0, *(len(points) for points, _ in parts[:-1])])
+    points = np.concatenate([points for points, _ in parts])
+    return points, np.concatenate([c + f for (_, c), f in zip(parts, first, strict=True)])
+
+
+def _ring(along: Floats) -> Floats:
+    """(SIDES, p, 3), unit vectors normal to directions (p, 3), counter-clockwise about them."""
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    unit = np.divide(along, length, out=np.tile([0.0, 0.0, 1.0], (len(along), 1)), where=length > 0)
+    frame = frames_from_normals(unit)
+    turn = 2.0 * np.pi * np.arange(SIDES)[:, None, None] / SIDES
+    ring: Floats = np.cos(turn) * frame[:, 1] + np.sin(turn) * frame[:, 2]
+    return ring
+
+
+def _repeated(points: Floats, corners: Ints) -> Triangles:
+    """Copies of one set of triangles: points (q, p, 3) of p copies with q points each."""
+    each, copies = points.shape[:2]
+    shift = each * np.arange(copies)[:, None, None]
+    return points.swapaxes(0, 1).reshape(-1, 3), (corners[None] + shift).reshape(-1, 3)
+
+
+def _octahedron() -> Triangles:
+    points = np.concatenate([np.eye(3), -np.eye(3)])
+    corners = [
+        (0, 1, 2),
+        (1, 3, 2),
+        (3, 4, 2),
+        (4, 0, 2),
+        (1, 0, 5),
+        (3, 1, 5),
+        (4, 3, 5),
+        (0, 4, 5),
+    ]
+    return points, np.array(corners)
+
+
+def _rounded(points: Floats, corners: Ints) -> Triangles:
+    """Each triangle cut into four, its new corners on the unit sphere."""
+    sides = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]))
+    side, number = np.unique(sides, axis=0, return_inverse=True)
+    new = points[side].sum(axis=1)
+    new /= np.linalg.norm(new, axis=1, keepdims=True)
+    ab, bc, ca = (len(points) + number.reshape(-1)).reshape(3, -1)
+    i, j, k = corners.T
+    cut = [(i, ab, ca), (ab, j, bc), (ca, bc, k), (ab, bc, ca)]
+    parts = [np.stack(part, axis=1) for part in cut]
+    return np.concatenate([points, new]), np.concatenate(parts)
+
+
+def fall_moments() -> tuple[Floats, Floats]:
+    """Times (t,) [s], and the share (t,) of the motion at each, as in a free fall."""
+    share = np.linspace(0.0, 1.0, FRAMES)
+    return _SECONDS * share, share**2
+
+
+def quaternions(rotation: Floats) -> Floats:
+    """(t, 4) x, y, z, w of rotation vectors (t, 3) [rad]."""
+    angle = np.linalg.norm(rotation, axis=1, keepdims=True)
+    half = np.sinc(angle / (2.0 * np.pi)) / 2.0  # sin(angle / 2) / angle, also at zero
+    return np.concatenate([rotation * half, np.cos(0.5 * angle)], axis=1)
+
+
+def matrix_of(motion: Floats, centroid: Floats) -> Floats:
+    """(4, 4) of a motion (6,) [m, rad]: translation of the centroid (3,) and rotation about it."""
+    angle = float(np.linalg.norm(motion[3:]))
+    matrix = np.eye(4)
+    if angle > 0.0:
+        matrix[:3, :3] = rotation_about(motion[3:], float(np.rad2deg(angle)))
+    matrix[:3, 3] = centroid + motion[:3] - matrix[:3, :3] @ centroid
+    return matrix
+
+
+def stage_of_scene(scene: Scene, stage: int | None) -> SceneStage:
+    """A stage by its number; when left out, the one that a figure shows."""
+    return scene.stages[scene.still if stage is None else stage]
+
+
+def block_groups(stage: SceneStage) -> list[tuple[str, str, list[int]]]:
+    """The blocks in place, by their state: name, colour ``#rrggbb``, and blocks of each group.
+
+    They share a layer and a material. Free blocks that need help are a group of their own.
+    """
+    state = stage.state
+    needy = np.zeros(len(state), dtype=bool)
+    if stage.prop is not None:
+        needy = (state == State.FREE) & (np.linalg.norm(stage.prop, axis=1) > 0.0)
+    groups = []
+    for one in State:
+        member = np.flatnonzero((state == one) & ~needy)
+        if one is not State.ABSENT and len(member):
+            name = NAMES.get(one, STATE_LABEL[one])
+            groups.append((name, STATE_COLOUR["light"][one], member.tolist()))
+    if needy.any():
+        help_colour = ROLE_COLOUR["light"]["help"]
+        groups.append(("blocks that need help", help_colour, np.flatnonzero(needy).tolist()))
+    return groups

@@ -1,0 +1,261 @@
+"""A scene as GLB: blocks with materials, joints coloured by force, and the motion as an animation.
+
+Source: Khronos Group, glTF 2.0 Specification, 2021.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
+from drystone.base.arrays import Floats, Ints
+from drystone.base.files import write_bytes
+from drystone.geometry.triangulate import fan_warped, triangulate
+from drystone.io.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
+from drystone.io.glb_write import container
+from drystone.results.stage import VIRTUAL
+from drystone.view.drawn_parts import (
+    Triangles,
+    arrow_ends,
+    arrows,
+    block_groups,
+    fall_moments,
+    marks,
+    quaternions,
+    stage_of_scene,
+    tubes,
+)
+from drystone.view.palette import PRESETS, ROLE_COLOUR, is_shown, ramp_colours, rgb
+
+_UNSIGNED = 5125
+NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
+"""Radii of the line of the largest force, of an arrow and of a mark, relative to the size of a
+block. Chosen by eye."""
+_PLACED_S = 1.6
+"""Time [s] from one block of an assembly to the next, as on the page."""
+
+
+def write_glb(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
+    """Write one stage of a scene; a plan plays all of them."""
+    made = _Glb(scene, stage_of_scene(scene, stage), preset)
+    made.blocks()
+    for layer in made.stage.layers:
+        if layer.count and is_shown(layer, preset):
+            made.layer(layer)
+    made.animations(whole=stage is None)
+    write_bytes(path, made.file())
+
+
+class _Glb:
+    """The parts of a file while it is made."""
+
+    def __init__(self, scene: Scene, stage: SceneStage, preset: str) -> None:
+        self.scene, self.stage, self.opacity = scene, stage, PRESETS[preset].opacity
+        self.binary: list[bytes] = []
+        self.size = 0
+        self.top: dict[str, list[dict[str, Any]]] = {
+            key: [] for key in ("nodes", "meshes", "materials", "accessors", "bufferViews")
+        }
+        self.roots: list[int] = []
+        self.played: list[dict[str, Any]] = []
+        self.node_of = np.full(len(scene.assembly), -1, dtype=np.intp)
+
+    def add(self, table: str, entry: dict[str, Any]) -> int:
+        """The number of a new entry of a table."""
+        self.top[table].append(entry)
+        return len(self.top[table]) - 1
+
+    def numbers(self, values: NDArray[Any], *, bounds: bool = False) -> int:
+        """The accessor of an array: whole numbers, or rows of single precision."""
+        whole = values.dtype.kind in "iu"
+        array = values.astype("<u4" if whole else "<f4")
+        raw = array.tobytes()
+        place = {"buffer": 0, "byteOffset": self.size, "byteLength": len(raw)}
+        view = self.add("bufferViews", place)
+        self.binary.append(raw)
+        self.size += len(raw)
+        columns = 1 if array.ndim == 1 else array.shape[1]
+        entry: dict[str, Any] = {
+            "bufferView": view,
+            "componentType": _UNSIGNED if whole else FLOAT,
+            "count": len(array),
+            "type": "SCALAR" if columns == 1 else f"VEC{columns}",
+        }
+        if bounds:
+            flat = array.reshape(len(array), -1)
+            entry |= {"min": flat.min(axis=0).tolist(), "max": flat.max(axis=0).tolist()}
+        return self.add("accessors", entry)
+
+    def material(self, name: str, colour: str, opacity: float = 1.0) -> int:
+        """A rough material of one colour."""
+        entry: dict[str, Any] = {
+            "name": name,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [*_linear(rgb(colour)).tolist(), opacity],
+                "metallicFactor": 0.0,
+                "roughnessFactor": 0.9,
+            },
+        }
+        return self.add("materials", entry | ({"alphaMode": "BLEND"} if opacity < 1.0 else {}))
+
+    def mesh(self, points: Floats, corners: Ints, material: int, colour: Floats | None) -> int:
+        """A mesh of triangles (t, 3), perhaps with a colour (p, 3) at each point."""
+        attributes = {"POSITION": self.numbers(points @ Z_UP, bounds=True)}
+        if colour is not None:
+            attributes["COLOR_0"] = self.numbers(_linear(colour))
+        part = {
+            "attributes": attributes,
+            "indices": self.numbers(corners.ravel()),
+            "material": material,
+            "mode": TRIANGLES,
+        }
+        return self.add("meshes", {"primitives": [part]})
+
+    def blocks(self) -> None:
+        """A node for each block, about its centroid, below one for each group."""
+        assembly = self.scene.assembly
+        faces = fan_warped(assembly.faces, SINGLE)
+        triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
+        corners, owner = faces.loop[triangle], faces.owner[polygon]
+        begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
+        for name, colour, blocks in block_groups(self.stage):
+            material = self.material(name, colour, self.opacity)
+            children = []
+            for i in blocks:
+                loops = corners[begin[i] : begin[i + 1]]
+                used, index = np.unique(loops, return_inverse=True)
+                points = faces.point[used] - assembly.centroid[i]
+                mesh = self.mesh(points, index.reshape(loops.shape), material, None)
+                told = {"fixed": bool(assembly.fixed[i]), "density": assembly.blocks[i].density}
+                node = {
+                    "name": assembly.names[i],
+                    "mesh": mesh,
+                    "translation": (assembly.centroid[i] @ Z_UP).tolist(),
+                    "extras": {"drystone": told},
+                }
+                self.node_of[i] = self.add("nodes", node)
+                children.append(int(self.node_of[i]))
+            self.roots.append(self.add("nodes", {"name": name, "children": children}))
+
+    def layer(self, layer: Layer) -> None:
+        """A node with the content of a layer."""
+        colour = None
+        if layer.kind is LayerKind.POLYGONS and layer.start is not None:
+            points = layer.position
+            corners, _ = triangulate(points, layer.start)
+            if layer.value is not None:
+                top = self.scene.top(layer.key)
+                colour = ramp_colours(layer.value / top if top > 0.0 else layer.value)
+        else:
+            points, corners = _solids(layer, self.scene)
+        ink = "#ffffff" if colour is not None else ROLE_COLOUR["light"][layer.colour]
+        material = self.material(layer.label, ink)
+        if layer.kind is LayerKind.POLYGONS:
+            flat = {"doubleSided": True, "extensions": {"KHR_materials_unlit": {}}}
+            self.top["materials"][material] |= flat
+        mesh = self.mesh(points, corners, material, colour)
+        told = {"picture": layer.key}
+        node = {"name": layer.label, "mesh": mesh, "extras": {"drystone": told}}
+        self.roots.append(self.add("nodes", node))
+
+    def animations(self, *, whole: bool) -> None:
+        """The motion of the stage; of a plan, the insertion of each block."""
+        arriving = [one for one in self.scene.stages if one.arrives and one.motion is not None]
+        if whole and arriving:
+            self._assembly(arriving)
+        elif self.stage.motion is not None and self.stage.motion_name != VIRTUAL:
+            self._fall(self.stage.motion)
+
+    def _fall(self, motion: Floats) -> None:
+        time, share = fall_moments()
+        path = self.stage.path
+        if path is None:
+            path = share[:, None, None] * motion
+        else:
+            time = np.linspace(0.0, float(time[-1]), len(path))
+        moments = self.numbers(time, bounds=True)
+        channels = []
+        for i in np.flatnonzero(motion.any(axis=1) & (self.node_of >= 0)).tolist():
+            motion = path[:, i]
+            place = (self.scene.assembly.centroid[i] + motion[:, :3]) @ Z_UP
+            channels.append((i, "translation", moments, place, "LINEAR"))
+            channels.append((i, "rotation", moments, quaternions(motion[:, 3:] @ Z_UP), "LINEAR"))
+        self._play(self.stage.motion_name, channels)
+
+    def _assembly(self, stages: list[SceneStage]) -> None:
+        channels = []
+        for number, stage in enumerate(stages):
+            motion = stage.motion
+            if motion is None:
+                continue
+            begin = number * _PLACED_S
+            times = np.array([0.0, max(begin, 1e-3), begin + 0.5 * _PLACED_S])
+            moments = self.numbers(times, bounds=True)
+            for i in np.flatnonzero(motion[:, :3].any(axis=1) & (self.node_of >= 0)).tolist():
+                at = self.scene.assembly.centroid[i]
+                out = at + motion[i, :3]
+                place = np.stack([out, out, at]) @ Z_UP
+                shown = np.repeat([[0.0], [1.0], [1.0]], 3, axis=1)
+                channels.append((i, "translation", moments, place, "LINEAR"))
+                channels.append((i, "scale", moments, shown, "STEP"))
+        self._play("Assembly", channels)
+
+    def _play(self, name: str, channels: list[tuple[int, str, int, Floats, str]]) -> None:
+        entry: dict[str, list[dict[str, Any]]] = {"channels": [], "samplers": []}
+        for block, path, moments, values, interpolation in channels:
+            target = {"node": int(self.node_of[block]), "path": path}
+            entry["channels"].append({"sampler": len(entry["samplers"]), "target": target})
+            entry["samplers"].append({
+                "input": moments, "output": self.numbers(values), "interpolation": interpolation
+            })  # fmt: skip
+        if channels:
+            self.played.append({"name": name, **entry})
+
+    def file(self) -> bytes:
+        """The whole file."""
+        told = {
+            "answer": self.stage.headline,
+            "message": self.stage.message,
+            "made": self.scene.made,
+        }
+        facts = {**self.scene.facts, **self.stage.facts, **told}
+        content: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "drystone", "extras": {"drystone": facts}},
+            "extensionsUsed": ["KHR_materials_unlit"],
+            "scene": 0,
+            "scenes": [{"name": self.scene.title, "nodes": self.roots}],
+            **self.top,
+            "buffers": [{"byteLength": self.size}],
+        }
+        if self.played:
+            content["animations"] = self.played
+        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+        return container(text, b"".join(self.binary))
+
+
+def _solids(layer: Layer, scene: Scene) -> Triangles:
+    """Lines, arrows and marks as solids, in the proportions of the page."""
+    size = scene.block_size
+    if layer.vector is None:
+        return marks(layer.position, MARK * size, layer.shape)
+    if layer.kind is LayerKind.LINES:
+        top = scene.top(layer.key)
+        share = np.ones(layer.count)
+        if layer.value is not None and top > 0.0:
+            share = np.clip(layer.value / top, 0.02, 1.0)  # thinner ones are invisible
+        width = NETWORK if layer.value is not None else ARROW
+        end = layer.position + layer.vector
+        return tubes(layer.position, end, width * size * share * layer.width)
+    start, end = arrow_ends(layer, scene.arrow_scale(layer.group))
+    return arrows(start, end, ARROW * size * layer.width)
+
+
+def _linear(colour: Floats) -> Floats:
+    """Linear components from those of sRGB, as the format requires (IEC 61966-2-1)."""
+    linear: Floats = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    return linear

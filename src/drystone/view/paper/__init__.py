@@ -1,1 +1,0 @@
-"""Scenes on paper: static figures, reports, instructions."""

@@ -1,0 +1,194 @@
+"""A page for printing about the most loaded joints: a table, and a plan of each."""
+
+from __future__ import annotations
+
+import html
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.files import write_bytes
+from drystone.base.table import Table
+from drystone.geometry.kern import kern
+from drystone.joints import worst_joints
+from drystone.results import Result
+from drystone.view.palette import ROLE_COLOUR
+from drystone.virtual import local_corners
+
+_SIDE = 150
+"""[px] of a plan."""
+_MARGIN = 12
+"""Margin [px] around the joint in its plan."""
+
+STYLE = """
+:root { color-scheme: light dark; --ink: #1d1b18; --soft: #6b665c; --line: #d5d0c4;
+  --paper: #ffffff; --stone: #e9e5da; --kern: KERN; --force: FORCE; --alarm: ALARM; }
+@media (prefers-color-scheme: dark) { :root { --ink: #ece8df; --soft: #a49e92; --line: #3b3f45;
+  --paper: #14171b; --stone: #33373d; --kern: KERN_DARK; --force: FORCE_DARK;
+  --alarm: ALARM_DARK; } }
+body { font: 14px/1.45 system-ui, sans-serif; color: var(--ink); background: var(--paper);
+  max-width: 62rem; margin: 1.5rem auto; padding: 0 1rem; }
+h1 { font-size: 1.25rem; margin: 0 0 .25rem; } p { margin: .25rem 0 1rem; color: var(--soft); }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: right; padding: .2rem .5rem; border-bottom: 1px solid var(--line);
+  white-space: nowrap; }
+th { color: var(--soft); font-weight: 500; vertical-align: bottom; }
+th:nth-child(2), td:nth-child(2) { text-align: left; }
+.alarm { color: var(--alarm); font-weight: 600; }
+.plans { display: flex; flex-wrap: wrap; gap: .75rem; margin-top: 1.25rem; }
+figure { margin: 0; width: 150px; } figcaption { font-size: 11px; color: var(--soft);
+  overflow-wrap: anywhere; }
+.stone { fill: var(--stone); stroke: var(--ink); } .kern { fill: none; stroke: var(--kern);
+  stroke-dasharray: 4 3; } .force { fill: var(--force); stroke: var(--paper); }
+.legend svg { vertical-align: -4px; margin: 0 .25rem 0 1rem; }
+@media print { body { margin: 0; max-width: none; } }
+"""
+
+
+def save_report(
+    result: Result,
+    path: str | PathLike[str],
+    *,
+    strength: float | None = None,
+    worst: int = 12,
+) -> None:
+    """Write a self-contained HTML page about the joints nearest to sliding or to a hinge.
+
+    Parameters
+    ----------
+    result
+        With forces.
+    path
+        Written to a temporary name beside it and renamed.
+    strength : [Pa], optional
+        Joints whose peak pressure exceeds it are marked.
+    worst
+        How many joints are shown.
+
+    Raises
+    ------
+    InputError
+        The result has no forces, or the file cannot be written.
+    """
+    write_bytes(path, _report_text(result, strength, worst).encode("utf-8"))
+
+
+def _report_text(result: Result, strength: float | None, worst: int) -> str:
+    """The page as text."""
+    table = result.joints(strength=strength)
+    chosen = worst_joints(table, worst).tolist()
+    light, dark = ROLE_COLOUR["light"], ROLE_COLOUR["dark"]
+    style = STYLE
+    for mark, role in (("KERN", "pressure"), ("FORCE", "resultant"), ("ALARM", "help")):
+        style = style.replace(f"{mark}_DARK", dark[role]).replace(mark, light[role])
+    title = "Joints that work hardest"
+    free = len(result.assembly.free)
+    open_joints = int((table["kern_ratio"] > 1.0 + 1e-9).sum())
+    summary = (
+        f"{result.verdict.value}: {result.message}. {free} free blocks, {len(table)} joints, "
+        f"of which {open_joints} open on one side. Load: {result.load.name}."
+    )
+    if strength is not None:
+        over = int(table["over_strength"].sum())
+        summary += f" The peak pressure exceeds {_number(strength)}Pa at {over} joints."
+    head = "".join(f"<th>{column}</th>" for column in _HEAD)
+    rows = "".join(_row(row) for row in table.take(chosen))
+    plans = "".join(_plan(result, table, i) for i in chosen)
+    legend = (
+        '<p class="legend">Plan of each joint, seen against its normal:'
+        f"{_swatch('stone')}joint{_swatch('kern')}kern{_swatch('force')}centre of pressure</p>"
+    )
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title><style>{style}</style></head><body>"
+        f"<h1>{title}</h1><p>{html.escape(summary)}</p>"
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+        f'</div>{legend}<div class="plans">{plans}</div></body></html>\n'
+    )
+
+
+_HEAD = (
+    "joint",
+    "between",
+    "normal [N]",
+    "friction [N]",
+    "friction used",
+    "to the rim",
+    "of the kern",
+    "mean [Pa]",
+    "peak [Pa]",
+)
+
+
+def _row(row: dict[str, Any]) -> str:
+    cells = [
+        (str(row["joint"]), False),
+        (html.escape(f"{row['block_a']} – {row['block_b']}"), False),
+        (_number(row["normal"]), False),
+        (_number(row["tangential"]), False),
+        (_share(row["friction_use"]), row["friction_use"] > 0.99),
+        (_share(row["edge_ratio"]), row["edge_ratio"] > 0.99),
+        (_share(row["kern_ratio"]), False),
+        (_number(row["mean_pressure"]), False),
+        (_number(row["peak_pressure"]), row["over_strength"]),
+    ]
+    return (
+        "<tr>"
+        + "".join(f'<td class="alarm">{t}</td>' if alarm else f"<td>{t}</td>" for t, alarm in cells)
+        + "</tr>"
+    )
+
+
+def _plan(result: Result, table: Table, i: int) -> str:
+    """The joint, its kern and its centre of pressure as a small SVG, u to the right, v up."""
+    contacts = result.contacts
+    origin, flat = local_corners(contacts)
+    corners = flat[contacts.start[i] : contacts.start[i + 1]]
+    position = np.array([table[axis][i] for axis in "xyz"])
+    at = contacts.frame[i, 1:] @ (position - origin[i])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    extent = float((high - low).max())
+    scale = (_SIDE - 2 * _MARGIN) / extent if extent > 0.0 else 1.0
+    middle = 0.5 * (low + high)
+
+    def pixels(points: Floats) -> Floats:
+        return 0.5 * _SIDE + scale * (points - middle) * np.array([1.0, -1.0])
+
+    def path(points: Floats) -> str:
+        return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels(points))
+
+    x, y = pixels(at)
+    label = html.escape(f"joint {i}: {table['block_a'][i]} – {table['block_b'][i]}")
+    return (
+        f'<figure><svg viewBox="0 0 {_SIDE} {_SIDE}" width="{_SIDE}" height="{_SIDE}" role="img" '
+        f'aria-label="{label}"><polygon class="stone" points="{path(corners)}"/>'
+        f'<polygon class="kern" points="{path(kern(corners))}"/>'
+        f'<circle class="force" cx="{x:.1f}" cy="{y:.1f}" r="5"/></svg>'
+        f"<figcaption>{label}<br>{extent:.3g} m wide</figcaption></figure>"
+    )
+
+
+def _swatch(kind: str) -> str:
+    return (
+        f'<svg width="16" height="16" aria-hidden="true"><circle class="{kind}" cx="8" cy="8" '
+        'r="6"/></svg>'
+    )
+
+
+def _number(value: float) -> str:
+    """Three digits and a prefix: 12.3 k."""
+    if not np.isfinite(value):
+        return "∞"
+    size = abs(float(value))
+    for prefix, unit in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
+        if size >= unit:
+            return f"{value / unit:.3g}\N{NO-BREAK SPACE}{prefix}"
+    return f"{value:.3g}\N{NO-BREAK SPACE}" if size >= 1e-3 else "0\N{NO-BREAK SPACE}"
+
+
+def _share(value: float) -> str:
+    return f"{100.0 * value:.0f}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "∞"

@@ -1,1 +1,0 @@
-"""The style of pictures: colours, presets, edges that are drawn."""

@@ -1,1 +1,0 @@
-"""A scene that is cut by a plane, or taken apart."""
