@@ -51,7 +51,9 @@ SHARES = {
     "obj": 0.2,
     "stl": 0.1,
     "ply": 0.1,
-    "glb": 0.078,
+    "glb": 0.038,
+    "bricks": 0.02,
+    "ldraw": 0.02,
     "3dm": 0.002,
 }
 """Of the inputs, by format."""
@@ -60,7 +62,17 @@ AWKWARD = (
     *("99999999999999999999", "-1", "4294967295", "2147483648", "0x10", "1_0", "١", "1.", ".5"),
     *("true", "null", '""', "[]", "{}", "[[]]", '"x"', "1" * 400, "-" * 50, "9" * 5000),
 )
+SMALL = {
+    "bricks": (b"# two\n0 0 0 4 2\n1 0 1 4 2 90 2.3\n", b"2x4 (0,0,0)\n4x2 (1,1,1)\n"),
+    "ldraw": (
+        b"0 FILE a.ldr\n1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n1 16 80 0 0 0 0 1 0 1 0 -1 0 0 b\n"
+        b"0 FILE b\n1 4 40 -24 0 1 0 0 0 1 0 0 0 1 3023.dat\n0 STEP\n0 NOFILE\n",
+    ),
+}
+"""Sound files of formats that are only read."""
 WORDS = {
+    "bricks": ("1 1", "2x2 (0,0,0)", "0 0 0 99999 99999", "#"),
+    "ldraw": ("0 FILE b", "0 NOFILE", "1 4 0 0 0 1 0 0 0 1 0 0 0 1 b", "2 24", "3004.dat"),
     "obj": ("f -1 -2 -3", "o", "g", "o a", "v", "f", "curv 0 1", "call x", "\\", "l 1 2", "#"),
     "stl": ("solid x", "endsolid", "facet", "outer loop", "vertex 0 0 0", "endloop", "endfacet"),
     "ply": ("element vertex 9", "property list int int x", "end_header", "comment", "format"),
@@ -105,9 +117,11 @@ def samples() -> dict[str, list[bytes]]:
         for model in models:
             contacts = find_contacts(model).contacts
             full = Contents(model, contacts, (LoadCase.gravity(model),))
-            for name in SHARES:
+            for name in SHARES.keys() - SMALL.keys():
                 made[name] += _written(full, name, Path(folder))
     made["stl"].append(_binary_stl(models[0]))
+    for name, files in SMALL.items():
+        made[name] += files
     return {name: files for name, files in made.items() if files}
 
 

@@ -85,7 +85,7 @@ def test_bricks_side_by_side_press_each_other(tmp_path):
         (["0 1 2 4 90 2.3"], "is no brick"),
         (["0 0 0 4 2 " + "9" * 5000], "is no brick"),
         (["0 0 0 4 2 0 0"], "its mass is zero"),
-        (["0 0 0 4 2", "2 1 0 4 2"], "bricks 0 and 1 are both at 2 1 0"),
+        (["0 0 0 4 2", "2 1 0 4 2"], "bricks 0 and 1 are both at stud 2 1"),
         (["0 0 1 4 2"], "has no brick on the ground"),
         (["# nothing"], "holds no brick"),
         (["0 0 0 4 2 0 1e9"], "is no brick"),

@@ -106,7 +106,8 @@ FORMATS: tuple[Format, ...] = (
     Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", axes_unknown=True),
     Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, axes_unknown=True),
     Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, layers=True),
-    Format("bricks", "stud-and-tube bricks", (".bricks",), "brick_list"),
+    Format("bricks", "stud-and-tube bricks", (".bricks", ".txt"), "brick_list"),
+    Format("ldraw", "LDraw", (".ldr", ".mpd"), "ldraw"),
     Format(
         "mjcf",
         "MJCF, for MuJoCo",
@@ -150,8 +151,8 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
 
 def files_at(path: Paths) -> tuple[Path, ...]:
     """The files that a path stands for: itself, those of a folder, or those of a pattern."""
-    known = [suffix for one in FORMATS if one.reader for suffix in one.suffixes]
-    return files_of(path, known)
+    known = {suffix for one in FORMATS if one.reader for suffix in one.suffixes}
+    return files_of(path, sorted(known - {".txt"}))  # a folder may have notes beside its models
 
 
 def read_file(
