@@ -6,7 +6,7 @@ python examples/dome.py
 from pathlib import Path
 
 from drystone.results import Result
-from drystone.shells import Ground, Layout, ShellBody, build_shell, dome, write_schedule
+from drystone.shells import Ground, Layout, ShellBody, build_shell, dome, schedule
 from drystone.stability import check
 from drystone.view import save_page
 
@@ -19,7 +19,7 @@ def main(folder: Path = Path()) -> Result:
     shell = build_shell(shape, layout, body)
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "dome.html")
-    write_schedule(shell, folder / "dome.csv")
+    schedule(shell).to_csv(folder / "dome.csv")
     print(
         f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints: {result.verdict.value}"
     )

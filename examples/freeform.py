@@ -6,7 +6,7 @@ python examples/freeform.py
 from pathlib import Path
 
 from drystone.results import Result
-from drystone.shells import Layout, build_shell, find_form, three_legged_plan, write_schedule
+from drystone.shells import Layout, build_shell, find_form, schedule, three_legged_plan
 from drystone.stability import check
 from drystone.view import save_page
 
@@ -17,7 +17,7 @@ def main(folder: Path = Path()) -> Result:
     shell = build_shell(form.shape, Layout(courses=6, width=1.0, wedge=-0.1))
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "freeform.html")
-    write_schedule(shell, folder / "freeform.csv")
+    schedule(shell).to_csv(folder / "freeform.csv")
     print(
         f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints, largest warp "
         f"{shell.planar.warp_before:.1%} of a block made planar: {result.verdict.value}"

@@ -11,7 +11,7 @@ from drystone.shells import (
     ShellBody,
     barrel_vault,
     build_shell,
-    write_schedule,
+    schedule,
     write_unrolled,
 )
 from drystone.stability import check
@@ -25,7 +25,7 @@ def main(folder: Path = Path()) -> Result:
     shell = build_shell(shape, layout, ShellBody(thickness=0.35))
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "vault.html")
-    write_schedule(shell, folder / "vault.csv")
+    schedule(shell).to_csv(folder / "vault.csv")
     write_unrolled(shell, folder / "vault.svg")
     print(
         f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints: {result.verdict.value}"

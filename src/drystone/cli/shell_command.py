@@ -148,7 +148,7 @@ def _files(
     if out is not None:
         jobs.append((out, bound(io.write, made.assembly)))
     if schedule is not None:
-        jobs.append((schedule, bound(shells.write_schedule, made)))
+        jobs.append((schedule, shells.schedule(made).to_csv))
     if unrolled is not None:
         jobs.append((unrolled, bound(shells.write_unrolled, made)))
     return [*jobs, *pictures], []

@@ -12,7 +12,7 @@ from drystone.shells.formfinding import FormFound, find_form
 from drystone.shells.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
+from drystone.shells.schedule import block_frame, schedule
 from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
 from drystone.shells.shell_families import (
@@ -46,7 +46,6 @@ __all__ = [
     "MeshFit",
     "Patch",
     "PlanarReport",
-    "ScheduleRow",
     "Seam",
     "Shape",
     "Shell",
@@ -77,6 +76,5 @@ __all__ = [
     "three_legged_plan",
     "tri_dome",
     "write_blocks",
-    "write_schedule",
     "write_unrolled",
 ]

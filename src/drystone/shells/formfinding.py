@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -79,15 +80,15 @@ class FormFound(OneLine):
         mean_force = np.bincount(ends, np.repeat(self.force, 2), minlength=len(self.point)) / count
         mean_length = np.bincount(ends, np.repeat(length, 2), minlength=len(self.point)) / count
         wanted = np.clip(mean_force / np.maximum(mean_length, 1e-300) / stress, least, most)
-        tree = cKDTree(self.point)
+        return partial(_nearby_mean, cKDTree(self.point), wanted)
 
-        def thickness(points: Floats) -> Floats:
-            distance, near = tree.query(points, k=4)
-            weight = 1.0 / np.maximum(distance, 1e-9)
-            value: Floats = (wanted[near] * weight).sum(axis=1) / weight.sum(axis=1)
-            return value
 
-        return thickness
+def _nearby_mean(tree: cKDTree, value: Floats, points: Floats) -> Floats:
+    """Mean (k,) of the values of the four nearest nodes, weighted by inverse distance."""
+    distance, near = tree.query(points, k=4)
+    weight = 1.0 / np.maximum(distance, 1e-9)
+    mean: Floats = (value[near] * weight).sum(axis=1) / weight.sum(axis=1)
+    return mean
 
 
 @dataclass(frozen=True, eq=False)

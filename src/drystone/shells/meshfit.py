@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -101,18 +102,8 @@ def patch_from_mesh(
     chosen = named if named is not None else _sharpest(points, border, name)
     u, v = _layout(points, loops, border, chosen, name)
     rows, columns = (max(_DEGREE + 1, int(c)) for c in control)
-    coefficient = _fit(points, u, v, rows, columns)
-
-    def point(at_u: Floats, at_v: Floats) -> Floats:
-        surface: Floats = np.einsum(
-            "ki,kj,ijc->kc",
-            _basis(at_u, rows).toarray(),
-            _basis(at_v, columns).toarray(),
-            coefficient,
-        )
-        return surface
-
-    patch = Patch(point, name=name)
+    control_points = _fit(points, u, v, rows, columns)
+    patch = Patch(partial(_on_spline, control_points), name=name)
     distance = distances(patch, np.column_stack([u, v, points]), loops)
     farthest = float(distance.max())
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -259,6 +250,13 @@ def _basis(at: Floats, count: int) -> sparse.csr_matrix:
     inner = np.linspace(0.0, 1.0, count - _DEGREE + 1)
     knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
     return sparse.csr_matrix(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, _DEGREE))
+
+
+def _on_spline(control: Floats, u: Floats, v: Floats) -> Floats:
+    """Points (k, 3) on the surface of control points (rows, columns, 3)."""
+    by_u, by_v = (_basis(at, n).toarray() for at, n in zip((u, v), control.shape[:2], strict=True))
+    points: Floats = np.einsum("ki,kj,ijc->kc", by_u, by_v, control)
+    return points
 
 
 def _fit(points: Floats, u: Floats, v: Floats, rows: int, columns: int) -> Floats:

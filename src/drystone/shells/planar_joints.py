@@ -89,8 +89,7 @@ def planar_pins(
         last,
         warp_before=max(first.warp_before, last.warp_before),
         drift=float(drift.max()),
-        projections=first.projections + last.projections,
-        newton=first.newton + last.newton,
+        steps=first.steps + last.steps,
     )
     return PlanarPins(pins, report, float(across.max()), int(drift.argmax()))
 

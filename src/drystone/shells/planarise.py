@@ -1,13 +1,9 @@
 """Make polygons with shared corners planar, with the smallest moves of the corners.
 
-Two stages. First local/global projection: every polygon is projected onto its best plane (local);
-then the corners that fit all projections best are found (global), with one sparse positive definite
-matrix, factorised once. This is robust, but slow near the solution. Then Newton steps: the smallest
-move that satisfies the linearised planarity conditions. Each step doubles the number of correct
-digits.
+Newton steps: the smallest move that satisfies the linearised planarity conditions. Each step
+doubles the number of correct digits.
 
-Source: Bouaziz et al. 2012, "Shape-Up", section 3; Deuss et al. 2015, "ShapeOp"; for the second
-stage Tang et al. 2014, "Form-finding with polyhedral meshes made simple".
+Source: Tang et al. 2014, "Form-finding with polyhedral meshes made simple".
 """
 
 from __future__ import annotations
@@ -19,15 +15,11 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from drystone.base.arrays import Floats, Ints, dot
-from drystone.base.errors import SolverError
 from drystone.base.progress import Progress
 
 _TOLERANCE = 1e-10
 """Largest distance of a corner from its polygon's plane, relative to the length scale: far below
 the 1e-6 that joints need, far above rounding."""
-
-_STAY = 0.05
-"""Weight of the distance from the starting point, relative to that of a projection. Chosen."""
 
 _REGULAR = 1e-12
 """Added to the diagonal of the Newton system, relative: conditions may depend on each other."""
@@ -43,8 +35,8 @@ class PlanarReport:
         Largest distance of a corner from the plane of its polygon.
     drift
         Largest move of a corner.
-    projections, newton
-        Rounds and steps taken.
+    steps
+        Newton steps taken.
     reached
         Whether the tolerance was reached.
     """
@@ -52,8 +44,7 @@ class PlanarReport:
     warp_before: float
     warp_after: float
     drift: float
-    projections: int
-    newton: int
+    steps: int
     reached: bool
 
 
@@ -63,8 +54,7 @@ def planarise(
     *,
     scale: float,
     tolerance: float = _TOLERANCE,
-    projections: int = 10,
-    newton: int = 30,
+    most: int = 30,
     progress: Progress | None = None,
 ) -> tuple[Floats, PlanarReport]:
     """Points near the given ones that make every polygon planar.
@@ -78,8 +68,8 @@ def planarise(
         Length to which warp and drift are related, such as the size of a block.
     tolerance
         Largest warp in the end, relative to the length scale.
-    projections, newton
-        Rounds of local/global projection, and Newton steps, at most.
+    most
+        Newton steps.
     progress
 
     Returns
@@ -99,12 +89,9 @@ def planarise(
     start = np.asarray(points, dtype=np.float64)
     x = start.copy()
     before = _warp(x, groups)
-    warp, rounds, steps = before, 0, 0
+    warp, steps = before, 0
     goal = tolerance * scale
-    if warp > goal and projections > 0:
-        x, rounds = _project(x, groups, goal, projections)
-        warp = _warp(x, groups)
-    while warp > goal and steps < newton:
+    while warp > goal and steps < most:
         move = _newton_move(x, groups, scale)
         trial = x + move
         new = _warp(trial, groups)
@@ -118,10 +105,10 @@ def planarise(
             break
         x, warp = trial, new
         if progress is not None:
-            progress("planarise", steps, newton)
+            progress("planarise", steps, most)
     drift = float(np.linalg.norm(x - start, axis=1).max(initial=0.0))
     report = PlanarReport(
-        float(before / scale), float(warp / scale), drift / scale, rounds, steps, bool(warp <= goal)
+        float(before / scale), float(warp / scale), drift / scale, steps, bool(warp <= goal)
     )
     return x, report
 
@@ -135,49 +122,14 @@ def _groups(polygons: list[tuple[int, ...]]) -> list[Ints]:
     return [np.array(by_size[k], dtype=np.intp) for k in sorted(by_size)]
 
 
-def _planes(corners: Floats) -> tuple[Floats, Floats]:
-    """Corners (m, k, 3) about their means, and unit normals (m, 3) of the least-squares planes."""
-    centred = corners - corners.mean(axis=1, keepdims=True)
-    _, vectors = np.linalg.eigh(np.einsum("mki,mkj->mij", centred, centred))
-    return centred, vectors[:, :, 0]
-
-
 def _warp(x: Floats, groups: list[Ints]) -> float:
+    """Largest distance of a corner from the least-squares plane of its polygon."""
     largest = 0.0
     for group in groups:
-        centred, normal = _planes(x[group])
+        centred = x[group] - x[group].mean(axis=1, keepdims=True)
+        normal = np.linalg.eigh(np.einsum("mki,mkj->mij", centred, centred))[1][:, :, 0]
         largest = max(largest, float(np.abs(np.einsum("mki,mi->mk", centred, normal)).max()))
     return largest
-
-
-def _project(x: Floats, groups: list[Ints], goal: float, rounds: int) -> tuple[Floats, int]:
-    """Rounds of local/global projection, near the starting points."""
-    centring = sparse.vstack([_centring(g, len(x)) for g in groups]).tocsr()
-    system = (centring.T @ centring + _STAY * sparse.eye(len(x))).tocsc()
-    try:
-        factor = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    except RuntimeError as error:
-        raise SolverError("the projection's matrix is singular") from error
-    start = x
-    for done in range(rounds):
-        flat = []
-        for group in groups:
-            centred, normal = _planes(x[group])
-            off = np.einsum("mki,mi->mk", centred, normal)
-            flat.append((centred - off[..., None] * normal[:, None]).reshape(-1, 3))
-        x = factor.solve(centring.T @ np.concatenate(flat) + _STAY * start)
-        if _warp(x, groups) <= goal:
-            return x, done + 1
-    return x, rounds
-
-
-def _centring(corner: Ints, count: int) -> sparse.csr_matrix:
-    """Matrix (m k, count) that gives the corners of each polygon relative to their mean."""
-    m, k = corner.shape
-    block = np.eye(k) - 1.0 / k
-    rows = np.repeat(np.arange(m * k), k)
-    columns = np.repeat(corner, k, axis=0).ravel()
-    return sparse.csr_matrix((np.tile(block, (m, 1)).ravel(), (rows, columns)), (m * k, count))
 
 
 def _newton_move(x: Floats, groups: list[Ints], scale: float) -> Floats:

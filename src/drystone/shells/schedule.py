@@ -2,62 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
 from drystone.base.arrays import Floats, cross, dot
-from drystone.base.display import OneLine
-from drystone.base.files import PathLike, write_bytes
 from drystone.base.ragged import Ragged
+from drystone.base.table import Table
 from drystone.geometry import polygon
 from drystone.geometry.polyhedron import loop_edges
 from drystone.shells.materialise import cell_faces
 from drystone.shells.shell_of_blocks import Shell
-
-
-@dataclass(frozen=True)
-class ScheduleRow(OneLine):
-    """One row of the schedule; lengths and angles in the block's own frame.
-
-    Attributes
-    ----------
-    name, role
-    course, position
-    volume_m3, mass_kg
-    x_m, y_m, z_m
-        Centre of mass in the shell.
-    along_m, across_m, through_m
-        Bounding box in the block's own frame: along the course, across the courses, through the
-        thickness.
-    joints
-        Number of side faces.
-    bevel_deg
-        Per side face the angle between it and the middle plane of the block; 90 is square.
-    corner_deg
-        The interior angle between two neighbouring side faces, at each edge that they share, in the
-        order of the faces. A bed joint with a joggle has three faces; the angles at their two edges
-        are included.
-    """
-
-    name: str
-    role: str
-    course: int
-    position: int
-    volume_m3: float
-    mass_kg: float
-    x_m: float
-    y_m: float
-    z_m: float
-    along_m: float
-    across_m: float
-    through_m: float
-    joints: int
-    bevel_deg: tuple[float, ...]
-    corner_deg: tuple[float, ...]
 
 
 def block_frame(shell: Shell, block: int) -> tuple[Floats, Floats]:
@@ -80,68 +35,48 @@ def block_frame(shell: Shell, block: int) -> tuple[Floats, Floats]:
     return np.stack([np.cross(up, out), up, out]), shell.assembly.blocks[block].centroid
 
 
-def schedule(shell: Shell) -> tuple[ScheduleRow, ...]:
-    """The schedule of the voussoirs, in the order of the assembly.
+def schedule(shell: Shell) -> Table:
+    """A row per voussoir, in the order of the assembly; angles of each one separated by blanks.
+
+    ``centre`` is the centre of mass in the shell, ``extent`` the bounding box in the block's own
+    frame. ``bevels`` are the angles between each side face and the middle plane of the block: 90 is
+    square. ``corners`` are the interior angles between two neighbouring side faces, at each edge
+    that they share, in the order of the faces. A bed joint with a joggle has three faces; the
+    angles at their two edges are included.
 
     Examples
     --------
     >>> from drystone.shells import Layout, barrel_vault, build_shell, schedule
     >>> shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=10, blocks=4))
-    >>> row = schedule(shell)[5]
-    >>> row.name, row.joints, round(min(row.bevel_deg), 3)
-    ('c01-b01', 6, 81.0)
+    >>> row = list(schedule(shell))[5]
+    >>> row["block"], row["joints"], row["bevels"][:10]
+    ('c01-b01', 6, '81.000000 ')
     """
-    rows = []
-    for block in shell.voussoirs.tolist():
-        body = shell.assembly.blocks[block]
-        axes, origin = block_frame(shell, block)
-        extent = np.ptp((body.vertices - origin) @ axes.T, axis=0)
-        bevel, corner = _angles(shell, block, axes[2])
-        rows.append(
-            ScheduleRow(
-                name=body.name,
-                role=str(body.metadata["role"]),
-                course=int(body.metadata["course"]),
-                position=int(body.metadata["position"]),
-                volume_m3=body.volume,
-                mass_kg=body.mass,
-                x_m=float(origin[0]),
-                y_m=float(origin[1]),
-                z_m=float(origin[2]),
-                along_m=float(extent[0]),
-                across_m=float(extent[1]),
-                through_m=float(extent[2]),
-                joints=len(bevel),
-                bevel_deg=bevel,
-                corner_deg=corner,
-            )
-        )
-    return tuple(rows)
+    blocks = [shell.assembly.blocks[i] for i in shell.voussoirs]
+    extent, bevels, corners = [], [], []
+    for i, body in zip(shell.voussoirs.tolist(), blocks, strict=True):
+        axes, origin = block_frame(shell, i)
+        extent.append(np.ptp((body.vertices - origin) @ axes.T, axis=0))
+        bevel, corner = _angles(shell, i, axes[2])
+        bevels.append(bevel)
+        corners.append(corner)
+    columns = {
+        "block": [body.name for body in blocks],
+        **{key: [b.metadata[key] for b in blocks] for key in ("role", "course", "position")},
+        "volume": [body.volume for body in blocks],
+        "mass": [body.mass for body in blocks],
+        "centre": shell.assembly.centroid[shell.voussoirs],
+        "extent": np.array(extent),
+        "joints": [len(each) for each in bevels],
+        "bevels": [_in_a_row(each) for each in bevels],
+        "corners": [_in_a_row(each) for each in corners],
+    }
+    units = {"volume": "m3", "mass": "kg", "centre": "m", "extent": "m"}
+    return Table("schedule", columns, {**units, "bevels": "deg", "corners": "deg"})
 
 
-def write_schedule(shell: Shell, path: PathLike) -> None:
-    """The schedule as CSV: one row per voussoir, angles separated by blanks.
-
-    Raises
-    ------
-    FormatError
-        The file cannot be written.
-    """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(ScheduleRow)])
-    for row in schedule(shell):
-        writer.writerow([_text(value) for value in asdict(row).values()])
-    write_bytes(path, text.getvalue().encode())
-
-
-def _text(value: object) -> str:
-    if isinstance(value, tuple):
-        return " ".join(f"{angle:.3f}" for angle in value)
-    return f"{value:.6f}" if isinstance(value, float) else str(value)
-
-
-def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _angles(shell: Shell, block: int, out: Floats) -> tuple[Floats, Floats]:
+    """Bevels and corners of a block [degrees]."""
     sides = cell_faces(shell.mesh, shell.pins, shell.mesh.cells[block])[2]
     start = Ragged.of(sides).start
     area = polygon.area_vectors(shell.pins.point[np.concatenate(sides)], start)
@@ -152,8 +87,7 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], t
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     one, other = (normal[[edge[k] for edge in shared]] for k in (0, 1))
     turn = np.arctan2(dot(cross(one, other), along), dot(one, other))
-    corner = 180.0 - np.rad2deg(turn)
-    return tuple(_rounded(bevel)), tuple(_rounded(corner))
+    return bevel, 180.0 - np.rad2deg(turn)
 
 
 def _shared_edges(sides: Sequence[Sequence[int]]) -> list[tuple[int, int, int, int]]:
@@ -165,5 +99,5 @@ def _shared_edges(sides: Sequence[Sequence[int]]) -> list[tuple[int, int, int, i
     return sorted(shared)
 
 
-def _rounded(angle: Floats) -> list[float]:
-    return [round(float(value), 6) for value in angle]
+def _in_a_row(angle: Floats) -> str:
+    return " ".join(f"{value:.6f}" for value in angle)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -42,16 +43,16 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
         )
     radius = (0.25 * span**2 + rise**2) / (2.0 * rise)
     half = math.asin(min(0.5 * span / radius, 1.0))
-
-    def point(u: Floats, v: Floats) -> Floats:
-        angle = half * (2.0 * u - 1.0)
-        return np.stack(
-            [radius * np.sin(angle), length * v, radius * np.cos(angle) - radius + rise], axis=-1
-        )
-
+    patch = Patch(partial(_barrel, radius, half, length), name="barrel vault")
     supports = (Edge(0, Side.BOTTOM), Edge(0, Side.TOP))
-    patch = Patch(point, name="barrel vault")
     return Shape((patch,), (), supports, name="barrel vault", thickness=_VAULT_THICKNESS * span)
+
+
+def _barrel(radius: float, half: float, length: float, u: Floats, v: Floats) -> Floats:
+    """An arc of half an angle [radians] to each side of the crown, along y."""
+    angle = half * (2.0 * u - 1.0)
+    height = radius * (np.cos(angle) - np.cos(half))
+    return np.stack([radius * np.sin(angle), length * v, height], axis=-1)
 
 
 def dome(
@@ -88,21 +89,20 @@ def dome(
             remedy="make the eye smaller or the springing lower",
         )
     low, high = math.radians(springing_deg), math.acos(oculus / radius)
-
-    def point(u: Floats, v: Floats) -> Floats:
-        latitude = low + (high - low) * u
-        longitude = 2.0 * np.pi * v
-        ring = radius * np.cos(latitude)
-        return np.stack(
-            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
-            axis=-1,
-        )
-
     return Shape(
-        (Patch(point, closed=True, name="dome"),),
+        (Patch(partial(_sphere, radius, low, high), closed=True, name="dome"),),
         supports=(Edge(0, Side.BOTTOM),),
         keystone=(Edge(0, Side.TOP),) if keystone else (),
         name="dome",
+    )
+
+
+def _sphere(radius: float, low: float, high: float, u: Floats, v: Floats) -> Floats:
+    """A sphere between two latitudes [radians]."""
+    latitude, longitude = low + (high - low) * u, 2.0 * np.pi * v
+    ring = radius * np.cos(latitude)
+    return np.stack(
+        [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)], axis=-1
     )
 
 
@@ -117,20 +117,21 @@ def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
     """
     refuse_unless_positive(span=span)
     _within(springing_deg, 5.0, 60.0, "springing_deg")
-    radius, start = 0.5 * span, math.radians(springing_deg)
-
-    def point(u: Floats, v: Floats) -> Floats:
-        angle = start + (np.pi - 2.0 * start) * u
-        across = -radius * np.cos(angle)
-        groin = np.abs(across)
-        return np.stack([groin + v * (radius - groin), across, radius * np.sin(angle)], axis=-1)
-
-    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    web = partial(_groined, 0.5 * span, math.radians(springing_deg))
+    webs = tuple(Patch(partial(_turned, web, k), name=f"web {k}") for k in range(4))
     seams = tuple(
         Seam(Edge(k, Side.LEFT, 1.0, 0.5), Edge((k + 1) % 4, Side.LEFT, 0.0, 0.5)) for k in range(4)
     )
     supports = tuple(Edge(k, side) for k in range(4) for side in (Side.BOTTOM, Side.TOP))
     return Shape(webs, seams, supports, name="cross vault")
+
+
+def _groined(radius: float, start: float, u: Floats, v: Floats) -> Floats:
+    """A web of a cross vault, from its groin to its end, from an angle [radians] upwards."""
+    angle = start + (np.pi - 2.0 * start) * u
+    across = -radius * np.cos(angle)
+    groin = np.abs(across)
+    return np.stack([groin + v * (radius - groin), across, radius * np.sin(angle)], axis=-1)
 
 
 def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True) -> Shape:
@@ -147,15 +148,8 @@ def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True
     refuse_unless_positive(span=span, eye=eye)
     if eye >= span:
         raise InputError(f"the eye, {eye} m, is as wide as the span, {span} m")
-    radius = 0.5 * span
-    high = math.acos(eye / span)
-
-    def point(u: Floats, v: Floats) -> Floats:
-        angle = high * u
-        reach = radius * np.cos(angle)
-        return np.stack([reach, (2.0 * v - 1.0) * reach, radius * np.sin(angle)], axis=-1)
-
-    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    web = partial(_cloistered, 0.5 * span, math.acos(eye / span))
+    webs = tuple(Patch(partial(_turned, web, k), name=f"web {k}") for k in range(4))
     seams = tuple(Seam(Edge(k, Side.RIGHT), Edge((k + 1) % 4, Side.LEFT)) for k in range(4))
     return Shape(
         webs,
@@ -164,6 +158,13 @@ def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True
         tuple(Edge(k, Side.TOP) for k in range(4)) if keystone else (),
         name="pavilion vault",
     )
+
+
+def _cloistered(radius: float, high: float, u: Floats, v: Floats) -> Floats:
+    """A web of a pavilion vault, from its side up to an angle [radians]."""
+    angle = high * u
+    reach = radius * np.cos(angle)
+    return np.stack([reach, (2.0 * v - 1.0) * reach, radius * np.sin(angle)], axis=-1)
 
 
 FOOT_DEG, WAIST, EDGE = 18.0, 0.64, 0.6
@@ -202,22 +203,12 @@ def tri_dome(
             f"an eye of {eye:g} m is too wide for a tri-dome over {span:g} m",
             remedy=f"make it narrower than {2.0 * waist:g} m",
         )
-    sixth, foot = math.pi / 3.0, math.radians(FOOT_DEG)
-
-    def leg(middle: float) -> Patch:
-        def point(u: Floats, v: Floats) -> Floats:
-            radius = reach + (rim - reach) * u
-            up = np.clip((radius - waist) / (reach - waist), 0.0, 1.0)
-            half = sixth - (sixth - foot) * up**EDGE
-            angle = middle + half * (2.0 * v - 1.0)
-            height = rise * (1.0 - (radius / reach) ** 2)
-            return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
-
-        return Patch(point, name=f"leg at {math.degrees(middle):g} degrees")
-
     above = (reach - waist) / (reach - rim)
     return Shape(
-        tuple(leg(0.5 * math.pi + 2.0 * k * sixth) for k in range(3)),
+        tuple(
+            Patch(partial(_leg, reach, rim, rise, turn), name=f"leg at {turn:g} degrees")
+            for turn in (90.0, 210.0, 330.0)
+        ),
         tuple(
             Seam(Edge(k, Side.RIGHT, above, 1.0), Edge((k + 1) % 3, Side.LEFT, above, 1.0))
             for k in range(3)
@@ -228,11 +219,22 @@ def tri_dome(
     )
 
 
-def _turned(function: PatchFunction, quarters: int) -> PatchFunction:
-    """The same patch turned by quarters about the z axis."""
+def _leg(reach: float, rim: float, rise: float, turn: float, u: Floats, v: Floats) -> Floats:
+    """A third of a tri-dome, its middle at an angle [degrees]."""
+    sixth, foot, waist = math.pi / 3.0, math.radians(FOOT_DEG), WAIST * reach
+    radius = reach + (rim - reach) * u
+    up = np.clip((radius - waist) / (reach - waist), 0.0, 1.0)
+    half = sixth - (sixth - foot) * up**EDGE
+    angle = math.radians(turn) + half * (2.0 * v - 1.0)
+    height = rise * (1.0 - (radius / reach) ** 2)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+
+
+def _turned(web: PatchFunction, quarters: int, u: Floats, v: Floats) -> Floats:
+    """Points of a web turned by quarters about the z axis."""
     c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters]
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return lambda u, v: function(u, v) @ rotation.T
+    turned: Floats = web(u, v) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return turned
 
 
 def _within(value: float, low: float, high: float, name: str) -> None:
@@ -248,12 +250,14 @@ def rectangular_plan(
     It is supported on all sides except the open ones.
     """
     refuse_unless_positive(width=width, depth=depth)
-
-    def point(u: Floats, v: Floats) -> Floats:
-        return np.stack([width * v, depth * u, np.zeros_like(u)], axis=-1)
-
     supports = tuple(Edge(0, side) for side in Side if side not in open_sides)
-    return Shape((Patch(point, name="rectangle"),), (), supports, name="rectangular plan")
+    patch = Patch(partial(_flat, width, depth), name="rectangle")
+    return Shape((patch,), (), supports, name="rectangular plan")
+
+
+def _flat(width: float, depth: float, u: Floats, v: Floats) -> Floats:
+    """A rectangle, v along x and u along y."""
+    return np.stack([width * v, depth * u, np.zeros_like(u)], axis=-1)
 
 
 def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) -> Shape:
@@ -275,27 +279,27 @@ def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4)
             where="three-legged plan",
         )
 
-    def leg(angle: float) -> Patch:
-        def at(degrees: float, radius: float) -> Floats:
-            turn = np.deg2rad(angle + degrees)
-            return radius * np.array([np.cos(turn), np.sin(turn), 0.0])
-
-        out, side = at(0.0, 1.0), at(90.0, 1.0)
-        left, right = reach * out - 0.5 * foot * side, reach * out + 0.5 * foot * side
-        waist_left, waist_right = at(-60.0, waist), at(60.0, waist)
-
-        def point(u: Floats, v: Floats) -> Floats:
-            U, V = u[:, None], v[:, None]
-            low = (1.0 - V) * left + V * right
-            high = np.where(V < 0.5, (1.0 - 2.0 * V) * waist_left, (2.0 * V - 1.0) * waist_right)
-            result: Floats = (1.0 - U) * low + U * high
-            return result
-
-        return Patch(point, name=f"leg at {angle:g} degrees", breaks=(0.5,))
-
     seams = tuple(
         Seam(Edge(k, Side.TOP, 0.5, 1.0), Edge((k + 1) % 3, Side.TOP, 0.5, 0.0)) for k in range(3)
     )
     supports = tuple(Edge(k, Side.BOTTOM) for k in range(3))
-    legs = tuple(leg(90.0 + 120.0 * k) for k in range(3))
+    legs = tuple(
+        Patch(partial(_flat_leg, reach, waist, foot, turn), name=f"leg at {turn:g} degrees",
+              breaks=(0.5,))
+        for turn in (90.0, 210.0, 330.0)
+    )  # fmt: skip
     return Shape(legs, seams, supports, name="three vaults")
+
+
+def _flat_leg(reach: float, waist: float, foot: float, turn: float, u: Floats, v: Floats) -> Floats:
+    """A leg in plan at an angle [degrees], from its foot to the two waists that meet in it."""
+
+    def towards(degrees: float) -> Floats:
+        return np.array([math.cos(at := math.radians(turn + degrees)), math.sin(at), 0.0])
+
+    out, side, U, V = reach * towards(0.0), 0.5 * foot * towards(90.0), u[:, None], v[:, None]
+    low = out + (2.0 * V - 1.0) * side
+    left, right = (1.0 - 2.0 * V) * towards(-60.0), (2.0 * V - 1.0) * towards(60.0)
+    high = waist * np.where(V < 0.5, left, right)
+    flat: Floats = (1.0 - U) * low + U * high
+    return flat

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -53,9 +54,14 @@ def curve_through(points: Any) -> _Curve:
         raise InputError(f"curve point {int(np.argmin(chord)) + 1} repeats the one before")
     at = np.concatenate([[0.0], np.cumsum(chord)]) / chord.sum()
     if len(corners) == 2:
-        return lambda s: corners[0] + np.asarray(s)[:, None] * (corners[1] - corners[0])
-    spline = CubicSpline(at, corners)
-    return lambda s: spline(np.asarray(s))
+        return partial(_line, *corners)
+    spline: _Curve = CubicSpline(at, corners)
+    return spline
+
+
+def _line(start: Floats, end: Floats, s: Floats) -> Floats:
+    line: Floats = start + np.asarray(s)[:, None] * (end - start)
+    return line
 
 
 def patch_from_curves(
@@ -107,16 +113,21 @@ def patch_from_curves(
                 remedy="bottom and top run left to right, left and right run bottom to top",
             )
     _refuse_crossings({"bottom": bottom, "top": top, "left": left, "right": right}, size, where)
+    return patch_from_function(partial(_coons, bottom, top, left, right), name=name)
 
-    def point(u: Floats, v: Floats) -> Floats:
-        U, V = u[:, None], v[:, None]
-        ruled_u = (1.0 - U) * np.asarray(bottom(v)) + U * np.asarray(top(v))
-        ruled_v = (1.0 - V) * np.asarray(left(u)) + V * np.asarray(right(u))
-        corners = (1.0 - U) * ((1.0 - V) * b[0] + V * b[1]) + U * ((1.0 - V) * t[0] + V * t[1])
-        result: Floats = ruled_u + ruled_v - corners
-        return result
 
-    return patch_from_function(point, name=name)
+def _coons(
+    bottom: _Curve, top: _Curve, left: _Curve, right: _Curve, u: Floats, v: Floats
+) -> Floats:
+    """Points between four curves."""
+    U, V, ends = u[:, None], v[:, None], np.array([0.0, 1.0])
+    low, high = np.asarray(bottom(v)), np.asarray(top(v))
+    between_rows = (1.0 - U) * low + U * high
+    between_columns = (1.0 - V) * np.asarray(left(u)) + V * np.asarray(right(u))
+    b, t = np.asarray(bottom(ends)), np.asarray(top(ends))
+    corners = (1.0 - U) * ((1.0 - V) * b[0] + V * b[1]) + U * ((1.0 - V) * t[0] + V * t[1])
+    between: Floats = between_rows + between_columns - corners
+    return between
 
 
 def patch_from_sections(sections: Sequence[Any], *, name: str = "patch") -> Patch:
@@ -186,17 +197,21 @@ def patch_from_grid(
         for lo, hi in itertools.pairwise(cuts)
     ]
     inner = at_v[cuts[1:-1]]
-
-    def point(u: Floats, v: Floats) -> Floats:
-        piece = np.searchsorted(inner, v, side="right")
-        out = np.empty((len(u), 3))
-        for i, splines in enumerate(pieces):
-            chosen = piece == i
-            for axis, spline in enumerate(splines):
-                out[chosen, axis] = spline.ev(u[chosen], v[chosen])
-        return out
-
+    point = partial(_on_splines, pieces, inner)
     return patch_from_function(point, closed=closed, name=name, breaks=inner.tolist())
+
+
+def _on_splines(
+    pieces: Sequence[Sequence[RectBivariateSpline]], inner: Floats, u: Floats, v: Floats
+) -> Floats:
+    """Points on splines beside each other, the second one from the first inner v on."""
+    piece = np.searchsorted(inner, v, side="right")
+    out = np.empty((len(u), 3))
+    for i, splines in enumerate(pieces):
+        chosen = piece == i
+        for axis, spline in enumerate(splines):
+            out[chosen, axis] = spline.ev(u[chosen], v[chosen])
+    return out
 
 
 def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpline]:

@@ -1,3 +1,4 @@
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from drystone.shells import (
     pavilion_vault,
     rectangular_plan,
     shape_volume,
+    shell_by_name,
     three_legged_plan,
 )
 from drystone.shells.materialise import cell_faces
@@ -461,3 +463,12 @@ def built(thickness=0.4, **layout):
 def test_numbers_of_numpy_are_numbers():
     shell = built(np.float32(0.4), courses=np.int64(9), blocks=np.int32(4))
     assert len(shell.voussoirs) == len(built().voussoirs)
+
+
+@pytest.mark.parametrize("name", ["barrel", "pavilion", "dome", "free-edge", "tri-dome"])
+def test_a_shell_travels_to_another_process(name: str):
+    shell = shell_by_name(name, courses=5, width=1.6, thickness=0.3)
+    again = pickle.loads(pickle.dumps(shell))
+    assert np.array_equal(again.assembly.centroid, shell.assembly.centroid)
+    point = [one.shape.patches[0].point(0.3, 0.7) for one in (again, shell)]
+    assert np.array_equal(*point)
