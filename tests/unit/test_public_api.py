@@ -1,9 +1,11 @@
 """What ``import drystone`` offers: its names, what they say of themselves, and that it is true."""
 
 import ast
+import copy
 import doctest
 import importlib
 import inspect
+import pickle
 import subprocess
 import sys
 import tomllib
@@ -124,3 +126,13 @@ def test_the_version_stands_in_one_place() -> None:
     source = checkout / project["tool"]["hatch"]["version"]["path"]
     assert source == checkout / "src" / "drystone" / "__init__.py"
     assert f'__version__ = "{drystone.__version__}"' in source.read_text("utf-8")
+
+
+@pytest.mark.parametrize("room", ["", *ROOMS])
+def test_every_public_name_can_be_pickled_and_copied(room: str) -> None:
+    """So that it can be sent through a pool of processes."""
+    home = importlib.import_module(".".join(filter(None, ("drystone", room))))
+    for name in home.__all__:
+        value = getattr(home, name)
+        assert type(pickle.loads(pickle.dumps(value))) is type(value), name
+        assert type(copy.deepcopy(value)) is type(value), name

@@ -18,7 +18,7 @@ from typing import Any
 
 import click
 
-from drystone.base.errors import DrystoneError
+from drystone.base.errors import DrystoneError, InputError
 from drystone.cli import kinds, output
 from drystone.cli.command import SETTINGS, write_examples
 from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
@@ -201,6 +201,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         sys.stdout = output.nowhere()
         return output.CLOSED
+    except MemoryError as error:
+        told = InputError(
+            f"the memory was used up: {error}".removesuffix(": "),
+            remedy="take fewer blocks or triangles, or a machine with more memory",
+        )
+        return output.fail(told, output.BAD_INPUT, as_json)
     except OSError as error:
         return output.fail(error, output.BAD_INPUT, as_json)
     except Exception as error:  # the edge of the program: an error inside drystone, in one line

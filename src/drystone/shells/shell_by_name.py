@@ -5,7 +5,6 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
@@ -161,30 +160,28 @@ class _Sample:
     thickness: float
 
 
-SAMPLES: Mapping[str, Mapping[int, _Sample]] = MappingProxyType(
-    {
-        "barrel": {
-            40: _Sample(Layout(courses=9, blocks=4, wedge=0.2), 0.3),
-            400: _Sample(Layout(courses=27, blocks=15, wedge=0.2), 0.3),
-            4000: _Sample(Layout(courses=85, blocks=47, wedge=0.2), 0.2),
-        },
-        "dome": {
-            40: _Sample(Layout(courses=4, blocks=10, wedge=0.2), 0.4),
-            400: _Sample(Layout(courses=16, blocks=25, wedge=0.2), 0.4),
-            4000: _Sample(Layout(courses=50, blocks=80, wedge=0.2), 0.4),
-        },
-        "freeform": {
-            40: _Sample(Layout(courses=5, width=1.3, wedge=-0.1), 0.2),
-            400: _Sample(Layout(courses=16, width=0.35, wedge=-0.1), 0.2),
-            4000: _Sample(Layout(courses=50, width=0.11, wedge=-0.1), 0.1),
-        },
-        "form-found": {
-            40: _Sample(Layout(courses=6, width=1.0, wedge=0.2), 0.2),
-            400: _Sample(Layout(courses=16, width=0.3, wedge=0.2), 0.2),
-            4000: _Sample(Layout(courses=60, width=0.108, wedge=0.2), 0.1),
-        },
-    }
-)
+SAMPLES: Mapping[str, Mapping[int, _Sample]] = {
+    "barrel": {
+        40: _Sample(Layout(courses=9, blocks=4, wedge=0.2), 0.3),
+        400: _Sample(Layout(courses=27, blocks=15, wedge=0.2), 0.3),
+        4000: _Sample(Layout(courses=85, blocks=47, wedge=0.2), 0.2),
+    },
+    "dome": {
+        40: _Sample(Layout(courses=4, blocks=10, wedge=0.2), 0.4),
+        400: _Sample(Layout(courses=16, blocks=25, wedge=0.2), 0.4),
+        4000: _Sample(Layout(courses=50, blocks=80, wedge=0.2), 0.4),
+    },
+    "freeform": {
+        40: _Sample(Layout(courses=5, width=1.3, wedge=-0.1), 0.2),
+        400: _Sample(Layout(courses=16, width=0.35, wedge=-0.1), 0.2),
+        4000: _Sample(Layout(courses=50, width=0.11, wedge=-0.1), 0.1),
+    },
+    "form-found": {
+        40: _Sample(Layout(courses=6, width=1.0, wedge=0.2), 0.2),
+        400: _Sample(Layout(courses=16, width=0.3, wedge=0.2), 0.2),
+        4000: _Sample(Layout(courses=60, width=0.108, wedge=0.2), 0.1),
+    },
+}
 """Kinds, and the approximate number of voussoirs of each size."""
 
 

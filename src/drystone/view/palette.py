@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
@@ -163,15 +162,13 @@ class Preset(OneLine):
 _MARKS = frozenset({"hinges", "sliding", "help", "tension"})
 _ASKED = frozenset({"missed", "missed-points", "defects", "lines", "opening"})
 
-PRESETS: Mapping[str, Preset] = MappingProxyType(
-    {
-        "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening"}),
-        "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
-        "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
-        "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),
-        "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),
-    }
-)
+PRESETS: Mapping[str, Preset] = {
+    "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening"}),
+    "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
+    "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
+    "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),
+    "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),
+}
 """Pictures by key."""
 
 KNOWN = frozenset(

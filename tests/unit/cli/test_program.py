@@ -82,6 +82,12 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Any:
         (MissingDependency("rhino3dm", extra="cad", purpose="reading 3dm"), 3, "drystone[cad]"),
         (KeyboardInterrupt(), 130, "interrupted; nothing was written"),
         (PermissionError(13, "Permission denied", "x.html"), 2, "Permission denied"),
+        (
+            MemoryError("Unable to allocate 40. GiB"),
+            2,
+            "the memory was used up: Unable to allocate",
+        ),
+        (MemoryError(), 2, "the memory was used up; take fewer blocks"),
         (ZeroDivisionError("division\nby zero"), 70, "please report it: ZeroDivisionError"),
     ],
 )
