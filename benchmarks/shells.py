@@ -136,14 +136,14 @@ def limits(built: Built) -> str:
         def stands(angle: float) -> bool:
             return _stands(assembly, contacts, LoadCase.tilt(assembly, vector, angle), UNIFORM)
 
-        options = LimitOptions(full=False, width=degrees)
+        options = LimitOptions(equilibrium_only=True, width=degrees)
         bound = limit_tilt(Model(assembly, contacts), axis, options=options).equilibrium.stands
         return f"{last_true(stands, 0.0, bound, degrees):.1f} / {bound:.1f}"
 
     def at(friction: float) -> bool:
         return _stands(assembly, contacts.with_friction(friction), None, UNIFORM)
 
-    options = LimitOptions(full=False, width=coefficient)
+    options = LimitOptions(equilibrium_only=True, width=coefficient)
     bound = limit_friction(Model(assembly, contacts), options=options).equilibrium.stands
     least = f"{last_true(at, 0.6, bound, coefficient):.2f} / {bound:.2f}"
     cells = f"{tilt('x')} | {tilt('y')} | {least}"

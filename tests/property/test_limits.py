@@ -15,7 +15,7 @@ from tests.oracle import touching_faces
 
 ARCH = arch(0.2, 9)
 JOINTS = touching_faces(ARCH, 0.7)
-BOUND = LimitOptions(full=False, width=0.01)
+BOUND = LimitOptions(equilibrium_only=True, width=0.01)
 TILT = limit_tilt(Model(ARCH, JOINTS), "y", options=BOUND).equilibrium.value
 THRUST = thrust_bounds(Model(ARCH, JOINTS), "springer-right", (1.0, 0.0, 0.0))
 TABLE = THRUST.least_state.joints() if THRUST.least_state is not None else None
@@ -89,6 +89,6 @@ def test_what_stands_within_its_kerns_stands_with_a_third_of_its_joints_left_ove
     thick = arch(0.5, 9)
     joints = touching_faces(thick, 0.9)
     assert solve_rbe(Model(thick, to_kern(joints))).verdict == "equilibrium exists"
-    limit = limit_shrink(Model(thick, joints), options=LimitOptions(full=False))
+    limit = limit_shrink(Model(thick, joints), options=LimitOptions(equilibrium_only=True))
     assert limit.equilibrium.value is not None
     assert limit.equilibrium.value < 1.0 / 3.0

@@ -36,7 +36,7 @@ from drystone.stability import RBEOptions
 from drystone.virtual import shift, shrink, to_kern
 from tests.oracle import touching_faces
 
-BOUND = LimitOptions(full=False)
+BOUND = LimitOptions(equilibrium_only=True)
 QUICK = LimitOptions(scan=2, width=0.01)
 FINE = LimitOptions(scan=2, width=1e-3)
 WEIGHT = 2400.0 * 9.81
@@ -139,7 +139,7 @@ def test_a_tilt_about_an_axis_that_is_not_horizontal_is_bisected() -> None:
     contacts = touching_faces(assembly, 0.4)
     axis = np.array([1.0, 0.0, 1.0])
     assert not Tilt(Model(assembly, contacts, LoadCase.gravity(assembly)), axis).is_planar()
-    options = LimitOptions(full=False, width=0.01)
+    options = LimitOptions(equilibrium_only=True, width=0.01)
     limit = limit_tilt(Model(assembly, contacts), axis, options=options)
     # down turns about the axis to a slope a with cos a = (1 + cos t) / 2
     slope = np.arctan(0.4)
@@ -261,9 +261,9 @@ DOME_JOINTS = touching_faces(DOME, 0.6)
 
 def test_tilt_of_the_dome_with_the_pyramid_of_the_source_and_with_the_cone() -> None:
     # Kao et al. 2022: 32 degrees, with a pyramid that grants up to 8.2 % more friction
-    loose = LimitOptions(full=False, width=0.1, cone=FrictionCone.octagon())
+    loose = LimitOptions(equilibrium_only=True, width=0.1, cone=FrictionCone.octagon())
     pyramid = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=loose).equilibrium.value
-    tight = LimitOptions(full=False, width=0.1)
+    tight = LimitOptions(equilibrium_only=True, width=0.1)
     exact = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=tight).equilibrium.value
     assert pyramid == pytest.approx(32.0, abs=1.0)
     assert exact is not None
@@ -303,7 +303,7 @@ def test_least_thickness_of_the_hemispherical_dome() -> None:
         0.05,
         0.035,
         find=slippery_walls,
-        options=LimitOptions(full=False, width=1e-4),
+        options=LimitOptions(equilibrium_only=True, width=1e-4),
     )
     assert limit.equilibrium.value == pytest.approx(0.0428, abs=5e-4)
 

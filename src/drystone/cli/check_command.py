@@ -7,8 +7,9 @@ from functools import partial
 from typing import Annotated
 
 from drystone.cli import checking, loading, mend_command, options
-from drystone.cli.command import Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Finding, Subject
+from drystone.cli.offered import Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Written

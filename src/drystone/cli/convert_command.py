@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 from drystone.base.errors import InputError
 from drystone.base.files import same_place
 from drystone.cli import kinds, options
-from drystone.cli.command import CONTACTS, OUTPUT, Argument, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Source, warnings_of
+from drystone.cli.offered import CONTACTS, OUTPUT, Argument, Option
 from drystone.cli.output import Screen
 from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting

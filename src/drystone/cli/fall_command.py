@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.cli import kinds, loading, options
-from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Subject
+from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, apart

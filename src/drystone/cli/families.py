@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
 
 from drystone.base.errors import InputError, meant
-from drystone.cli.command import MODEL, Option
+from drystone.cli.offered import MODEL, Option
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly

@@ -6,8 +6,9 @@ from functools import partial
 from typing import Annotated
 
 from drystone.cli import options
-from drystone.cli.command import CONTACTS, OUTPUT, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Source, Tolerances
+from drystone.cli.offered import CONTACTS, OUTPUT, Option
 from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures

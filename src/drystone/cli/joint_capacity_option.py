@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.command import CONTACTS, Option
+from drystone.cli.offered import CONTACTS, Option
 
 if TYPE_CHECKING:
     from drystone.joint_capacity import JointCapacity

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -13,6 +13,9 @@ from click.shell_completion import CompletionItem
 from drystone.base import units
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import plain_target
+
+if TYPE_CHECKING:
+    from drystone.base.declared import Declared
 
 
 class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
@@ -42,8 +45,7 @@ class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since cl
         try:
             return self.read(value)
         except InputError as error:
-            where = error.where or named(param)
-            raise error.located(where) from error
+            raise error.located(named(param)) from error
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
         """What stands for the value in help."""
@@ -186,6 +188,17 @@ def _section(text: str) -> str:
 
     read_section(text)
     return text
+
+
+def of(one: Declared) -> OptionKind:
+    """The kind of a declared option; several words are converted together, later."""
+    if one.choices:
+        return one_of(one.choices) if one.several else OptionKind("WORD", one.value, one.choices)
+    if one.several:
+        return TEXT
+    number = {int, float} & {*one.kinds}
+    name = {"m": "LENGTH", "coefficient": "NUMBER|ANGLE"}.get(one.unit, "NUMBER")
+    return OptionKind(("COUNT" if number == {int} else name) if number else "TEXT", one.value)
 
 
 TEXT = OptionKind("TEXT", str)

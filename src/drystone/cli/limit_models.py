@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import families, kinds, loading, options
-from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.options import LimitSearch
+from drystone.cli.offered import OUTPUT, Analysis, Argument, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, apart
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.files import Job
     from drystone.cli.told import Files
-    from drystone.limits import StandingShare
+    from drystone.limits import Imperfections, StandingShare
 
 SEARCHED = {
     "arch": ("thickness_ratio", "", (0.2, 0.05)),
@@ -31,18 +31,6 @@ SEARCHED = {
     "dome": ("thickness", "m", (0.5, 0.05)),
 }
 """Parameter that is thickness, its unit, and the range that is searched, by family."""
-
-
-def _pair(text: str) -> tuple[float, float]:
-    try:
-        low, high = (float(part) for part in text.split(","))
-    except ValueError as error:
-        raise InputError(f"'{text}' is not LOW,HIGH", remedy="write 0.5,0.7") from error
-    return low, high
-
-
-_ZERO_OR_MORE = kinds.number(least=0.0)
-_ORDERS = ("at-once", "ramp", "turned")
 
 
 @dataclass(frozen=True)
@@ -79,8 +67,14 @@ def thickness(
     thin: Annotated[
         float | None, Option("Value at which the search ends.", flags=("--to",))
     ] = None,
-    friction: options.Friction = None,
-    search: LimitSearch,
+    asked: Annotated[
+        Analysis,
+        Of(
+            "drystone.limits.limit_thickness",
+            without=("find", "parameter", "unit"),
+            shown=("friction",),
+        ),
+    ],
     pictures: Pictures,
     waiting: Waiting,
 ) -> Told:
@@ -103,16 +97,8 @@ def thickness(
     made = partial(_built, build, name, fixed)
     if pictures.section is not None:
         pictures.require_through(made(start))
-    with search.under_way(waiting) as common:
-        found = limit_thickness(
-            made,
-            start,
-            last if thin is None else thin,
-            friction=0.6 if friction is None else friction,
-            parameter=name,
-            unit=unit,
-            **common,
-        )
+    asked = asked.instead(limit_thickness, parameter=name, unit=unit)
+    found = asked.of(waiting, made, start, last if thin is None else thin)
     return Told(found, subject=family, files=partial(pictures.of, found))
 
 
@@ -123,48 +109,24 @@ def thickness(
 def imperfections(
     *,
     subject: Subject,
-    draws: Annotated[int, Option("Number of random structures (100).")] = 100,
-    seed: Annotated[int, Option("The same seed gives the same draws (0).", expert=True)] = 0,
-    friction_range: Annotated[
-        tuple[float, float] | None,
-        Option(
-            "Range of the friction of each joint, uniform.",
-            kind=kinds.OptionKind("LOW,HIGH", _pair),
+    imperfect: Annotated[
+        Imperfections,
+        Of(
+            "drystone.limits.Imperfections",
+            shown=("friction", "tolerance"),
+            flags={"friction": "--friction-range", "tilt_deg": "--turn"},
+            metavars={"friction": "LOW,HIGH"},
         ),
-    ] = None,
-    corner_loss: Annotated[
-        float,
-        Option(
-            "Probability that a corner of a joint is broken off.", kind=_ZERO_OR_MORE, expert=True
+    ],
+    asked: Annotated[
+        Analysis,
+        Of(
+            "drystone.limits.imperfections",
+            shown=("draws", "loading"),
+            flags={"loading": "--order"},
         ),
-    ] = 0.0,
-    offset: Annotated[
-        float,
-        Option(
-            "Shift of joints in their plane by the root of their area.",
-            kind=_ZERO_OR_MORE,
-            expert=True,
-        ),
-    ] = 0.0,
-    turn: Annotated[
-        float,
-        Option("Turn of joints out of their plane, degrees.", kind=_ZERO_OR_MORE, expert=True),
-    ] = 0.0,
-    tolerance: Annotated[
-        float,
-        Option("Tolerance of the joints in m: they are shifted and turned.", kind=_ZERO_OR_MORE),
-    ] = 0.0,
-    order: Annotated[
-        tuple[str, ...],
-        Option(
-            "Follow every draw by steps, the load put on at-once, as a ramp, or turned from "
-            "upright, instead of the check. Can be given several times.",
-            kind=kinds.one_of(_ORDERS),
-        ),
-    ] = (),
+    ],
     seismic: loading.Seismic = None,
-    workers: options.Workers = 1,
-    time_limit: options.TimeLimit = None,
     files: Drawn,
     waiting: Waiting,
 ) -> Told:
@@ -172,31 +134,14 @@ def imperfections(
 
     Exit code 0: all of them. 1: not all.
     """
-    from drystone import limits
-
-    imperfect = limits.Imperfections(
-        friction=friction_range,
-        corner_loss=corner_loss,
-        offset=offset,
-        tilt_deg=turn,
-        tolerance=tolerance,
-    )
-    if imperfect == limits.Imperfections():
+    if imperfect == type(imperfect)():
         raise InputError(
             "nothing is imperfect",
             remedy="give --tolerance, --friction-range, --corner-loss, --offset or --turn",
         )
     model = subject.prepared(waiting, seismic=seismic)
-    waiting.stage("solve", "drawing")
-    with waiting.keywords(time_limit, workers) as common:
-        found = limits.imperfections(
-            model,
-            imperfect,
-            draws=draws,
-            seed=seed,
-            loading=[name.replace("-", " ") for name in order],
-            **common,
-        )
+    found = asked.of(waiting, model, imperfect, doing="drawing")
+    draws = asked.given.get("draws", found.draws)
     notes = list(model.notes)
     if found.draws < draws:
         notes.append(f"interrupted after {found.draws} of {draws} draws")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.command import LOADS, Option
+from drystone.cli.offered import LOADS, Option
 from drystone.cli.options import vector
 
 if TYPE_CHECKING:

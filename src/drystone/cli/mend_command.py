@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, loading, options
-from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Finding, Subject
+from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures

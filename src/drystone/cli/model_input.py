@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError, counted
 from drystone.cli import kinds, loading, options
-from drystone.cli.command import CONTACTS, LOADS, MODEL, Argument, Option
 from drystone.cli.joint_capacity_option import JointCapacities, with_joint_capacity
+from drystone.cli.offered import CONTACTS, LOADS, MODEL, Argument, Option
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:

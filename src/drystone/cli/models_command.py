@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError, counted
 from drystone.cli import checking, families, kinds, options
-from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.command import command
 from drystone.cli.kinds import output_path
+from drystone.cli.offered import OUTPUT, Argument, Option
 from drystone.cli.output import Screen
 from drystone.cli.told import Printed, Told
 from drystone.cli.waiting import Waiting

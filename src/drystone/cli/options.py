@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.command import MODEL, OUTPUT, Option
-from drystone.cli.waiting import Waiting
+from drystone.cli.offered import MODEL, OUTPUT, Option
 
 if TYPE_CHECKING:
-    from drystone.limits import LimitOptions
+    pass
 
 Supports: TypeAlias = Annotated[
     str | None,
@@ -135,61 +131,3 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
     if not 0.0 < size < float("inf"):
         raise InputError(f"is {text}", remedy="give a number above zero")
     return (0.0, 0.0, -size)
-
-
-@dataclass(frozen=True)
-class LimitSearch:
-    """Options of the search for a limit."""
-
-    width: Annotated[
-        float | None,
-        Option(
-            "Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE, expert=True
-        ),
-    ] = None
-    scan: Annotated[
-        int,
-        Option(
-            "Steps of the scan for islands before the limit is bisected (6).",
-            kind=kinds.whole(1),
-            expert=True,
-        ),
-    ] = 6
-    cone: Annotated[
-        str,
-        Option(
-            "Friction of the equilibrium limit: exact, or octagon as published (exact).",
-            kind=kinds.one_of(("exact", "octagon")),
-            expert=True,
-        ),
-    ] = "exact"
-    equilibrium_only: Annotated[
-        bool, Option("Compute the limit of equilibrium only.", expert=True)
-    ] = False
-    robust: Annotated[
-        bool, Option("Compute the limit of standing for every contact stiffness too.", expert=True)
-    ] = False
-    workers: Workers = 1
-    time_limit: TimeLimit = None
-
-    def options(self) -> LimitOptions:
-        """The options of the library."""
-        from drystone.limits import LimitOptions
-        from drystone.stability import FrictionCone
-
-        exact = self.cone == "exact"
-        return LimitOptions(
-            width=self.width,
-            scan=self.scan,
-            cone=FrictionCone.exact() if exact else FrictionCone.octagon(),
-            full=not self.equilibrium_only,
-            robust=self.robust,
-        )
-
-    @contextmanager
-    def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
-        """The common keywords of all limits of the library."""
-        chosen = self.options()
-        waiting.stage("solve", "searching")
-        with waiting.keywords(self.time_limit, self.workers) as common:
-            yield {"options": chosen, **common}

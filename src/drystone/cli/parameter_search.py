@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import families
-from drystone.cli.command import MODEL, OUTPUT, Option
 from drystone.cli.mend_command import Margin, margins
+from drystone.cli.offered import MODEL, OUTPUT, Option
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:

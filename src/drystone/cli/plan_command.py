@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.command import Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Finding, Subject
+from drystone.cli.offered import Option
 from drystone.cli.plan_files import PlanFiles
 from drystone.cli.scaffold_command import (
     SCAFFOLDS,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.cli import kinds, options
-from drystone.cli.command import OUTPUT, Option
+from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.written import apart, cad_jobs, refuse_missing
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.command import command
+from drystone.cli.offered import OUTPUT, Argument, Option
 from drystone.cli.output import Screen
 from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
-from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.command import command
 from drystone.cli.model_input import Finding, Subject
+from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.told import Printed, show_table
 from drystone.cli.waiting import Waiting
 

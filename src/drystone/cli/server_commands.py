@@ -14,8 +14,9 @@ import click
 from drystone.base.errors import InputError
 from drystone.base.files import write_bytes
 from drystone.cli import kinds, options, output
-from drystone.cli.command import ANALYSIS, OUTPUT, Argument, Option, command
+from drystone.cli.command import command
 from drystone.cli.kinds import POSITIVE
+from drystone.cli.offered import ANALYSIS, OUTPUT, Argument, Option
 from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.command import Option, command
+from drystone.cli.command import command
 from drystone.cli.mend_command import ChangedFiles, margins
 from drystone.cli.model_input import Finding, Subject
+from drystone.cli.offered import Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 

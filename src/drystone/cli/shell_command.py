@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli import checking, families, kinds, options
 from drystone.cli.buildable_search import find_buildable
-from drystone.cli.command import OUTPUT, Experts, Option, command
+from drystone.cli.command import command
+from drystone.cli.offered import OUTPUT, Experts, Option
 from drystone.cli.parameter_search import SearchRequest, parameter_range
 from drystone.cli.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
 from drystone.cli.surfaces import SurfaceRequest, surface_of

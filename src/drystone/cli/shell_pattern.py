@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.command import Option
+from drystone.cli.offered import Option
 from drystone.cli.surfaces import Surface, SurfaceRequest, refuse_unused, surface_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.command import MODEL, Argument, Option
+from drystone.cli.offered import MODEL, Argument, Option
 
 if TYPE_CHECKING:
     from drystone.shells import Patch, Shape, Side

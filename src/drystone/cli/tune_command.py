@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import families, kinds, options
-from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.command import command
+from drystone.cli.offered import OUTPUT, Argument, Option
 from drystone.cli.parameter_search import SearchRequest
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting

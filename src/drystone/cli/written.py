@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from drystone.base.errors import InputError
 from drystone.base.files import same_place
 from drystone.cli import kinds, options
-from drystone.cli.command import OUTPUT, Option
+from drystone.cli.offered import OUTPUT, Option
 
 if TYPE_CHECKING:
     from drystone.answer import Answer

@@ -72,6 +72,19 @@ class FrictionCone(Options):
         """Eight sides, circumscribed, to reproduce published figures."""
         return cls(8, circumscribed=True)
 
+    @classmethod
+    def named(cls, name: str) -> FrictionCone:
+        """The cone of a name: ``exact`` or ``octagon``.
+
+        Raises
+        ------
+        InputError
+            It is not known.
+        """
+        if name not in ("exact", "octagon"):
+            raise InputError(f"is '{name}'", remedy="use one of exact, octagon")
+        return cls.exact() if name == "exact" else cls.octagon()
+
     def directions(self) -> tuple[Floats, float]:
         """Unit outward normals (s, 2) of the pyramid's sides, and their distance from the axis."""
         angle = 2.0 * np.pi * np.arange(self.sides) / self.sides

@@ -46,16 +46,16 @@ class Imperfections(Options):
     Attributes
     ----------
     friction
-        Lowest and highest coefficient, uniform between them; ``None``: not changed.
-    corner_loss
+        Lowest and highest coefficient, uniform between them; not changed when left out.
+    corner_loss : >= 0
         Probability that a corner of a joint is broken off.
     loss_reach
         Length of a broken corner along its two edges, as a share of them; at most one half.
-    offset
+    offset : >= 0
         Standard deviation of the shift of a joint in its plane, relative to the root of its area.
-    tilt_deg : [degrees]
+    tilt_deg : [degrees] >= 0
         Standard deviation of the rotation of a joint about each of two axes in its plane.
-    tolerance : [m]
+    tolerance : [m] >= 0
         Standard deviation of the place of the rim of a joint, from how exactly blocks are made:
         every joint is shifted by it in each direction of its plane, and turned about each of two
         axes in its plane by it over half the root of its area. Added to ``offset`` and ``tilt_deg``
@@ -261,7 +261,9 @@ def imperfections(
         A model; or an assembly or a file that ``how`` turns into one.
     kinds
         Kinds and sizes of imperfections.
-    draws, seed
+    draws : >= 1
+        Number of random structures.
+    seed : >= 0
         The same seed gives the same draws, with any executor.
     confidence
         Confidence level of the interval (Clopper and Pearson 1934, exact for any number of draws).

@@ -121,7 +121,7 @@ def searched(
     outer, least = bound(means.clock.late)
     between = time.perf_counter()
     found: Mapping[str, FoundBracket] = {}
-    if means.options.full and not means.clock.late():
+    if not means.options.equilibrium_only and not means.clock.late():
         means.tell("limit of rest", 1)
         width = Width(least)
         if means.options.width is None and share is not None:

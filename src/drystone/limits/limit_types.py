@@ -20,15 +20,15 @@ class LimitOptions(Options):
 
     Attributes
     ----------
-    width
+    width : > 0
         Width of the brackets, in the unit of the parameter; when left out, a default of each limit.
-    scan
+    scan : >= 1
         Number of steps between the start and the limit of equilibrium before bisection. An island
         narrower than a step can be missed.
     cone
-        Friction cone of the equilibrium limit.
-    full
-        Whether to search the full verdict too.
+        Friction cone of the equilibrium limit: ``exact``, or the ``octagon`` of published figures.
+    equilibrium_only
+        Whether to search the limit of equilibrium only, without the verdict.
     robust
         Whether to search the limit of standing for every contact stiffness too.
     """
@@ -36,7 +36,7 @@ class LimitOptions(Options):
     width: float | None = None
     scan: int = 6
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
-    full: bool = True
+    equilibrium_only: bool = False
     robust: bool = False
 
     def __post_init__(self) -> None:

@@ -14,7 +14,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import number, of_type
+from drystone.base.arrays import Floats, number, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -54,7 +54,7 @@ _SHARE = 1e-4
 @checked_call
 def limit_tilt(
     given: Given,
-    axis: Any = "x",
+    axis: Floats | Sequence[float] | str = "x",
     *,
     upper: float = 180.0,
     check: Check | None = None,
@@ -74,8 +74,9 @@ def limit_tilt(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     axis : (3,) or a name
-        ``x``, ``y``, ``-x``, ``-y`` or a vector; the rotation is counter-clockwise about it.
-    upper : [degrees] Largest angle of the search.
+        Turned counter-clockwise about ``x``, ``y``, ``-x``, ``-y`` or a vector.
+    upper : [degrees] > 0
+        Largest angle of the search.
     check
         A function that gives the verdict on a model. When left out, that of drystone: first with
         uniform contact stiffness, then with others where it falls.
@@ -133,7 +134,7 @@ def limit_friction(
 
     Parameters
     ----------
-    upper
+    upper : coefficient > 0
         Start of the search; when left out, the largest coefficient of the joints (1 with
         ``scaled``).
     scaled
@@ -172,7 +173,7 @@ def limit_load(
     live
         A load case; a number, the multiple of gravity along -z; or an acceleration (3,) [m/s2] of
         all masses.
-    upper
+    upper : > 0
         Largest factor of the search.
     options
         The default width is 1e-4 of the limit.

@@ -14,14 +14,18 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.files import PathLike
+from drystone.base.files import PathLike, as_path
 from drystone.base.progress import Stopped
 from drystone.base.workers import ExecutorFactory, WorkerPool
-from drystone.sequence.checkpoint import Checkpoint
+from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, members
 from drystone.sequence.structure import Structure
 from drystone.stability.attempts import Candidate
+
+SAVE_EVERY_S = 10.0
+"""Time between two writes of the checkpoint: an interruption loses at most this."""
+
 
 _Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
 """A part, and its known rest states: of similar stages, and with uniform stiffness."""
@@ -73,9 +77,12 @@ class Evaluator(OneLine):
         self.solve_s = 0.0
         self._known: dict[Stage, StageAnswer] = {}
         self._ahead: dict[Stage, StageAnswer] = {}
+        self._kept: dict[Stage, StageAnswer] = {}
         self._pool = WorkerPool(executor, needed=False)
-        self._checkpoint = None if checkpoint is None else Checkpoint(checkpoint, model)
-        self._kept = {} if self._checkpoint is None else self._checkpoint.known
+        self._file = None if checkpoint is None else as_path(checkpoint)
+        self._saved = time.monotonic()
+        if self._file is not None and self._file.exists():
+            self._kept = read_checkpoint(self._file, model)
 
     def _summary(self) -> str:
         return f"{self.model!r}, {self.solved} parts checked"
@@ -94,6 +101,7 @@ class Evaluator(OneLine):
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.save()
         self._pool.end()
 
     def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> StageAnswer:
@@ -133,7 +141,7 @@ class Evaluator(OneLine):
                 self.asked += 1
                 key = part._replace(near=None)
                 if part in self._ahead:
-                    self._keep(key, self._ahead.pop(part))
+                    self._known[key] = self._ahead.pop(part)
                 elif key in self._kept and not (forces and self._kept[key].stands):
                     self._known[key] = self._kept[key]
                 else:
@@ -154,10 +162,12 @@ class Evaluator(OneLine):
             ]
             for number, (part, found) in enumerate(self._solve([*missing, *new])):
                 if number < len(missing):
-                    self._keep(part._replace(near=None), found)
+                    self._known[part._replace(near=None)] = found
                 else:
                     self._ahead[part] = found
                 self.solved += 1
+                if time.monotonic() - self._saved > SAVE_EVERY_S:
+                    self.save()
             self.solve_s += time.perf_counter() - began
         return [
             combined(
@@ -175,14 +185,14 @@ class Evaluator(OneLine):
                 self.solved += 1
                 if not found.stands:
                     return found
-                self._keep(part, found)
+                self._known[part] = found
         return self.answer(stage)
 
-    def _keep(self, part: Stage, found: StageAnswer) -> None:
-        """An answer, for this run and the next one."""
-        self._known[part] = found
-        if self._checkpoint is not None:
-            self._checkpoint.add(part, found)
+    def save(self) -> None:
+        """Write the checkpoint, if there is one."""
+        self._saved = time.monotonic()
+        if self._file is not None:
+            write_checkpoint(self._file, self.model, self._kept | self._known)
 
     def _find(self, part: Stage) -> StageAnswer | None:
         """The known answer of a part: the check, or a quick look that shows that it stands."""

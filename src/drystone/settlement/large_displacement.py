@@ -75,7 +75,7 @@ def push(
     live
         The load that grows: a load case, or forces on all masses as shares (3,) of their weight at
         9.81 m/s2.
-    to : [m]
+    to : [m] > 0
         Displacement at which it ends; left out, the mean size of a block.
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
@@ -155,7 +155,7 @@ def move_supports(
     motion
         Per support its translation [m] (3,), or translation and rotation vector [m, rad] (6,), as
         in :func:`drystone.settle`.
-    to : [m]
+    to : [m] > 0
         The motion is made larger or smaller until the corner of a support that moves farthest moves
         by this; left out, it is taken as it is.
     watch

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import pickle
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
+from contextlib import AbstractContextManager, nullcontext, suppress
+from io import FileIO, StringIO
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeAlias, Unpack
@@ -13,12 +15,10 @@ from typing import Any, TypeAlias, Unpack
 from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.files import PathLike
-from drystone.base.journal import Journal
+from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
-from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import nearest_mechanisms
 from drystone.io.opening import Given, How, supported_model
@@ -30,10 +30,16 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.verdict import check, decided
 
-COLUMNS = (
-    "number", "name", "verdict", "stiffnesses_standing", "stiffnesses_tried", "falling", "message",
-    "time_s",
-)  # fmt: skip
+COLUMNS: Mapping[str, Callable[[str], Any]] = {
+    "number": int,
+    "name": str,
+    "verdict": str,
+    "stiffnesses_standing": int,
+    "stiffnesses_tried": int,
+    "falling": str,
+    "message": str,
+    "time_s": float,
+}
 Row: TypeAlias = list[Any]
 Task: TypeAlias = tuple[int, str, bytes]
 """Number, name, and the model with its options, ready to travel."""
@@ -66,9 +72,10 @@ def check_many(
         Models, assemblies or files, such as ``sorted(Path("piles").glob("*.json"))``. They may come
         from a generator.
     out
-        A file that keeps each answer as soon as it is known; small models are answered in groups of
-        up to 32, which takes half of the time. Models whose answers it has are not checked again:
-        work that was ended goes on when it is called again with the same models and options.
+        A file of comma-separated values. Each answer is added as soon as it is known; small models
+        are answered in groups of up to 32, which takes half of the time. Where the
+        file has answers already, those models are not checked again: work that was ended goes on
+        when it is called again with the same models.
     options
         Of every check.
     each_s : [s]
@@ -84,9 +91,8 @@ def check_many(
     Raises
     ------
     InputError
-        ``models`` is a single model; the file has answers about other models, of other options or
-        of another version, is damaged before its end, or cannot be written, as on a full disk; or
-        an executor died that cannot be started again.
+        ``models`` is a single model; the file has answers about other models, or cannot be written,
+        as on a full disk; or an executor died that cannot be started again.
 
     Examples
     --------
@@ -101,12 +107,16 @@ def check_many(
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop)
-    chosen = CheckOptions.of(options)
-    journal = None if out is None else Journal(out, _about(chosen, each_s, how))
-    rows: list[Row] = [] if journal is None else list(journal.records)
+    rows = [] if out is None else _earlier(out)
+    opened: AbstractContextManager[FileIO | None]
+    opened = nullcontext() if out is None else _opened(out)
     total = len(models) if isinstance(models, Sized) else 0
-    with WorkerPool(executor) as pool:
-        tasks = islice(_tasks(models, rows, (chosen, each_s, how)), len(rows), None)
+    with opened as file, WorkerPool(executor) as pool:
+        if file is not None and not file.tell():
+            _add(file, list(COLUMNS))
+        tasks = islice(
+            _tasks(models, rows, (CheckOptions.of(options), each_s, how)), len(rows), None
+        )
         most = SIDE_BY_SIDE if each_s == float("inf") else 1
         if executor is not None and total:  # every worker has something to do
             workers = int(getattr(pool.executor, "_max_workers", None) or 1)
@@ -115,21 +125,14 @@ def check_many(
         for found in pool.answers(_answers, groups, clock.late, failed=_failed, parts=_each):
             for row in found:
                 rows.append(row)
-                if journal is not None:
-                    journal.add([row])
+                if file is not None:
+                    _add(file, row)
                 if progress is not None:
                     progress("checking models", len(rows), max(total, len(rows)))
                 if clock.late():
                     break
     columns = {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}
     return Table("verdicts", columns, {"time_s": "s"})
-
-
-def _about(options: CheckOptions, each_s: float, how: Mapping[str, Any]) -> dict[str, str]:
-    """What the answers depend on beside the models."""
-    asked = {"options": repr(options), "each_s": repr(each_s)}
-    asked |= {name: repr(how[name]) for name in sorted(how)}
-    return {"format": "drystone-verdicts", "version": version(), **asked}
 
 
 def _tasks(
@@ -245,6 +248,51 @@ def _failed(group: tuple[Task, ...]) -> list[Row]:
     """The row of a model that ended its worker twice."""
     ((number, name, _),) = group
     return [[number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]]
+
+
+def _earlier(out: PathLike) -> list[Row]:
+    """The answers that a file has; half a row at its end, of work that was killed, is removed."""
+    path = plain_target(out)
+    if not path.exists() or not path.stat().st_size:
+        return []
+    data = read_bytes(path)
+    whole = data.rfind(b"\n") + 1
+    lines = list(csv.reader(StringIO(data[:whole].decode("utf-8", "replace"), newline="")))
+    try:
+        if lines[:1] != [list(COLUMNS)]:
+            raise ValueError("other columns")
+        kinds = COLUMNS.values()
+        rows = [[k(x) for k, x in zip(kinds, line, strict=True)] for line in lines[1:]]
+    except ValueError as error:
+        raise InputError(
+            f"has no verdicts that could be continued: {error}",
+            where=str(path),
+            remedy="choose another name",
+        ) from error
+    if whole < len(data):
+        os.truncate(path, whole)
+    return rows
+
+
+def _opened(out: PathLike) -> FileIO:
+    """The file, to add rows to it."""
+    path = plain_target(out)
+    try:
+        return path.open("ab", buffering=0)
+    except OSError as error:
+        raise unwritable(path, error) from error
+
+
+def _add(file: FileIO, row: Row) -> None:
+    """One row, on the disk before the next model is answered."""
+    text = StringIO()
+    csv.writer(text, lineterminator="\n").writerow(row)
+    data = text.getvalue().encode("utf-8", "replace")
+    try:
+        while data:  # the last bytes of a disk are written before it is told to be full
+            data = data[file.write(data) :]
+    except OSError as error:
+        raise unwritable(Path(str(file.name)), error) from error
 
 
 def _line(text: str | bytes) -> str:

@@ -13,7 +13,8 @@ import pytest
 from drystone import io
 from drystone.cli import main
 from drystone.cli.application import app
-from drystone.cli.command import MODEL, Argument, Command, Option, command
+from drystone.cli.command import Command, command
+from drystone.cli.offered import MODEL, Argument, Option
 from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting
 from drystone.models import arch

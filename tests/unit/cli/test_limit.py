@@ -200,7 +200,10 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
         (["limit", "thickness", "arch", "--set", "thickness_ratio=1"], "what is searched"),
         (["limit", "thickness", "arch", "--parameter", "radius"], "--from and --to"),
         (["limit", "imperfections", "MODEL"], "nothing is imperfect"),
-        (["limit", "imperfections", "MODEL", "--friction-range", "1"], "not LOW,HIGH"),
+        (
+            ["limit", "imperfections", "MODEL", "--friction-range", "1"],
+            "--friction-range: has 1 values; give 2",
+        ),
         (["limit", "imperfections", "MODEL", "--turn", "nan"], "--turn: is nan"),
         (["limit", "friction", "MODEL", "--case", "wind"], "no load case is called 'wind'"),
         (["check", "MODEL", "--load", "block-1"], "names no block"),

@@ -60,7 +60,7 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
         raise AssertionError(arguments)
 
     limit = limit_tilt(
-        Model(TOWER, JOINTS), check=never, options=LimitOptions(full=False, width=0.01)
+        Model(TOWER, JOINTS), check=never, options=LimitOptions(equilibrium_only=True, width=0.01)
     )  # type: ignore[arg-type]
     assert limit.rest is None
     assert limit.best is limit.equilibrium
@@ -70,7 +70,7 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
 def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
     values = [
         limit_tilt(
-            Model(TOWER, JOINTS), axis, options=LimitOptions(full=False, width=0.01)
+            Model(TOWER, JOINTS), axis, options=LimitOptions(equilibrium_only=True, width=0.01)
         ).equilibrium.value
         for axis in ("x", "-y", (2.0, 0.0, 0.0), (3.0, 1.0, 0.0))
     ]
@@ -159,7 +159,9 @@ def test_an_azimuth_is_the_direction_of_the_lean() -> None:
     # a plate that reaches beyond its foot towards +x falls first when it leans that way
     slope = incline(10.0)  # slides towards +x
     sweep = tilt_sweep(
-        Model(slope, touching_faces(slope, 0.4)), 4, options=LimitOptions(full=False, width=0.1)
+        Model(slope, touching_faces(slope, 0.4)),
+        4,
+        options=LimitOptions(equilibrium_only=True, width=0.1),
     )
     assert sweep.azimuth[sweep.weakest] == 0.0
     assert sweep.equilibrium[0] == pytest.approx(SLIDE - 10.0, abs=0.1)
@@ -172,7 +174,7 @@ def test_progress_counts_to_its_end() -> None:
     tilt_sweep(
         Model(TOWER, JOINTS),
         2,
-        options=LimitOptions(full=False, width=0.01),
+        options=LimitOptions(equilibrium_only=True, width=0.01),
         progress=lambda *step: told.append(step),
     )
     assert told[-1][1:] == (2, 2)

@@ -1,0 +1,322 @@
+"""Options as their documentation declares them: text, unit, type and default.
+
+The command line, the JSON interface and the tools for programs are made of these declarations, so
+an option is said once, beside its analysis.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import functools
+import inspect
+import math
+import re
+import types
+import typing
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+
+from drystone.base import units
+from drystone.base.arrays import number, of_type, whole
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, meant
+
+_SECTIONS = ("Attributes", "Parameters")
+_ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
+"""Markup of a name in a docstring."""
+_KIND = re.compile(
+    r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
+    r" ?(?:(?P<sign>>=?) ?(?P<bound>[-\d.e]+))?(?P<rest>(?<=\] ).*)?"
+)
+"""Of an entry, behind its name: unit, range, and the beginning of its text."""
+COEFFICIENT = "coefficient"
+"""In place of a unit: of a friction coefficient, which may be written as an angle."""
+
+
+@dataclass(frozen=True)
+class Declared(OneLine):
+    """One option.
+
+    Attributes
+    ----------
+    name
+    text
+        What it is, from the documentation.
+    unit
+        Of its value; empty where there is none.
+    hint
+        Its type.
+    default
+        ``inspect.Parameter.empty`` where it must be given.
+    least, above
+        Its value is at least the first, and above the second.
+    """
+
+    name: str
+    hint: Any
+    default: Any
+    text: str = ""
+    unit: str = ""
+    least: float = -math.inf
+    above: float = -math.inf
+
+    @property
+    def kinds(self) -> list[Any]:
+        """The types that its value may have; see :func:`kinds_of`."""
+        return kinds_of(self.hint)
+
+    @property
+    def several(self) -> bool:
+        """Whether it takes several words."""
+        return any(
+            hasattr(kind, "of_words")
+            or (is_many(kind) and not {int, float} >= {*kinds_of(get_args(kind)[0])})
+            for kind in self.kinds
+        )
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words from which one is chosen; empty where others are possible."""
+        found: list[str] = []
+        for kind in self.kinds:
+            for inner in kinds_of(get_args(kind)[0]) if is_many(kind) else [kind]:
+                if get_origin(inner) is Literal:
+                    found += map(str, get_args(inner))
+                elif isinstance(inner, type) and issubclass(inner, enum.Enum):
+                    found += [str(one.value).replace(" ", "-") for one in inner]
+        return tuple(found)
+
+    def told(self) -> str:
+        """The text with the unit and the default."""
+        default = self.default
+        if isinstance(default, enum.Enum):
+            default = default.value
+        plain = isinstance(default, int | float | str) and not isinstance(default, bool)
+        known = plain and default != "" and default not in (math.inf, -math.inf)
+        shown = (f"{default:g}" if isinstance(default, float) else str(default)) if known else ""
+        unit = "" if self.unit == COEFFICIENT else self.unit
+        more = " ".join(one for one in (shown, unit) if one)
+        text = self.text.removeprefix("Whether to ")
+        text = text[:1].upper() + text[1:]
+        return f"{text.rstrip('.')} ({more})." if more else text
+
+    def value(self, given: Any) -> Any:
+        """The value of what was given: a text, or a value of JSON.
+
+        Raises
+        ------
+        InputError
+            It cannot be read; ``where`` is the name of the option.
+        """
+        try:
+            value = value_of(given, self.hint, self.unit)
+        except InputError as error:
+            raise error.located(error.where or self.name) from error
+        for least, fits in ((self.above, self.above.__lt__), (self.least, self.least.__le__)):
+            if isinstance(value, int | float) and math.isfinite(least) and not fits(value):
+                limit = "zero" if least == 0.0 else f"{least:g}"
+                more = f"above {limit}" if least is self.above else f"of {limit} or more"
+                raise InputError(f"is {given}", where=self.name, remedy=f"give a number {more}")
+        return value
+
+
+@functools.cache
+def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
+    """The fields of a class of options, or the keywords of a function, by their names.
+
+    Examples
+    --------
+    >>> from drystone.limits import LimitOptions
+    >>> declared(LimitOptions)["scan"].default
+    6
+    """
+    told = dict(_documented(inspect.getdoc(of) or ""))
+    hints = typing.get_type_hints(of)
+    known: dict[str, Any]
+    if dataclasses.is_dataclass(of):
+        known = {one.name: _default(one) for one in dataclasses.fields(of)}
+    else:
+        known = {name: one.default for name, one in inspect.signature(of).parameters.items()}
+    return types.MappingProxyType(
+        {
+            name: Declared(name, hints.get(name, Any), default, **told.get(name, {}))
+            for name, default in known.items()
+        }
+    )
+
+
+def declared_at(of: Callable[..., Any], path: str) -> Declared:
+    """An option of options, such as ``plan.rules.hands``."""
+    head, dot, rest = path.partition(".")
+    one = declared(of)[head]
+    return declared_at(one.kinds[0], rest) if dot else one
+
+
+def nested(of: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The keywords of a class or a function from values by names such as ``plan.rules.hands``."""
+    own: dict[str, Any] = {}
+    inner: defaultdict[str, dict[str, Any]] = defaultdict(dict)
+    for name, value in values.items():
+        head, dot, rest = name.partition(".")
+        if dot:
+            inner[head][rest] = value
+        else:
+            own[head] = value
+    for head, some in inner.items():
+        own[head] = made_of(declared(of)[head].kinds[0], some)
+    return own
+
+
+def made_of(of: Callable[..., Any], values: Mapping[str, Any]) -> Any:
+    """What a class of options makes of values by names such as ``plan.rules.hands``."""
+    return of(**nested(of, values))
+
+
+def refuse_unknown(given: Sequence[str] | Mapping[str, Any], known: Sequence[str]) -> None:
+    """Raise InputError at the first name that is not known; the nearest one is told."""
+    for name in given:
+        if name not in known:
+            raise InputError(f"there is no argument '{name}'", remedy=meant(name, known))
+
+
+def kinds_of(hint: Any) -> list[Any]:
+    """The types of a union, but for ``None`` and arrays, which are written as sequences."""
+    union = get_origin(hint) in (types.UnionType, Union)
+    parts = get_args(hint) if union else (hint,)
+    return [
+        part for part in parts if part is not types.NoneType and get_origin(part) is not np.ndarray
+    ]
+
+
+def is_many(kind: Any) -> bool:
+    """Whether a type is that of several values."""
+    return get_origin(kind) in (tuple, list, Sequence)
+
+
+def value_of(given: Any, hint: Any, unit: str = "") -> Any:
+    """The value of a text or of a value of JSON by a type; of a union, the first one that fits.
+
+    Raises
+    ------
+    InputError
+        It fits none.
+
+    Examples
+    --------
+    >>> value_of("2mm", float, "m"), value_of("1,2.5", tuple[float, ...]), value_of(3, int | None)
+    (0.002, (1.0, 2.5), 3)
+    """
+    if given is None and types.NoneType in get_args(hint):
+        return None
+    *first, last = kinds_of(hint)
+    for kind in first:
+        try:
+            return _of_kind(given, kind, unit)
+        except InputError:
+            continue
+    return _of_kind(given, last, unit)
+
+
+def _of_kind(given: Any, kind: Any, unit: str) -> Any:
+    if kind in (int, float):
+        return _number(given, kind, unit)
+    if kind is bool:
+        return of_type({"true": True, "false": False}.get(given, given) if isinstance(given, str)
+                       else given, bool, "it", "give true or false")  # fmt: skip
+    if get_origin(kind) is Literal:
+        return _chosen(given, {str(one): one for one in get_args(kind)})
+    if isinstance(kind, type) and issubclass(kind, enum.Enum):
+        return _chosen(given, {str(one.value): one for one in kind})
+    if is_many(kind):
+        return _many(given, kind, unit)
+    if hasattr(kind, "of_words") and isinstance(given, str | list | tuple):
+        return kind.of_words([given] if isinstance(given, str) else given)
+    if hasattr(kind, "named") and isinstance(given, str):
+        return kind.named(given)
+    return of_type(given, str, "it", "give a text") if kind is str else given
+
+
+def _number(given: Any, kind: type, unit: str) -> float:
+    if not isinstance(given, str):
+        return whole(given, "it") if kind is int else number(given, "it")
+    if kind is int:
+        try:
+            return int(given)
+        except ValueError as error:
+            raise InputError(f"'{given}' is not a whole number", remedy="write 4") from error
+    if unit == COEFFICIENT:
+        return units.coefficient(given)
+    if unit == "m":
+        return units.length(given, "length")
+    try:
+        value = float(given.removesuffix("deg") if unit.startswith("deg") else given)
+    except ValueError as error:
+        raise InputError(f"'{given}' is not a number", remedy="write 0.5") from error
+    if not math.isfinite(value):
+        raise InputError(f"is {given}", remedy="give a finite number")
+    return value
+
+
+def _many(given: Any, kind: Any, unit: str) -> tuple[Any, ...]:
+    """Several values; a text has them between commas, unless they are texts."""
+    inner = [one for one in get_args(kind) if one is not Ellipsis]
+    if isinstance(given, str):
+        given = [given] if str in kinds_of(inner[0]) else given.split(",")
+    of_type(given, list | tuple, "it", "give a list")  # type: ignore[arg-type]
+    if len(inner) == 1:
+        return tuple(value_of(one, inner[0], unit) for one in given)
+    if len(given) != len(inner):
+        raise InputError(f"has {len(given)} values", remedy=f"give {len(inner)}")
+    return tuple(value_of(one, each, unit) for one, each in zip(given, inner, strict=True))
+
+
+def _chosen(given: Any, known: Mapping[str, Any]) -> Any:
+    text = given.value if isinstance(given, enum.Enum) else given
+    if isinstance(text, str) and text not in known:
+        text = text.replace("-", " ")
+    if not isinstance(text, str) or text not in known:
+        raise InputError(f"is '{given}'", remedy=f"use one of {', '.join(known)}")
+    return known[text]
+
+
+def _default(field: dataclasses.Field[Any]) -> Any:
+    if field.default is not dataclasses.MISSING:
+        return field.default
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return inspect.Parameter.empty
+
+
+def _documented(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name, and text, unit and range, of each entry with an attribute or a parameter."""
+    names: list[str] = []
+    more: dict[str, Any] = {}
+    told: list[str] = []
+    inside = False
+    lines = text.splitlines()
+    for line, below in zip(lines, [*lines[1:], ""], strict=True):
+        if below.startswith("---"):
+            inside = line in _SECTIONS
+        elif inside and line and not line.startswith((" ", "-")):
+            yield from ((name, {**more, "text": _plain(told)}) for name in names)
+            head, _, kind = line.partition(" : ")
+            names = [name.strip() for name in head.split(",")]
+            found = _KIND.match(kind)
+            more = {"unit": (found["unit"] or found["plain"] or "")} if found else {}
+            if found and found["bound"]:
+                more["least" if found["sign"] == ">=" else "above"] = float(found["bound"])
+            told = [found["rest"]] if found else []
+        elif inside:
+            told.append(line.strip())
+    yield from ((name, {**more, "text": _plain(told)}) for name in names)
+
+
+def _plain(lines: Sequence[str]) -> str:
+    """The lines as one text without markup."""
+    text = " ".join(line for line in lines if line)
+    return _ROLE.sub(lambda found: (found[1] or found[2]).removeprefix("drystone."), text)

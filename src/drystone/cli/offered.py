@@ -1,0 +1,275 @@
+"""What a command offers: arguments, options in groups, and those declared beside analyses."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, is_dataclass, replace
+from functools import cached_property
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, get_args, get_origin
+
+import click
+
+from drystone.cli import kinds
+from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.base.declared import Declared
+
+GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
+"""Groups of options, in the order of the help."""
+MODEL, LOADS, CONTACTS, ANALYSIS, OUTPUT = GROUPS
+_KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
+
+
+@dataclass(frozen=True)
+class Option:
+    """The help of an option; the parameter has its type and default.
+
+    Attributes
+    ----------
+    help
+    group
+    flags
+        Its names; when left out, that of the parameter.
+    kind
+        Kind of its value, where the type does not say it.
+    metavar
+        Placeholder of the value in the help.
+    expert
+        Shown by ``--help-all`` only.
+    """
+
+    help: str
+    group: str = ANALYSIS
+    flags: tuple[str, ...] = ()
+    kind: kinds.OptionKind | None = None
+    metavar: str | None = None
+    expert: bool = False
+
+
+@dataclass(frozen=True)
+class Experts:
+    """Marks a dataclass of options whose options are shown by ``--help-all`` only, but for some."""
+
+    but: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """An analysis, and the options that were given for it.
+
+    Attributes
+    ----------
+    analysis
+    given
+        Its keywords.
+    time_limit : [s]
+    workers
+    """
+
+    analysis: Callable[..., Any]
+    given: Mapping[str, Any]
+    time_limit: float | None
+    workers: int
+
+    def instead(self, analysis: Callable[..., Any], **more: Any) -> Analysis:
+        """The same of another analysis, with more keywords."""
+        return replace(self, analysis=analysis, given={**self.given, **more})
+
+    def of(self, waiting: Waiting, *subject: Any, doing: str = "searching", **more: Any) -> Any:
+        """What it answers about a model, or about other things that it takes by position."""
+        waiting.stage("solve", doing)
+        with waiting.keywords(self.time_limit, self.workers) as common:
+            return self.analysis(*subject, **self.given, **more, **common)
+
+
+_LATE = {"time_limit_s": "--time-limit", "executor": "--workers"}
+"""Keywords of everything that takes long, by name, which are options too."""
+
+
+@dataclass(frozen=True)
+class Of:
+    """Options that are declared beside an analysis, imported when the command is asked for.
+
+    Attributes
+    ----------
+    place
+        Module and name of a class of options, whose instance the command gets; or of an analysis,
+        with which it gets an :class:`Analysis`. The keywords of an analysis and the fields of its
+        ``options`` are options.
+    names
+        Those that are offered, such as ``plan.rules.hands``; all when left out.
+    without
+        Those that are not.
+    shown
+        Those that ``--help`` shows; the others are shown by ``--help-all``.
+    flags
+        Names on the command line, where they are not the last part of the name.
+    metavars
+        Placeholders of values in the help.
+    group
+    """
+
+    place: str
+    names: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    shown: tuple[str, ...] = ()
+    flags: Mapping[str, str] = field(default_factory=dict)
+    metavars: Mapping[str, str] = field(default_factory=dict)
+    group: str = ANALYSIS
+
+    @cached_property
+    def target(self) -> Callable[..., Any]:
+        """The class or the analysis."""
+        module, _, name = self.place.rpartition(".")
+        return getattr(import_module(module), name)
+
+    def _declared(self) -> dict[str, Declared]:
+        """The options by name."""
+        from drystone.base.declared import declared_at  # the program starts without numpy
+
+        found = {}
+        for name in self.names or self._every():
+            found[name] = declared_at(self.target, name)
+        return found
+
+    def _every(self) -> list[str]:
+        from drystone.base.declared import declared  # as above
+
+        known = declared(self.target)
+        if is_dataclass(self.target):
+            return [name for name in known if name not in self.without]
+        left_out = {"options", "check", "progress", "stop", *self.without}
+        own = [
+            name
+            for name, one in known.items()
+            if one.default is not inspect.Parameter.empty and name not in left_out
+        ]
+        inner = declared(known["options"].kinds[0]) if "options" in known else ()
+        every = [*own, *(f"options.{name}" for name in inner)]
+        return [name for name in every if name not in left_out]
+
+    def _flag(self, name: str) -> str:
+        return self.flags.get(name) or _LATE.get(name) or f"--{_last(name).replace('_', '-')}"
+
+    def params(self, before: str) -> list[click.Parameter]:
+        """The options of the command line; their names begin with that of the parameter."""
+        found: list[click.Parameter] = []
+        for name, one in self._declared().items():
+            more: dict[str, Any] = {"default": None}
+            text, flag = one.told(), self._flag(name)
+            if bool in one.kinds:
+                more |= {"is_flag": True}
+                if one.default is True:
+                    flag, text = (
+                        f"--no-{flag.removeprefix('--')}",
+                        f"Without: {text[0].lower()}{text[1:]}",
+                    )
+            elif name == "executor":
+                more["type"], text = kinds.whole(1), "Processes that work side by side (1)."
+            elif name == "time_limit_s":
+                more["type"] = kinds.POSITIVE
+            else:
+                more |= {"type": kinds.of(one), "multiple": one.several}
+                more["metavar"] = self.metavars.get(name)
+            found.append(
+                GroupedOption(
+                    [flag, _key(before, name)],
+                    group=self.group,
+                    expert=name not in self.shown,
+                    help=text,
+                    **more,
+                )
+            )
+        return found
+
+    def made(self, given: Mapping[str, Any], before: str) -> Any:
+        """The options, or the analysis with them, from the values of the command line."""
+        from drystone.base.declared import made_of, nested  # as above
+
+        values: dict[str, Any] = {}
+        for name, one in self._declared().items():
+            value = given[_key(before, name)]
+            if value not in (None, (), False):
+                values[name] = one.default is not True if value is True else value
+                if one.several:
+                    values[name] = one.value(value)
+        if is_dataclass(self.target):
+            return made_of(self.target, values)
+        limit, workers = values.pop("time_limit_s", None), values.pop("executor", 1)
+        return Analysis(self.target, nested(self.target, values), limit, workers)
+
+
+def _key(before: str, name: str) -> str:
+    return f"{before}_{name.replace('.', '_')}"
+
+
+def _last(name: str) -> str:
+    return name.rpartition(".")[2]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A parameter of the function of a command, and what it is made of on the command line."""
+
+    name: str
+    params: list[click.Parameter]
+    made: Callable[[dict[str, Any]], Any]
+
+
+@dataclass(frozen=True)
+class Argument:
+    """The help of an argument."""
+
+    metavar: str
+    help: str
+    kind: kinds.OptionKind = kinds.TEXT
+
+
+class GroupedOption(click.Option):
+    """An option that knows its group, and whether it is for experts."""
+
+    def __init__(self, *names: Any, group: str = OUTPUT, expert: bool = False, **more: Any) -> None:
+        super().__init__(*names, **more)
+        self.group = group
+        self.expert = expert
+
+
+class HelpedArgument(click.Argument):
+    """An argument with help."""
+
+    def __init__(self, names: list[str], told: str, **more: Any) -> None:
+        super().__init__(names, **more)
+        self.told = told
+
+    def get_usage_pieces(self, ctx: click.Context) -> list[str]:
+        """Its name, in brackets where it can be left out."""
+        return super().get_usage_pieces(ctx) if self.required else [f"[{self.metavar}]"]
+
+
+def param_of(name: str, hint: Any, default: Any) -> click.Parameter:
+    """The argument or option of a parameter."""
+    plain, told = get_args(hint)[:2]
+    left_out = {"required": True} if default is MISSING else {"required": False, "default": default}
+    if isinstance(told, Argument):
+        return HelpedArgument([name], told.help, metavar=told.metavar, type=told.kind, **left_out)
+    several = get_origin(plain) is tuple
+    base = next(part for part in (*get_args(plain), plain) if part is not type(None))
+    flags = told.flags or (f"--{name.replace('_', '-')}",)
+    names = [*flags, name]
+    if base is bool:
+        return GroupedOption(
+            names, group=told.group, expert=told.expert, help=told.help, is_flag=True, default=False
+        )
+    return GroupedOption(
+        names,
+        group=told.group,
+        expert=told.expert,
+        help=told.help,
+        type=told.kind or _KINDS.get(base, kinds.TEXT),
+        metavar=told.metavar,
+        multiple=several,
+        **({} if several else left_out),
+    )
