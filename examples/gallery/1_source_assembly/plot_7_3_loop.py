@@ -17,7 +17,7 @@ print("before:", drystone.plan(model).counts)
 found = recut_joints(model)
 print("after: ", found.plan.counts)
 for change in found.changes:
-    print(change.kind, "by", change.angle_deg, "degrees:", change.why)
+    print(change.kind, "by", change.value, "degrees:", change.description)
 
 # %%
 # The plan with the changed joint.

@@ -42,7 +42,7 @@ def find_buildable(
     waiting: Waiting,
     time_limit: float | None,
 ) -> Buildable:
-    """The shell that needs the least help while it is built.
+    """What needs the least help of a shell while it is built.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
-    from drystone.design import Recut
+    from drystone.design import Buildable
 
 
 @command(
@@ -60,13 +60,15 @@ def recut(
     return Told(found, notes=model.notes, files=partial(_files, found, out, html))
 
 
-def _files(found: Recut, out: Path | None, html: Path | None) -> tuple[list[Job], list[str]]:
+def _files(found: Buildable, out: Path | None, html: Path | None) -> tuple[list[Job], list[str]]:
     from drystone import io
     from drystone.view import save_page
 
     jobs: list[Job] = []
     if out is not None:
         jobs.append((out, partial(io.write, found.model)))
-    if html is not None and found.plan.steps:
-        jobs.append((html, partial(save_page, found.plan)))
-    return jobs, [f"not written: {html}"] if html is not None and not found.plan.steps else []
+    if html is None:
+        return jobs, []
+    if found.plan is None or not found.plan.steps:
+        return jobs, [f"not written: {html}"]
+    return [*jobs, (html, partial(save_page, found.plan))], []

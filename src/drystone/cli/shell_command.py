@@ -97,7 +97,7 @@ def shell(
         wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
     else:
         search.refuse_without_vary()
-    from drystone.shells import write_blocks
+    from drystone.shells import build_shell, write_blocks
 
     waiting.stage("read", "building the shell")
     base = surface_of(wanted)
@@ -105,7 +105,7 @@ def shell(
     if buildable:
         layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
         told = find_buildable(base.shape, layout, body, pattern, friction, waiting, time_limit)
-        made = told.shell
+        made = build_shell(base.shape, told.layout or layout, body)
     else:
         made = shell_on(base, wanted, pattern, waiting)
     model = made.model() if friction is None else made.model(friction=friction)

@@ -8,28 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from drystone.design.bench import Tried as Tried
+    from drystone.design.block_surgery import Cut as Cut
     from drystone.design.block_surgery import cut_block as cut_block
     from drystone.design.block_surgery import faces_toward as faces_toward
     from drystone.design.block_surgery import insert_block as insert_block
     from drystone.design.block_surgery import merge_blocks as merge_blocks
     from drystone.design.block_surgery import move_face as move_face
+    from drystone.design.block_surgery import split_block as split_block
     from drystone.design.block_surgery import thicken_blocks as thicken_blocks
-    from drystone.design.buildable import Buildable as Buildable
+    from drystone.design.block_surgery import tilted_cuts as tilted_cuts
     from drystone.design.buildable import BuildableOptions as BuildableOptions
-    from drystone.design.buildable import BuildNeeds as BuildNeeds
-    from drystone.design.buildable import TriedLayout as TriedLayout
     from drystone.design.buildable import make_buildable as make_buildable
+    from drystone.design.built import Buildable as Buildable
+    from drystone.design.built import Help as Help
     from drystone.design.changed import Changed as Changed
     from drystone.design.changed import Kept as Kept
-    from drystone.design.cuts import Cut as Cut
-    from drystone.design.cuts import CutDesign as CutDesign
-    from drystone.design.cuts import CutLoop as CutLoop
     from drystone.design.cuts import CutOptions as CutOptions
-    from drystone.design.cuts import Trial as Trial
     from drystone.design.cuts import cut_until_free as cut_until_free
-    from drystone.design.cuts import design_cuts as design_cuts
-    from drystone.design.cuts import split_block as split_block
-    from drystone.design.cuts import tilted_cuts as tilted_cuts
     from drystone.design.diagnosed import Diagnosis as Diagnosis
     from drystone.design.diagnosed import Region as Region
     from drystone.design.diagnosis import DiagnosisOptions as DiagnosisOptions
@@ -56,8 +51,6 @@ if TYPE_CHECKING:
     from drystone.design.needs import Needs as Needs
     from drystone.design.needs import Pull as Pull
     from drystone.design.props import PropForce as PropForce
-    from drystone.design.recuts import Recut as Recut
-    from drystone.design.recuts import RecutJoint as RecutJoint
     from drystone.design.recuts import RecutOptions as RecutOptions
     from drystone.design.recuts import recut_joints as recut_joints
     from drystone.design.shape_options import HelpMeasure as HelpMeasure
@@ -76,12 +69,13 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "changed": "Changed Kept",
-    "block_surgery": "cut_block faces_toward insert_block merge_blocks move_face thicken_blocks",
-    "cuts": "Cut CutDesign CutLoop CutOptions Trial cut_until_free design_cuts split_block "
-    "tilted_cuts",
+    "block_surgery": "Cut cut_block faces_toward insert_block merge_blocks move_face split_block "
+    "thicken_blocks tilted_cuts",
+    "built": "Buildable Help",
+    "cuts": "CutOptions cut_until_free",
     "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
-    "buildable": "BuildNeeds Buildable BuildableOptions TriedLayout make_buildable",
-    "recuts": "Recut RecutJoint RecutOptions recut_joints",
+    "buildable": "BuildableOptions make_buildable",
+    "recuts": "RecutOptions recut_joints",
     "diagnosed": "Diagnosis Region",
     "diagnosis": "DiagnosisOptions diagnose",
     "joint_motion": "JointMotion JointState",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, number
+from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import changed, fresh_name
 from drystone.design.joint_plane import (
@@ -16,31 +18,110 @@ from drystone.design.joint_plane import (
     joint_plane,
     snapped,
 )
-from drystone.geometry.frames import unit
+from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import Piece
 from drystone.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Cut(OneLine):
+    """A plane, or a wedge of two planes, between a part below and a part above.
+
+    Attributes
+    ----------
+    point : (3,) [m]
+        On the plane; on the edge of the wedge.
+    normal : (3,)
+        Towards the part above.
+    wedge_deg : [degrees]
+        Angle of each plane of a wedge to the plane of ``normal``. Positive: the part above sits in
+        a groove. Zero for a plane, negative for a ridge.
+    edge : (3,)
+        Direction of the wedge's edge.
+    """
+
+    point: Floats
+    normal: Floats
+    wedge_deg: float = 0.0
+    edge: Floats | None = None
+
+    def planes(self) -> tuple[Floats, Floats]:
+        """Normals and points (p, 3) of the half spaces of the part above a plane or a groove."""
+        point = frozen_floats(self.point, (3,), "point of a cut")
+        normal = unit(self.normal, "normal of a cut")
+        if self.wedge_deg == 0.0:
+            return normal[None], point[None]
+        if not abs(self.wedge_deg) < 60.0:
+            raise InputError(f"a wedge of {self.wedge_deg} degrees", remedy="give -60 to 60")
+        edge = np.zeros(3) if self.edge is None else np.asarray(self.edge, dtype=np.float64)
+        edge = edge - (edge @ normal) * normal
+        if np.linalg.norm(edge) < 1e-9:
+            raise InputError("a wedge needs an edge across the normal", remedy="give its direction")
+        sides = [rotation_about(edge, s * abs(self.wedge_deg)) @ normal for s in (1.0, -1.0)]
+        return np.array(sides), np.stack([point, point])
+
+
+def tilted_cuts(
+    point: Floats, normal: Floats, edge: Floats, tilts_deg: Sequence[float], wedge_deg: float = 0.0
+) -> tuple[Cut, ...]:
+    """The cut rotated by several angles about an edge through its point."""
+    axis, base = unit(edge, "edge"), unit(normal, "normal")
+    return tuple(
+        Cut(point, rotation_about(axis, tilt) @ base, wedge_deg, axis) for tilt in tilts_deg
+    )
+
+
+def split_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
+    """The pieces above and below a cut, as blocks with names derived from the whole.
+
+    Raises
+    ------
+    InputError
+        The cut misses the block, or only touches it.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> above, below = split_block(box((1.0, 1.0, 2.0)), Cut((0.5, 0.5, 0.5), (0.0, 0.0, 1.0)))
+    >>> [float(piece.volume) for piece in (*above, *below)]
+    [1.5, 0.5]
+    """
+    normals, points = cut.planes()
+    ridge = cut.wedge_deg < 0.0  # the groove of the part below, seen upside down
+    normals = normals if ridge else -normals
+    offsets = (normals * points).sum(axis=1)
+    inside, outside = cut_cell([(block.vertices, list(block.faces))], normals, offsets)
+    if len(normals) > 1:
+        outside = glue(outside)
+    above, below = (outside, inside) if ridge else (inside, outside)
+    if not above or not below:
+        raise InputError(f"the cut misses block '{block.name}'", remedy="move it into the block")
+    return _blocks(above, block, "above"), _blocks(below, block, "below")
+
+
+def _blocks(pieces: Sequence[Piece], whole: Block, side: str) -> list[Block]:
+    names = [f"{whole.name}-{side}"]
+    if len(pieces) > 1:
+        names = [f"{names[0]}-{number}" for number in range(len(pieces))]
+    return [
+        block_with(whole, piece).renamed(name) for piece, name in zip(pieces, names, strict=True)
+    ]
 
 
 def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> Model:
     """The model with a block cut in two by a plane; the part in front becomes a new block."""
     i = int(model.assembly.indices([block])[0])
     body = model.assembly.blocks[i]
-    along = unit(normal, "normal")
-    offset = np.array([float(along @ np.asarray(point, dtype=np.float64))])
-    behind, front = cut_cell([body_of(body)], along[None], offset)
-    if not behind or not front:
-        raise InputError(
-            f"the plane does not pass through block '{body.name}'", remedy="move the plane"
-        )
-    parts = [*behind, *front]
-    blocks = [block_with(body, part) for part in parts]
+    front, behind = split_block(body, Cut(point, normal))
+    first, *others = [*behind, *front]
     added: list[Block] = []
-    for part in blocks[1:]:
+    for part in others:
         name = fresh_name(model, f"{body.name}-part", [one.name for one in added])
         added.append(part.renamed(name))
     fixed = [bool(model.assembly.fixed[i])] * len(added)
-    return changed(model, {i: blocks[0]}, added=added, fixed=fixed, parts_of=i)
+    return changed(model, {i: first.renamed(body.name)}, added=added, fixed=fixed, parts_of=i)
 
 
 def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:

@@ -7,25 +7,21 @@ sharp corners break.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, Sentence
-from drystone.base.arrays import Floats, Ints, number
-from drystone.base.display import OneLine, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.arrays import Floats, Ints, frozen_floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
+from drystone.design.built import Buildable, Help
+from drystone.design.changed import Kept
 from drystone.design.search import improved
-from drystone.model import Model
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import check_both
@@ -35,6 +31,10 @@ from drystone.shells.wedge import LARGEST_WEDGE
 
 WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4)
 """Wedges that are tried, the shallowest first: those of the table of the vault, and one more."""
+
+_DEEPENED = 3
+"""Of several layouts this many are deepened, those that need least help. Chosen: it takes some
+twenty seconds each."""
 
 
 @dataclass(frozen=True)
@@ -50,185 +50,25 @@ class BuildableOptions(Options):
         Coefficient of every joint.
     hands
         See :class:`drystone.sequence.Rules`.
-    deepened
-        Of several layouts, this many are deepened: those that need the least help with the
-        shallowest wedges.
     """
 
     wedges: tuple[float, ...] = WEDGES
     friction: float = DEFAULT_FRICTION
     hands: int = 2
-    deepened: int = 3
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given: Any = self.wedges
-        if not isinstance(given, list | tuple):
-            raise InputError(
-                f"wedges is {shortened(repr(given), 60)}", remedy="give numbers, the least first"
-            )
-        object.__setattr__(self, "wedges", tuple(number(one, "a wedge") for one in given))
-        sizes = [abs(one) for one in self.wedges]
-        rising = all(a < b for a, b in pairwise(sizes))
-        one_sign = min(self.wedges, default=0.0) >= 0.0 or max(self.wedges) <= 0.0
-        if not sizes or not rising or not one_sign or sizes[-1] > LARGEST_WEDGE:
+        wedges = frozen_floats(self.wedges, (None,), "wedges")
+        object.__setattr__(self, "wedges", tuple(wedges.tolist()))
+        sizes = np.abs(wedges)
+        rising = len(sizes) > 0 and bool((np.diff(sizes) > 0.0).all())
+        if not rising or abs(wedges.sum()) < sizes.sum() or sizes[-1] > LARGEST_WEDGE:
             raise InputError(
                 f"the wedges are {', '.join(f'{one:g}' for one in self.wedges) or 'none'}",
                 remedy="give them of one sign, the shallowest first, each deeper than the last, "
                 f"up to {LARGEST_WEDGE}",
             )
-        self._refuse_below(1, "hands", "deepened")
-
-
-@dataclass(frozen=True, order=True)
-class BuildNeeds(OneLine):
-    """The help that a shell needs while it is built course by course; fewer props are less.
-
-    Attributes
-    ----------
-    propped, held
-        Numbers of blocks.
-    """
-
-    propped: int
-    held: int
-
-    def _summary(self) -> str:
-        return f"{self.propped} propped, {self.held} held"
-
-    def to_dict(self) -> dict[str, int]:
-        """Plain values."""
-        return {"propped": self.propped, "held": self.held}
-
-
-@dataclass(frozen=True)
-class TriedLayout(OneLine):
-    """A layout that was tried.
-
-    Attributes
-    ----------
-    layout
-    voussoirs
-    shallow
-        The help that is needed with the shallowest wedges; ``None`` where it cannot be built.
-    deepened
-        The same with the wedges that were found; ``None`` where they were not searched for.
-    message
-        Why it cannot be built.
-    """
-
-    layout: Layout
-    voussoirs: int
-    shallow: BuildNeeds | None
-    deepened: BuildNeeds | None = None
-    message: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return {
-            "courses": self.layout.courses,
-            "blocks": self.layout.blocks,
-            "width": self.layout.width,
-            "staggered": self.layout.staggered,
-            "voussoirs": self.voussoirs,
-            "shallow": self.shallow and self.shallow.to_dict(),
-            "deepened": self.deepened and self.deepened.to_dict(),
-            "message": self.message,
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class Buildable(Answer):
-    """A shell with the wedges with which its blocks need the least help.
-
-    Attributes
-    ----------
-    shell
-    plan
-        Of the whole shell, course by course.
-    layout
-        With ``wedge``, one for each bed line between two courses.
-    needs
-        The help that the plan needs.
-    before
-        The help that the same layout needs with the shallowest wedges.
-    tried
-        All layouts.
-    message
-    """
-
-    shell: Shell
-    plan: Plan
-    layout: Layout
-    needs: BuildNeeds
-    before: BuildNeeds
-    tried: tuple[TriedLayout, ...]
-    message: str
-
-    def _summary(self) -> str:
-        return self.message
-
-    @property
-    def wedges(self) -> tuple[float, ...]:
-        """Of the bed lines between two courses, from the springing."""
-        wedge: Any = self.layout.wedge
-        return tuple(float(one) for one in wedge)
-
-    def deepened(self, shallow: float) -> tuple[int, ...]:
-        """The courses whose lower bed line has a deeper wedge than this."""
-        return tuple(i + 1 for i, one in enumerate(self.wedges) if abs(one) > abs(shallow))
-
-    @property
-    def model(self) -> Model:
-        """The whole shell."""
-        return self.plan.model.model
-
-    @property
-    def title(self) -> str:
-        """The help that it needs."""
-        return self.message[0].upper() + self.message[1:]
-
-    def sentences(self) -> Sequence[Sentence]:
-        """The help that it needs, and the wedges."""
-        role = Role.GOOD if self.needs == _NONE else Role.UNSURE
-        wedges = ", ".join(f"{one:g}" for one in self.wedges)
-        return [
-            Sentence(f"built course by course: {self.message}", role),
-            Sentence(f"wedges of the bed joints, from the springing: {wedges}"),
-        ]
-
-    def tables(self) -> Sequence[Table]:
-        """The layouts that were tried."""
-        needs = [one.deepened or one.shallow for one in self.tried]
-        columns = {
-            "courses": [one.layout.courses for one in self.tried],
-            "blocks": [one.layout.blocks for one in self.tried],
-            "width": [one.layout.width for one in self.tried],
-            "staggered": [one.layout.staggered for one in self.tried],
-            "voussoirs": [one.voussoirs for one in self.tried],
-            "propped": [None if one is None else one.propped for one in needs],
-            "held": [None if one is None else one.held for one in needs],
-            "message": [one.message for one in self.tried],
-        }
-        return [Table("layouts", columns, {"width": "m"})]
-
-    def layers(self) -> Scene:
-        """The plan."""
-        return self.plan.layers()
-
-    def numbers(self) -> Mapping[str, Any]:
-        """The help that it needs, the wedges, and all layouts."""
-        return {
-            "message": self.message,
-            **self.needs.to_dict(),
-            "before": self.before.to_dict(),
-            "voussoirs": len(self.shell.voussoirs),
-            "wedges": self.wedges,
-            "tried": [one.to_dict() for one in self.tried],
-        }
-
-
-_NONE = BuildNeeds(0, 0)
+        self._refuse_below(1, "hands")
 
 
 @checked_call
@@ -258,6 +98,12 @@ def make_buildable(
     body
     options
 
+    Returns
+    -------
+    Buildable
+        ``build_shell(shape, found.layout, body)`` is its shell. Its changes are the bed lines with
+        deeper wedges, its log tells what each layout needs.
+
     Raises
     ------
     InputError
@@ -268,7 +114,7 @@ def make_buildable(
     >>> from drystone.shells import Layout, ShellBody, dome
     >>> layout, body = Layout(courses=2, blocks=6), ShellBody(thickness=0.5)
     >>> found = make_buildable(dome(3.0, 2.0), layout, body)
-    >>> found.needs <= found.before
+    >>> found.help <= found.before
     True
     """
     chosen = BuildableOptions.of(options)
@@ -280,17 +126,22 @@ def make_buildable(
 
 
 @dataclass(frozen=True, eq=False)
-class _Planned(OneLine):
-    """A shell with wedges, one for each bed line between two courses, and its plan."""
+class _Wedged(OneLine):
+    """A shell with a wedge for each bed line between two courses, and its plan."""
 
-    wedges: tuple[float, ...]
+    layout: Layout
     shell: Shell
     plan: Plan
 
     @property
-    def rank(self) -> tuple[BuildNeeds, float]:
+    def wedges(self) -> Floats:
+        """Of the bed lines, from the springing."""
+        return frozen_floats(self.layout.wedge, (None,), "wedges")
+
+    @property
+    def rank(self) -> tuple[Help, float]:
         """Least help first, then the shallowest wedges."""
-        return needs_of(self.plan), sum(abs(one) for one in self.wedges)
+        return Help.of(self.plan), float(np.abs(self.wedges).sum())
 
 
 class _WedgeSearch:
@@ -307,60 +158,76 @@ class _WedgeSearch:
     ) -> None:
         self.shape, self.body, self.options = shape, body, options
         self.pool, self.progress, self.late = pool, progress, late
-        self.seen: set[tuple[Layout, tuple[float, ...]]] = set()
+        self.seen: set[Layout] = set()
 
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
-        tried: list[TriedLayout] = []
-        starts: list[tuple[int, _Planned]] = []
+        log: list[str] = []
+        starts: list[_Wedged] = []
         for done, layout in enumerate(layouts):
             if self.late():
                 break
             self.tell("planning layouts", done, len(layouts))
             try:
-                shallow = self.options.wedges[0]
-                lines = int(course_of(self.built(layout, shallow)).max())
-                first = self.planned(layout, (shallow,) * lines)
+                first = self.planned(self.shallow(layout))
             except InputError as error:
-                tried.append(TriedLayout(layout, 0, None, message=str(error)))
+                log.append(f"{_told(layout)}: {error}")
                 continue
-            if first is None:
+            if first is None:  # it was stopped
                 break
-            starts.append((len(tried), first))
-            tried.append(TriedLayout(layout, len(first.shell.voussoirs), needs_of(first.plan)))
-        if not starts:
-            if not tried:
-                raise InputError(
-                    "the search was stopped before its first plan", remedy="give it time"
-                )
-            why = tried[0].message
+            starts.append(first)
+            log.append(f"{_told(layout)}: {first.rank[0]}")
+        if not starts and log:
+            why = log[0].partition(": ")[2]
             raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
-        starts.sort(key=lambda one: needs_of(one[1].plan))
-        found: list[tuple[int, _Planned]] = []
-        for at, first in starts[: self.options.deepened]:
-            best = improved(first, partial(self.proposals, tried[at].layout), self.late)
-            tried[at] = replace(tried[at], deepened=needs_of(best.plan))
-            found.append((at, best))
-            if needs_of(best.plan) == _NONE or self.late():
+        if not starts:
+            raise InputError("the search was stopped before its first plan", remedy="give it time")
+        starts.sort(key=lambda one: one.rank[0])
+        found: list[tuple[_Wedged, _Wedged]] = []
+        for first in starts[:_DEEPENED]:
+            best = improved(first, self.proposals, self.late)
+            found.append((best, first))
+            if not any(best.rank[0]) or self.late():
                 break
-        at, best = min(found, key=lambda one: one[1].rank)
-        before, needs = tried[at].shallow, needs_of(best.plan)
-        assert before is not None
-        layout = replace(tried[at].layout, wedge=best.wedges)
-        deeper = [i + 1 for i, one in enumerate(best.wedges) if one != self.options.wedges[0]]
-        words = _message(needs, before, deeper, self.late())
-        return Buildable(best.shell, best.plan, layout, needs, before, tuple(tried), words)
+        best, first = min(found, key=lambda one: one[0].rank)
+        return self.answer(best, first, log)
+
+    def answer(self, best: _Wedged, first: _Wedged, log: list[str]) -> Buildable:
+        """The best shell, and the bed lines of it with deeper wedges than at first."""
+        deeper = [i for i, one in enumerate(best.wedges) if one != first.wedges[i]]
+        kept = [
+            Kept("wedge", (), f"a wedge of {best.wedges[i]:g} below course {i + 1}",
+                 float(best.wedges[i]))
+            for i in deeper
+        ]  # fmt: skip
+        words, needed = str(best.rank[0]), first.rank[0]
+        if deeper:
+            below = ", ".join(str(i + 1) for i in deeper)
+            words += f", with deeper wedges below course{'s' * (len(deeper) > 1)} {below}"
+        words += f"; {needed} with the shallowest wedges"
+        words += "; it was stopped before all was tried" if self.late() else ""
+        model = best.plan.model.model
+        told = (*log, f"wedges from the springing: {', '.join(f'{x:g}' for x in best.wedges)}")
+        return Buildable(
+            model, best.plan, tuple(kept), (*told, words), len(self.seen), needed, best.layout
+        )
 
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:
             self.progress(stage, done, total)
 
-    def built(self, layout: Layout, wedges: float | Sequence[float]) -> Shell:
-        return build_shell(self.shape, replace(layout, wedge=wedges), self.body)
+    def shallow(self, layout: Layout) -> Layout:
+        """A layout with the shallowest wedge at each bed line."""
+        wedge = self.options.wedges[0]
+        course = course_of(build_shell(self.shape, replace(layout, wedge=wedge), self.body))
+        return replace(layout, wedge=(wedge,) * int(course.max()))
 
-    def planned(self, layout: Layout, wedges: tuple[float, ...]) -> _Planned | None:
-        """The shell with wedges and its plan; ``None`` if stopped."""
-        shell = self.built(layout, wedges)
+    def planned(self, layout: Layout) -> _Wedged | None:
+        """The shell of a layout and its plan; ``None`` if stopped."""
+        if self.late():
+            return None
+        self.seen.add(layout)
+        shell = build_shell(self.shape, layout, self.body)
         rules = Rules(hands=self.options.hands, order=Order.COURSE)
         found = plan(
             shell.model(friction=self.options.friction),
@@ -368,32 +235,40 @@ class _WedgeSearch:
             executor=self.pool.executor,
             stop=self.late,
         )
-        return None if found.stopped else _Planned(wedges, shell, found)
+        return None if found.stopped else _Wedged(layout, shell, found)
 
-    def proposals(self, layout: Layout, now: _Planned) -> Iterator[_Planned]:
+    def proposals(self, now: _Wedged) -> Iterator[_Wedged]:
         """Other wedges, each tried once."""
-        for wedges in self.wedges(now):
-            if (layout, wedges) in self.seen:
+        for wedges in self.other_wedges(now):
+            layout = replace(now.layout, wedge=tuple(wedges.tolist()))
+            if layout in self.seen:
                 continue
-            self.seen.add((layout, wedges))
             self.tell("planning wedges", len(self.seen), 0)
             with contextlib.suppress(InputError):  # the shell cannot have them
-                found = self.planned(layout, wedges)
+                found = self.planned(layout)
                 if found is not None:
                     yield found
 
-    def wedges(self, now: _Planned) -> Iterator[tuple[float, ...]]:
+    def other_wedges(self, now: _Wedged) -> Iterator[Floats]:
         """Deeper ones below courses that need help, then shallower ones, the highest line first."""
-        ladder, own = self.options.wedges, now.wedges
-        if needs_of(now.plan) != _NONE:
-            lines = lines_below(now.shell, _helped_courses(now.shell, now.plan))
-            for some in (*([line] for line in lines), lines):
-                least = min((abs(own[i]) for i in some), default=np.inf)
-                for deeper in (one for one in ladder if abs(one) > least):
-                    yield tuple(deeper if i in some else one for i, one in enumerate(own))
+        ladder, own = np.array(self.options.wedges), now.wedges
+        lines = lines_below(now.shell, _helped_courses(now)) if any(now.rank[0]) else []
+        for some in (*([line] for line in lines), *([lines] if lines else [])):
+            for deeper in ladder[np.abs(ladder) > np.abs(own[some]).min()]:
+                yield np.where(np.isin(np.arange(len(own)), some), deeper, own)
         for line in reversed(range(len(own))):
-            for shallow in ladder[: ladder.index(own[line])]:
-                yield (*own[:line], shallow, *own[line + 1 :])
+            for shallow in ladder[np.abs(ladder) < abs(own[line])]:
+                yield np.where(np.arange(len(own)) == line, shallow, own)
+
+
+def _told(layout: Layout) -> str:
+    """A layout in a few words."""
+    told = [f"{layout.courses} courses"] if layout.courses is not None else []
+    if layout.blocks is not None:
+        told.append(f"{layout.blocks} blocks each")
+    if layout.width is not None:
+        told.append(f"blocks of {layout.width:.3g} m")
+    return ", ".join([*told, "staggered" if layout.staggered else "not staggered"])
 
 
 def levels_of(shell: Shell) -> Floats:
@@ -423,12 +298,12 @@ def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
     return list(dict.fromkeys(lines))
 
 
-def _helped_courses(shell: Shell, made: Plan) -> set[int]:
+def _helped_courses(now: _Wedged) -> set[int]:
     """The courses with blocks that are propped, held, or cannot be put in."""
-    helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
-    course = dict(zip(shell.assembly.names, course_of(shell).tolist(), strict=True))
-    names = made.model.assembly.names
-    return {course[names[b]] for b, status in enumerate(made.status) if status in helped}
+    status = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
+    course = dict(zip(now.shell.assembly.names, course_of(now.shell).tolist(), strict=True))
+    names = now.plan.model.assembly.names
+    return {course[names[b]] for b, one in enumerate(now.plan.status) if one in status}
 
 
 def course_of(shell: Shell) -> Ints:
@@ -437,24 +312,3 @@ def course_of(shell: Shell) -> Ints:
     out = np.array(course, dtype=np.intp)
     out[shell.ground] = -1
     return out
-
-
-def needs_of(made: Plan) -> BuildNeeds:
-    """The help that a plan needs; a block that cannot be put in counts as propped."""
-    counts = made.counts
-    propped = counts[Status.PROPPED.value] + counts[Status.IMPOSSIBLE.value]
-    return BuildNeeds(propped, counts[Status.HELD.value])
-
-
-def _message(needs: BuildNeeds, before: BuildNeeds, deeper: Sequence[int], late: bool) -> str:
-    """What was found, as a sentence."""
-    if needs == _NONE:
-        words = "every block stands when it is placed"
-    else:
-        words = f"{counted(needs.propped, 'block')} propped, {needs.held} held"
-    if deeper:
-        courses = ", ".join(str(one) for one in deeper)
-        plural = "s" if len(deeper) > 1 else ""
-        words += f", with deeper wedges below course{plural} {courses}"
-    words += f"; {before.propped} propped and {before.held} held with the shallowest wedges"
-    return words + ("; it was stopped before all was tried" if late else "")

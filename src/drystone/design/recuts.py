@@ -9,29 +9,25 @@ Source: Kao 2023, chapter 7.3 (discretise, check, modify, sequence, and back).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeAlias, Unpack
+from itertools import product
+from typing import Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.arrays import Bools, frozen_floats
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.base.table import Table
+from drystone.design.built import Buildable, Help, helped
+from drystone.design.changed import Kept
 from drystone.design.joint_surgery import still_edge, turn_joint, wedge_joint
 from drystone.design.search import improved
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.sequence import Plan, PlanOptions, check_once, plan
-
-_Need: TypeAlias = tuple[bool, int, int, int, int]
-"""What a plan needs: whether there is none, blocks that cannot be put in, props, blocks placed
-together with another one."""
 
 
 @dataclass(frozen=True)
@@ -60,93 +56,6 @@ class RecutOptions(Options):
             raise InputError("angles must lie between 0 and 60 degrees", where="angles_deg")
 
 
-@dataclass(frozen=True)
-class RecutJoint(OneLine):
-    """A change of a joint that was kept.
-
-    Attributes
-    ----------
-    blocks
-        Names of the block that needed help and of the one it touches.
-    kind
-        ``turn`` or ``wedge``.
-    angle_deg : [degrees]
-        Of a wedge: above zero the first block is the wedge, below zero the groove.
-    why
-        The help that the block needed.
-    """
-
-    blocks: tuple[str, str]
-    kind: str
-    angle_deg: float
-    why: str
-
-
-@dataclass(frozen=True, eq=False)
-class Recut(Answer):
-    """A model with changed joints, and its plan.
-
-    Attributes
-    ----------
-    model
-    plan
-    changes
-    tried
-        Number of changes that were tried.
-    message
-        How it ended.
-    """
-
-    model: Model
-    plan: Plan
-    changes: tuple[RecutJoint, ...]
-    tried: int
-    message: str
-
-    @property
-    def free(self) -> bool:
-        """Whether every block is placed alone and stands at once."""
-        return not any(_need(self.plan))
-
-    def _summary(self) -> str:
-        return self.message
-
-    @property
-    def title(self) -> str:
-        """How it ended."""
-        return self.message[0].upper() + self.message[1:]
-
-    def sentences(self) -> Sequence[Sentence]:
-        """Whether every block is free, and how it ended."""
-        role = Role.GOOD if self.free else Role.BAD
-        return [Sentence("FREE" if self.free else "NOT FREE", role), Sentence(self.message)]
-
-    def tables(self) -> Sequence[Table]:
-        """The changes of joints that were kept."""
-        changes = self.changes
-        columns = {
-            "block_a": [one.blocks[0] for one in changes],
-            "block_b": [one.blocks[1] for one in changes],
-            "kind": [one.kind for one in changes],
-            "angle_deg": [one.angle_deg for one in changes],
-            "why": [one.why for one in changes],
-        }
-        return [Table("changes", columns, {"angle_deg": "deg"})]
-
-    def layers(self) -> Scene:
-        """The plan."""
-        return self.plan.layers()
-
-    def numbers(self) -> Mapping[str, Any]:
-        """Whether every block is free, and the plan."""
-        return {
-            "free": self.free,
-            "message": self.message,
-            "tried": self.tried,
-            "plan": self.plan.numbers(),
-        }
-
-
 @checked_call
 def recut_joints(
     given: Given,
@@ -157,7 +66,7 @@ def recut_joints(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
-) -> Recut:
+) -> Buildable:
     """Change joints until every block is placed alone and stands at once.
 
     Parameters
@@ -165,6 +74,12 @@ def recut_joints(
     given
         A model, which may fall as it is; or an assembly or a file that ``how`` turns into one.
     options
+
+    Returns
+    -------
+    Buildable
+        Its changes name the block that needed help and the one that it touches. The value of a
+        wedge is above zero where the first of them is the wedge, below zero where it is the groove.
 
     Raises
     ------
@@ -175,7 +90,7 @@ def recut_joints(
     --------
     >>> from drystone.models import snake
     >>> found = recut_joints(snake(), friction=0.66)
-    >>> found.free, [(one.kind, one.angle_deg) for one in found.changes]
+    >>> found.free, [(one.kind, one.value) for one in found.changes]
     (True, [('wedge', 10.0)])
     """
     chosen = RecutOptions.of(options)
@@ -188,24 +103,21 @@ def recut_joints(
 
     def proposals(now: _Planned) -> Iterator[_Planned]:
         nonlocal tried
-        for block, held, why in _helped(now.plan):
-            changes = _changes(now.model, now.plan, block, chosen.angles_deg)
-            for one, other, kind, angle in changes:
-                if clock.late() or tried >= chosen.most:
-                    return
-                tried += 1
-                if progress is not None:
-                    progress("changing joints", tried, chosen.most)
-                made = _changed(now.model, one, kind, angle, block)
-                if made is None or not _stands(made, now.plan, block, held):
-                    continue
-                found = planned(made)
-                if not found.stopped:
-                    names = now.model.assembly.names[block], now.model.assembly.names[other]
-                    change = RecutJoint(names, kind, angle, why)
-                    yield _Planned(made, found, (*now.changes, change))
+        for block, beside, joint, kept in _changes(now, chosen.angles_deg):
+            if clock.late() or tried >= chosen.most:
+                return
+            tried += 1
+            if progress is not None:
+                progress("changing joints", tried, chosen.most)
+            made = _changed(now.model, joint, kept, block)
+            if made is None or not _stands(made, now.plan, block, beside):
+                continue
+            found = planned(made)
+            if not found.stopped:
+                yield _Planned(made, found, (*now.changes, kept))
 
-    best = improved(_Planned(model, planned(model), ()), proposals, clock.late)
+    first = _Planned(model, planned(model))
+    best = improved(first, proposals, clock.late)
     if not any(best.rank) and not best.plan.stopped:
         words = "every block is free"
     elif clock.late() or tried >= chosen.most:
@@ -213,7 +125,7 @@ def recut_joints(
     else:
         words = "no change that is tried needs less help"
     words += f": {counted(len(best.changes), 'joint')} changed, {counted(tried, 'change')} tried"
-    return Recut(best.model, best.plan, best.changes, tried, words)
+    return Buildable(best.model, best.plan, best.changes, (words,), tried, first.rank)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,46 +134,32 @@ class _Planned:
 
     model: Model
     plan: Plan
-    changes: tuple[RecutJoint, ...]
+    changes: tuple[Kept, ...] = ()
 
     @property
-    def rank(self) -> _Need:
+    def rank(self) -> Help:
         """What the plan needs."""
-        return _need(self.plan)
-
-
-def _need(found: Plan) -> _Need:
-    return not found.steps, len(found.impossible), *found.help
-
-
-def _helped(found: Plan) -> Iterator[tuple[int, tuple[int, ...], str]]:
-    """Blocks that need help, the first placed first, with the props beside them, and why."""
-    for block, why in found.impossible.items():
-        yield block, (), why
-    done: set[int] = set()
-    for step in found.steps:
-        together = step.blocks if len(step.blocks) > 1 else ()
-        for block in (*together, *step.props):
-            if block not in done:
-                done.add(block)
-                yield block, tuple(b for b in step.props if b != block), step.why or "it is propped"
+        return Help.of(self.plan)
 
 
 def _changes(
-    model: Model, found: Plan, block: int, angles: Sequence[float]
-) -> Iterator[tuple[int, int, str, float]]:
-    """Interface, the other block, kind and angle, small first; joints that carry most first."""
-    contacts = model.contacts
-    there = _placed_before(found, block)
-    own = (contacts.block_a == block) | (contacts.block_b == block)
-    other = np.where(contacts.block_a == block, contacts.block_b, contacts.block_a)
-    level = np.abs(contacts.frame[:, 0] @ found.model.up) * contacts.area
-    joints = np.flatnonzero(own & there[other])
-    for angle in angles:
-        for joint in joints[np.argsort(-level[joints], kind="stable")].tolist():
-            for kind in ("turn", "wedge"):
-                for sign in (1.0, -1.0):
-                    yield joint, int(other[joint]), kind, sign * angle
+    now: _Planned, angles: Sequence[float]
+) -> Iterator[tuple[int, tuple[int, ...], int, Kept]]:
+    """Blocks that need help, the props beside each, a joint of it, and what it is changed to.
+
+    The smallest changes of a block come first, of its joints with blocks in place those that carry
+    most.
+    """
+    contacts, names = now.model.contacts, now.model.assembly.names
+    level = np.abs(contacts.frame[:, 0] @ now.plan.model.up) * contacts.area
+    for block, beside, why in helped(now.plan):
+        own = (contacts.block_a == block) | (contacts.block_b == block)
+        other = np.where(contacts.block_a == block, contacts.block_b, contacts.block_a)
+        joints = np.flatnonzero(own & _placed_before(now.plan, block)[other])
+        order = joints[np.argsort(-level[joints], kind="stable")].tolist()
+        for size, joint, kind, sign in product(angles, order, ("turn", "wedge"), (1.0, -1.0)):
+            ends = names[block], names[other[joint]]
+            yield block, beside, joint, Kept(kind, ends, why, sign * size)
 
 
 def _placed_before(found: Plan, block: int) -> Bools:
@@ -275,21 +173,21 @@ def _placed_before(found: Plan, block: int) -> Bools:
     return there
 
 
-def _changed(model: Model, joint: int, kind: str, angle: float, block: int) -> Model | None:
+def _changed(model: Model, joint: int, kept: Kept, block: int) -> Model | None:
     """The model with the change, seen from a block; None where the surgery refuses it."""
     try:
-        if kind == "wedge":
-            return wedge_joint(model, joint, angle, first=block)
-        pivot = still_edge(model, joint, angle, block)
-        return turn_joint(model, joint, angle, pivot=pivot, first=block)
+        if kept.kind == "wedge":
+            return wedge_joint(model, joint, kept.value, first=block)
+        pivot = still_edge(model, joint, kept.value, block)
+        return turn_joint(model, joint, kept.value, pivot=pivot, first=block)
     except InputError:
         return None
 
 
-def _stands(made: Model, found: Plan, block: int, held: tuple[int, ...]) -> bool:
-    """Whether the block stands when it is placed, with other blocks held."""
+def _stands(made: Model, found: Plan, block: int, beside: tuple[int, ...]) -> bool:
+    """Whether the block stands when it is placed, with the props beside it."""
     there = _placed_before(found, block)
     there[block] = True
-    still = sorted({*np.flatnonzero(made.assembly.fixed).tolist(), *held} - {block})
+    still = sorted({*np.flatnonzero(made.assembly.fixed).tolist(), *beside} - {block})
     stage = made.with_supports([b for b in still if there[b]])
     return check_once(stage.subset(np.flatnonzero(there).tolist())).stable

@@ -9,16 +9,13 @@ from drystone.design import (
     Cut,
     CutOptions,
     cut_until_free,
-    design_cuts,
     split_block,
     tilted_cuts,
 )
 from drystone.design.cuts import proposed_cuts
 from drystone.detection import find_contacts
-from drystone.model import Model
 from drystone.models import box, prism
 from drystone.models.simple import stool
-from drystone.sequence import plan
 
 Y = np.array([0.0, 1.0, 0.0])
 Z = np.array([0.0, 0.0, 1.0])
@@ -93,29 +90,28 @@ def test_a_cut_that_lets_the_tower_slide_is_changed_for_one_that_holds():
     proposals = [
         tilted_cuts(np.array([0.5 + 0.17 * z, 0.5, z]), Z, Y, (40.0, 20.0, 0.0)) for z in heights
     ]
-    found = design_cuts(leaning(), proposals, friction=0.6)
-    assert len(found.assembly) == 5
-    assert len(found.cuts) == 4
-    per_place = [[t.accepted for t in found.trials if t.place == i] for i in range(4)]
-    assert per_place == [[False, True]] * 4  # 40 degrees slides, 20 holds
-    built = plan(Model.of(found.assembly, friction=0.6))
-    assert built.counts["free"] == 4
-    assert sum(block.volume for block in found.assembly.blocks) == pytest.approx(leaning().volume)
+    found = cut_until_free(leaning(), proposals)
+    assert len(found.model) == 5
+    slopes = [one.value for one in found.changes]
+    assert slopes == pytest.approx([20.0] * 4)  # on 40 degrees it slides
+    assert found.plan.counts["free"] == 4
+    assert found.model.assembly.volume.sum() == pytest.approx(leaning().volume)
 
 
 def test_a_snake_is_cut_and_built_from_below():
     places = [tilted_cuts(np.array([0.0, 0.4, z]), Z, Y, (0.0, 10.0)) for z in (1.0, 2.3, 3.6)]
-    found = design_cuts(winding(), places, friction=0.6)
-    built = plan(Model.of(found.assembly, friction=0.6))
+    built = cut_until_free(winding(), places).plan
     assert built.order == ("c01-block", "c02-block", "c03-block")
     assert built.counts["free"] == 3
 
 
 def test_a_place_without_a_cut_that_works_is_named():
-    with pytest.raises(InputError, match="none of 2 cuts at place 0"):
-        design_cuts(
-            leaning(), [tilted_cuts(np.array([0.5, 0.5, 1.0]), Z, Y, (40.0, 50.0))], friction=0.3
-        )
+    steep = [tilted_cuts(np.array([0.5, 0.5, 1.0]), Z, Y, (40.0, 50.0))]
+    found = cut_until_free(leaning(), steep, options=CutOptions(friction=0.3))
+    assert found.plan is None
+    assert "cut 0 changed: on none of its cuts the part above stands" in found.log
+    with pytest.raises(InputError, match="no place to cut at"):
+        cut_until_free(leaning(), [])
 
 
 def flared() -> Block:
@@ -131,22 +127,20 @@ def test_a_block_that_falls_when_it_is_placed_has_the_cut_under_it_changed():
     found = cut_until_free(flared(), options=CutOptions(blocks=3))
     assert found.free
     assert found.plan.counts["free"] == 2
-    assert found.recuts
-    assert {place for place, _ in found.recuts} == {0}
-    assert "c01-block is held: without help: c01-block falls" in found.recuts[0][1]
-    slope = np.degrees(np.arccos(found.design.cuts[0].normal[2]))
-    assert slope > 1.0
-    assert found.design.cuts[1].normal == pytest.approx(Z)
-    volume = sum(block.volume for block in found.design.assembly.blocks)
-    assert volume == pytest.approx(flared().volume)
+    first, *others, _ = found.log
+    assert "cut 0 changed: c01-block is held: without help: c01-block falls" in first
+    assert all(one.startswith("cut 0 changed") for one in others)
+    assert found.changes[0].value > 1.0
+    assert found.changes[1].value == pytest.approx(0.0)
+    assert found.model.assembly.volume.sum() == pytest.approx(flared().volume)
 
 
 def test_a_loop_without_a_cut_that_works_says_so():
-    few = CutOptions(blocks=3, tilts_deg=(), notches_deg=(), shifts=())
-    found = cut_until_free(flared(), options=few)
+    level = [one[:1] for one in proposed_cuts(flared(), 3)]
+    found = cut_until_free(flared(), level)
     assert not found.free
     assert found.message == "no proposed cuts make every block free"
-    assert cut_until_free(flared(), stop=lambda: True).design is None
+    assert cut_until_free(flared(), stop=lambda: True).plan is None
 
 
 def test_a_leaning_tower_is_cut_and_planned_in_one_call():
@@ -156,14 +150,12 @@ def test_a_leaning_tower_is_cut_and_planned_in_one_call():
 
 
 def test_cuts_lie_at_equal_heights_and_turn_about_the_edge_across_the_lean():
-    places = proposed_cuts(leaning(), CutOptions(blocks=4, shifts=()))
+    places = proposed_cuts(leaning(), 4)
     assert [one[0].point[2] for one in places] == pytest.approx([1.0, 2.0, 3.0])
     assert all(abs(cut.normal[1]) < 1e-9 for one in places for cut in one)
 
 
-@pytest.mark.parametrize(
-    "bad", [{"blocks": 1}, {"tilts_deg": (70.0,)}, {"shifts": (0.6,)}, {"most": 0}]
-)
+@pytest.mark.parametrize("bad", [{"blocks": 1}, {"friction": -0.1}, {"most": 0}])
 def test_cut_options_out_of_range_are_refused(bad):
     with pytest.raises(InputError):
         CutOptions(**bad)

@@ -145,7 +145,7 @@ def test_a_block_cut_in_two_and_merged_again_is_what_it_was() -> None:
     np.testing.assert_allclose(again.contacts.area, model.contacts.area)
     with pytest.raises(InputError, match="do not touch"):
         merge_blocks(model, 0, 2)
-    with pytest.raises(InputError, match="does not pass through"):
+    with pytest.raises(InputError, match="misses block"):
         cut_block(model, 1, middle + 9.0, (0.0, 0.0, 1.0))
 
 
