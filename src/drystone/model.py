@@ -135,6 +135,14 @@ class Model(Card):
                 remedy="check units, density and load",
             )
         self._refuse_odd_acceleration(size)
+        if self.load.motion is not None:
+            most = np.abs(self.load.motion).max(axis=1)
+            for i in np.flatnonzero(~(most <= _REPRESENTED[1]))[:1]:
+                raise InputError(
+                    f"it is moved by {most[i]:.3g}, which cannot be calculated with",
+                    where=f"block '{self.assembly.names[i]}'",
+                    remedy="give metres and radians",
+                )
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "cases", tuple(self.cases))
         object.__setattr__(self, "unjoined", tuple(self.unjoined))

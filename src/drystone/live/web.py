@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import SplitResult, parse_qs, urlsplit
 
 import drystone
 from drystone.base.errors import DrystoneError
@@ -39,6 +39,8 @@ _POLICY = (
     "img-src data: blob:; connect-src 'self'; frame-ancestors 'none'; "
     "base-uri 'none'; form-action 'none'"
 )
+_DIGITS = 10
+"""More than the number of any model has."""
 NAME = re.compile(r"[A-Za-z0-9-]{1,40}")
 
 
@@ -161,7 +163,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     # -- what is asked --------------------------------------------------------------------------
     def _get(self) -> None:
-        parts = urlsplit(self.path)
+        parts = self._address()
         token = parse_qs(parts.query).get("token", [""])[0] if parts.path == "/" else ""
         self.server.guard.admit(self.headers, token)  # type: ignore[arg-type]
         self.server.asked(self.connection)
@@ -175,7 +177,8 @@ class _Handler(BaseHTTPRequestHandler):
                                   "calls": {**calls, "files": []}})  # fmt: skip
         elif parts.path.startswith("/model/"):
             number = parts.path.removeprefix("/model/")
-            kept = self.server.desk.models.get(int(number)) if number.isdecimal() else None
+            known = number.isdecimal() and len(number) < _DIGITS
+            kept = self.server.desk.models.get(int(number)) if known else None
             if kept is None:
                 raise Refusal(404, "there is no such model any more", "load the page again")
             text = json.dumps({"facts": kept.facts, "scene": kept.scene}, allow_nan=False)
@@ -185,7 +188,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _post(self) -> None:
         self.server.guard.admit(self.headers)  # type: ignore[arg-type]
-        path = urlsplit(self.path).path
+        path = self._address().path
         desk = self.server.desk
         if path.startswith(f"/{VERSION}/"):
             tool = path.removeprefix(f"/{VERSION}/")
@@ -256,6 +259,13 @@ class _Handler(BaseHTTPRequestHandler):
         """Whether the client has closed the connection: after its request it sends nothing."""
         ready, _, _ = select.select([self.connection], [], [], 0.0)
         return bool(ready)
+
+    def _address(self) -> SplitResult:
+        try:
+            return urlsplit(self.path)
+        except ValueError as error:
+            what = f"the address cannot be read: {error}"
+            raise Refusal(400, what, "see docs/json-interface.md") from error
 
     # -- bytes ----------------------------------------------------------------------------------
     def _body(self, most: int) -> bytes:

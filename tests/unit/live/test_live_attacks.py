@@ -103,12 +103,19 @@ def test_our_own_page_is_no_other_site(live: Live) -> None:
         "/%2e%2e/%2e%2e/etc/passwd",
         "/model/../1",
         "/model/99999",
+        "/model/" + 5_000 * "9",
         "/static/page.css",
         "/v2",
     ],
 )
 def test_there_is_nothing_at_other_addresses(live: Live, path: str) -> None:
     words(ask(live, path), 404)
+
+
+def test_an_address_that_cannot_be_read_is_refused_in_words(live: Live) -> None:
+    answer = raw(live, f"GET http://[ HTTP/1.1\r\nHost: 127.0.0.1:{live.port}\r\n\r\n".encode())
+    assert answer.startswith(b"HTTP/1.0 400 ")
+    assert b"the address cannot be read" in answer
 
 
 def test_calls_that_are_not_there(live: Live) -> None:
