@@ -7,7 +7,9 @@ import errno
 import hashlib
 import io
 import os
+import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
@@ -22,6 +24,10 @@ Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
 LARGEST_FILE = 2**26
 """[bytes], chosen: 64 MiB holds about a million faces in any of the formats; any content is read or
 refused within some ten seconds."""
+
+_HIDDEN = ".drystone-"
+_LEFT_S = 3600.0
+"""[s] after which a hidden folder is one that was left; chosen: no file takes that long."""
 
 
 def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
@@ -122,8 +128,11 @@ def plain_target(path: PathLike) -> Path:
         A folder, a device, a pipe, or a link that leads nowhere.
     """
     named = as_path(path)
-    if not (named.exists() or named.is_symlink()):
-        return named
+    try:
+        if not (named.exists() or named.is_symlink()):
+            return named
+    except OSError as error:
+        raise unwritable(named, error) from error
     target = Path(os.path.realpath(named)) if named.is_symlink() else named
     if target.is_symlink() or (target.exists() and not target.is_file()):
         taken = "is a folder" if target.is_dir() else "is not a plain file"
@@ -148,19 +157,15 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     """
     target = plain_target(path)
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        with _beside(target) as temporary:
+            with temporary.open("xb") as file:
+                fill(file)
+            temporary.chmod(_mode(target))
+            temporary.replace(target)
     except (OSError, ValueError) as error:
+        if isinstance(error, FormatError):
+            raise
         raise unwritable(target, error) from error
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            fill(file)
-        temporary.chmod(_mode(target))
-        temporary.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
@@ -176,8 +181,7 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
     """
     target = plain_target(path)
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
-            temporary = Path(folder) / target.name
+        with _beside(target) as temporary:
             if not save(str(temporary)):
                 raise OSError("the file could not be made")
             temporary.chmod(_mode(target))
@@ -214,8 +218,7 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
             if target in [other for other, _ in done]:
                 raise FormatError("is named twice", where=str(path), remedy="choose another name")
             try:
-                made = tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent)
-                temporary = Path(folders.enter_context(made)) / target.name
+                temporary = folders.enter_context(_beside(target))
                 write(temporary)
                 temporary.chmod(_mode(target))
             except FormatError as error:
@@ -240,6 +243,20 @@ def write_bytes(path: PathLike, data: bytes) -> None:
     write_whole(path, fill)
 
 
+@contextlib.contextmanager
+def _beside(target: Path) -> Iterator[Path]:
+    """A path of the same name in a hidden folder beside a file.
+
+    Folders that processes left which were killed are removed.
+    """
+    for left in target.parent.glob(f"{_HIDDEN}*"):
+        with contextlib.suppress(OSError):
+            if time.time() - left.stat().st_mtime > _LEFT_S:
+                shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix=_HIDDEN, dir=target.parent) as folder:
+        yield Path(folder) / target.name
+
+
 def _mode(target: Path) -> int:
     """Permissions of the replaced file, else those of a new file."""
     if target.exists():
@@ -252,8 +269,10 @@ def _mode(target: Path) -> int:
 def unwritable(target: Path, error: Exception) -> FormatError:
     """What to raise where writing failed; a full disk is told as one."""
     reason = getattr(error, "strerror", None) or str(error)
-    full = getattr(error, "errno", None) == errno.ENOSPC
-    remedy = "free some space, or choose another disk"
-    if not full:
-        remedy = "choose a folder that exists and that you may write to"
+    remedies = {
+        errno.ENOSPC: "free some space, or choose another disk",
+        errno.ENAMETOOLONG: "choose a shorter name",
+    }
+    other = "choose a folder that exists and that you may write to"
+    remedy = remedies.get(getattr(error, "errno", None) or 0, other)
     return FormatError(f"cannot be written: {reason}", where=str(target), remedy=remedy)

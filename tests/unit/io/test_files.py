@@ -144,3 +144,21 @@ def test_a_full_disk_is_told_as_one(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="No space left on device; free some space, or choose"):
         files.write_whole(tmp_path / "a.csv", fill)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_that_writes(tmp_path: Path) -> None:
+    left, young = tmp_path / ".drystone-1", tmp_path / ".drystone-2"
+    for one in (left, young):
+        one.mkdir()
+        (one / "half.json").touch()
+    os.utime(left, (1e9, 1e9))
+    files.write_bytes(tmp_path / "a.csv", b"1")
+    assert sorted(one.name for one in tmp_path.iterdir()) == [".drystone-2", "a.csv"]
+
+
+def test_a_name_may_be_as_long_as_the_disk_allows(tmp_path: Path) -> None:
+    path = tmp_path / (251 * "a" + ".csv")
+    files.write_bytes(path, b"1")
+    assert path.read_bytes() == b"1"
+    with pytest.raises(FormatError, match="File name too long; choose a shorter name"):
+        files.write_bytes(tmp_path / (252 * "a" + ".csv"), b"1")
