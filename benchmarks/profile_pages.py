@@ -22,7 +22,7 @@ from benchmarks.machine import ONE_THREAD, ROOT
 from benchmarks.measure import UNIFORM, peak_mib
 from drystone import Model, check, find_contacts, models
 from drystone.mechanics import rest
-from drystone.mechanics.tangent import SparseTangent, TangentSystem
+from drystone.mechanics.maps import SparseMaps
 from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import attempts
@@ -96,11 +96,11 @@ def profile(courses: int, lengths: int) -> list[str]:
     contacts = clock.of("detect", find_contacts)(assembly, friction=0.6).contacts
     model = Model(assembly, contacts)
     check(models.wall(2, 2), options=UNIFORM)  # what is imported late
-    setattr(SparseTangent, "blocks", clock.of("matrix", SparseTangent.blocks))  # noqa: B010
-    setattr(SparseTangent, "__init__", clock.of("prepare", SparseTangent.__init__))  # noqa: B010
+    setattr(SparseMaps, "blocks", clock.of("matrix", SparseMaps.blocks))  # noqa: B010
+    setattr(SparseMaps, "__init__", clock.of("prepare", SparseMaps.__init__))  # noqa: B010
     setattr(BlockOrdering, "factorise", clock.of("factor", BlockOrdering.factorise))  # noqa: B010
     setattr(BlockFactor, "solve", clock.of("substitute", BlockFactor.solve))  # noqa: B010
-    setattr(TangentSystem, "factorise", clock.of("dense", TangentSystem.factorise))  # noqa: B010
+    setattr(SparseMaps, "factorise", clock.of("dense", SparseMaps.factorise))  # noqa: B010
     setattr(attempts, "check_forces", clock.of("check", attempts.check_forces))  # noqa: B010
     path = rest._Path
     setattr(path, "follow", clock.of("states", path.follow))  # noqa: B010
@@ -108,7 +108,7 @@ def profile(courses: int, lengths: int) -> list[str]:
     clock.spent["prepare"] += clock.spent["other"]
     clock.spent["factor"] += clock.spent["dense"]
     total = sum(clock.spent.values())
-    ordering = Problem.build(model).system.sparse.ordering
+    ordering = Problem.build(model).statics.maps.ordering
     floor = operations(ordering) * clock.calls["dense"] / peak_speed()
     parts = [clock.spent[name] for name in HEADS[2:10]]
     return [

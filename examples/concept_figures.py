@@ -103,7 +103,7 @@ def shares(thickness: float, exponents: Iterable[float]) -> list[tuple[float, fl
     uniform, load = law.uniform(problem.statics), problem.statics.load
     found = []
     for k in exponents:
-        state = find_rest(problem.system, uniform, RestOptions(ground=10.0**-k))
+        state = find_rest(problem.statics, uniform, RestOptions(ground=10.0**-k))
         carried = law.wrench_size(state.ground).sum() / law.wrench_size(load).sum()
         found.append((k, math.log10(carried)))
     return found

@@ -16,9 +16,9 @@ from scipy import optimize, sparse
 from scipy.sparse.linalg import lsmr
 
 from drystone.base.arrays import Bools, Floats
+from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
-from drystone.statics import Statics
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 """Local direction of a normal force."""

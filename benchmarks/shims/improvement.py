@@ -21,9 +21,9 @@ from benchmarks.shims.compatible import (
     slide_directions,
 )
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import Entries, ProgramBuilder, Variable
-from drystone.statics import Statics
 
 EQUAL = 1e-6
 """Relative difference of overlaps that counts as zero."""

@@ -30,9 +30,9 @@ from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.mechanics import law
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions
+from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Problem
-from drystone.statics import Statics
 
 Found = TypeVar("Found")
 
@@ -149,7 +149,7 @@ class StateSearch:
             return
         yield from self.first
         springs = law.uniform(statics, slip=1.0)
-        leaning = find_rest(self.problem.system, springs, LEANING, stop=self.clock.late)
+        leaning = find_rest(self.problem.statics, springs, LEANING, stop=self.clock.late)
         self.iterations += leaning.iterations
         if not self.clock.late():
             yield leaning.motion

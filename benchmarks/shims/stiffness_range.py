@@ -22,7 +22,7 @@ from benchmarks.shims.compatible import compatible_forces, slide_directions
 from benchmarks.shims.improvement import CompatibleState
 from benchmarks.shims.range_program import TrustRegion, elastic_forces
 from drystone.base.arrays import Floats
-from drystone.statics import Statics
+from drystone.mechanics.statics import Statics
 
 TOUCHING = 1e-7
 """A gap below this share of the largest overlap counts as zero: the corner may close or open."""

@@ -312,6 +312,33 @@ def block_speed(assembly: Assembly, motion: Floats) -> Floats:
     return lengths(motion[:, :3]) + assembly.size * lengths(motion[:, 3:])
 
 
+def accelerations(assembly: Assembly, wrench: Floats) -> Floats:
+    """Accelerations (n, 6) of the free blocks under wrenches (n, 6) [N, N m] about their centroids.
+
+    A block turns as the box around it does.
+    """
+    free, mass = assembly.free, assembly.mass
+    bounds = assembly.bounds[free]
+    turning = mass[free] * ((bounds[:, 1] - bounds[:, 0]) ** 2).sum(axis=1) / 12.0
+    motion = np.zeros((len(assembly), 6))
+    motion[free, :3] = wrench[free, :3] / mass[free, None]
+    motion[free, 3:] = wrench[free, 3:] / turning[:, None]
+    return motion
+
+
+def first_motion_of(model: Model, prop: Floats) -> Floats:
+    """The first motion (n, 6) of blocks when props that exert wrenches (n, 6) are removed.
+
+    The wrench of a prop is the mass of the block times its acceleration without the prop. The
+    fastest corner moves by the mean size of a block.
+    """
+    assembly = model.assembly
+    motion = accelerations(assembly, 0.0 - prop)
+    fastest = float(block_speed(assembly, motion).max(initial=0.0))
+    size = assembly.size[assembly.free]
+    return motion * (float(size.mean()) / fastest) if fastest > 0.0 else motion
+
+
 def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
     return contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
 

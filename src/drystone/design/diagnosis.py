@@ -15,6 +15,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
+from drystone.checks import first_motion_of
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states
 from drystone.design.margin import QUICK, quickly_stands
@@ -26,7 +27,6 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
-from drystone.statics import first_motion_of
 
 
 @dataclass(frozen=True)

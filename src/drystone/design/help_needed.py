@@ -41,10 +41,9 @@ from drystone.formulations.equilibrium import project_on_mechanisms
 from drystone.mechanics.law import Compliance, uniform
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.stability.problem import Problem
-from drystone.statics import Statics
 
 _GLUE = 0.02
 """Stiffness of the glue, by that of the joint, divided by the stiffness of the ground. Chosen: an
@@ -152,9 +151,8 @@ class Form:
     def help_at(self, vertex: Floats) -> tuple[float, Floats]:
         """The help that is needed, J, and its gradient (v, 3) [1/m]."""
         statics = self.statics_at(vertex)
-        system = TangentSystem(statics, self.model.assembly.centroid[statics.free])
         options = RestOptions(ground=self.ground, tolerance=1e-11)
-        state = find_rest(system, self.springs, options)
+        state = find_rest(statics, self.springs, options)
         weight = self.ground * statics.mass_matrix
         carried = weight * state.motion
         whole = float((statics.load**2).sum())
@@ -169,7 +167,7 @@ class Form:
         stiffness = self.springs.glue * self.springs.normal
         by_corner[:, 0] = 2.0 * stiffness * state.tension / whole
         by_motion = 2.0 * weight * carried / own + statics.wrench(by_corner)
-        adjoint, turned = self._adjoint(system, state, weight, by_motion)
+        adjoint, turned = self._adjoint(statics, state, weight, by_motion)
         gradient = self._work_gradient(vertex, statics, state.force, adjoint)
         gradient += self._work_gradient(vertex, statics, by_corner + turned, state.motion)
         shares = props / own
@@ -199,10 +197,10 @@ class Form:
         return value, gradient + self._load_gradient(vertex, by_load)
 
     def _adjoint(
-        self, system: TangentSystem, state: RestState, weight: Floats, by_motion: Floats
+        self, statics: Statics, state: RestState, weight: Floats, by_motion: Floats
     ) -> tuple[Floats, Floats]:
         """The adjoint motion lambda (n, 6), and forces h (k, 3)."""
-        statics, kn = system.statics, self.springs.normal
+        kn = self.springs.normal
         moved = statics.displacement(state.motion)
         pressed = moved[:, 0] < 0.0
         normal = np.where(pressed, -kn * moved[:, 0], 0.0)
@@ -212,7 +210,7 @@ class Form:
         tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
         tangent[:, 1:, 1:] = friction.by_slide
         back = np.ascontiguousarray(np.swapaxes(tangent, 1, 2))
-        adjoint = system.factorise(back, weight)(by_motion)
+        adjoint = statics.maps.factorise(back, weight)(by_motion)
         forces = -np.einsum("kij,kj->ki", back, statics.displacement(adjoint))
         return adjoint, forces
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.statics import Statics
 from drystone.solvers.cone_scaling import inner
 
 BALANCED = 1e-9
@@ -17,7 +17,7 @@ LIGHTER = 1e-9
 
 
 def balancing_forces(
-    system: TangentSystem, scale: Floats, force: Floats, tangent: Floats
+    statics: Statics, scale: Floats, force: Floats, tangent: Floats
 ) -> Floats | None:
     """Forces that balance the loads, by the least change in the metric of a scaling.
 
@@ -25,7 +25,7 @@ def balancing_forces(
 
     Parameters
     ----------
-    system
+    statics
     scale : (k, 3)
         Corner forces by these.
     force : (k, 3)
@@ -33,10 +33,9 @@ def balancing_forces(
     tangent : (k, 3, 3)
         Inverse of the squared scaling: small across the boundary of a cone that is near.
     """
-    statics = system.statics
     scaled = scale[:, :, None] * tangent * scale[:, None, :]
     try:
-        solve = system.factorise(scaled, LIGHTER * statics.mass_matrix)
+        solve = statics.maps.factorise(scaled, LIGHTER * statics.mass_matrix)
     except SolverError:
         return None
     left = statics.load + statics.wrench(scale * force)

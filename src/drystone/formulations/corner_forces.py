@@ -12,8 +12,8 @@ from scipy import sparse
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.mechanics.statics import UNLIMITED, Statics
 from drystone.solvers.program import ProgramBuilder, Term, Variable
-from drystone.statics import UNLIMITED, Statics
 
 SLIPPERY = 0.01
 """Below this friction coefficient, separate rows exclude tension: the exact cone limits mu times
@@ -116,7 +116,7 @@ class CornerForces:
         """The terms of the corner forces in the equilibrium of the blocks."""
         terms: list[Term] = [(self.force, statics.matrix)]
         if self.tension is not None:
-            terms.append((self.tension, -statics.matrix_by_column[:, ::3]))
+            terms.append((self.tension, -statics.matrix_transposed[::3].T))
         return terms
 
     @property

@@ -19,7 +19,7 @@ import numpy as np
 from drystone.mechanics.law import Compliance, FrictionBound, SlipLength
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.statics import Statics
 
 SPRING_LEFT = 1e-7
 """1 - theta at the end of the path: relative difference of overlaps, a tenth of the tolerance."""
@@ -44,7 +44,7 @@ class EqualOverlap:
 
 
 def equal_overlap(
-    system: TangentSystem,
+    statics: Statics,
     start: RestState,
     slip: float,
     *,
@@ -55,7 +55,7 @@ def equal_overlap(
 
     Parameters
     ----------
-    system
+    statics
     start
         A rest state on springs of uniform stiffness and the given slip length.
     slip
@@ -64,7 +64,6 @@ def equal_overlap(
     step_limit
         Largest number of points of the path.
     """
-    statics = system.statics
     gap = statics.displacement(start.motion)[:, 0]
     total = float(start.force[:, 0].sum())
     mean = float(-(start.force[:, 0] * gap).sum()) / total if total > 0.0 else 1.0
@@ -81,7 +80,7 @@ def equal_overlap(
     for _ in range(step_limit):
         aim = max(left * factor, SPRING_LEFT)
         law = Compliance(spring / aim, reach, overlap=1.0 - aim)
-        trial = find_rest(system, law, options, start=state, stop=stop)
+        trial = find_rest(statics, law, options, start=state, stop=stop)
         iterations += trial.iterations
         if trial.converged:
             state, left = trial, aim
@@ -95,6 +94,6 @@ def equal_overlap(
     if left > SPRING_LEFT:
         return EqualOverlap(state, False, iterations)
     free = replace(options, ground=1e-16, tolerance=1e-10, iteration_limit=30, warm_relaxation=1e-8)
-    final = find_rest(system, law, free, start=state, stop=stop)
+    final = find_rest(statics, law, free, start=state, stop=stop)
     iterations += final.iterations
     return EqualOverlap(final, final.converged, iterations)

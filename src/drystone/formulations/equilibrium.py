@@ -23,9 +23,9 @@ from drystone.formulations.corner_forces import (
     add_contact_rows,
     add_corner_forces,
 )
+from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
-from drystone.statics import Statics
 
 
 class Objective(enum.Enum):

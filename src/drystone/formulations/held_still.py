@@ -10,8 +10,8 @@ from scipy.sparse.linalg import lsmr
 
 from drystone.base.arrays import Floats
 from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.mechanics.statics import Statics
 from drystone.solvers.dense_factor import inverse
-from drystone.statics import Statics
 
 STILL = 1e-4
 """A corner that opens or slides by less than this share of the fastest one counts as fixed, if the

@@ -13,7 +13,7 @@ interior of its cones also where faces are parallel, or more forces than needed 
 
 The primal-dual interior-point method with the scaling of Nesterov and Todd eliminates the forces of
 each corner. What is left is the tangent of blocks on springs, ``M + A D A'``, with the elimination
-order of :class:`drystone.mechanics.tangent.TangentSystem`.
+order of :class:`drystone.mechanics.maps.SparseMaps`.
 
 Several models are taken side by side, as rows of the same arrays: for a small model each operation
 on arrays takes longer to start than to do. Only what is solved is solved model by model, and no
@@ -33,7 +33,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
 from drystone.base.ragged import Ragged
 from drystone.formulations.balancing import BALANCED, balancing_forces
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.statics import Statics
 from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 
 SOFTNESS = 1e-11
@@ -90,36 +90,36 @@ class NearestMechanism:
 
 
 def nearest_mechanism(
-    system: TangentSystem, *, stop: Callable[[], bool] | None = None
+    statics: Statics, *, stop: Callable[[], bool] | None = None
 ) -> NearestMechanism:
     """The mechanism nearest to free fall, or forces that balance the loads, for dry joints.
 
     Parameters
     ----------
-    system
+    statics
     stop
         Called before every step; True ends the iteration with what it has found.
     """
-    return nearest_mechanisms([system], stop=stop)[0]
+    return nearest_mechanisms([statics], stop=stop)[0]
 
 
 def nearest_mechanisms(
-    systems: Sequence[TangentSystem], *, stop: Callable[[], bool] | None = None
+    problems: Sequence[Statics], *, stop: Callable[[], bool] | None = None
 ) -> list[NearestMechanism]:
     """:func:`nearest_mechanism` of each of several models, side by side."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _Iteration(systems).run(stop)
+        return _Iteration(problems).run(stop)
 
 
 class _Iteration:
     """The present points of the models that are not ended yet: rows of blocks and of corners."""
 
-    def __init__(self, systems: Sequence[TangentSystem]) -> None:
-        self.systems = list(systems)
-        self.number = np.arange(len(systems))
+    def __init__(self, problems: Sequence[Statics]) -> None:
+        self.problems = list(problems)
+        self.number = np.arange(len(problems))
         self.ended: dict[int, NearestMechanism] = {}
         self.found: dict[int, Floats] = {}
-        every = [system.statics for system in systems]
+        every = self.problems
         self.blocks = Ragged.from_counts([one.free_count for one in every])
         self.corners = Ragged.from_counts([one.corner_count for one in every])
         self.mass = np.concatenate([one.mass_matrix for one in every])
@@ -162,7 +162,7 @@ class _Iteration:
             force = self.scale[rows] * self.force[rows]
             motion = self.found.get(int(self.number[i]))
             self.ended[int(self.number[i])] = NearestMechanism(motion, force, self.steps)
-        self.systems = [one for one, gone in zip(self.systems, which, strict=True) if not gone]
+        self.problems = [one for one, gone in zip(self.problems, which, strict=True) if not gone]
         self.number = self.number[~which]
         if not len(self.number):
             return
@@ -204,7 +204,7 @@ class _Iteration:
                 one[corner] for one in (self.force, self.slack, self.softness)
             )
             tangent = Scaling.of(force, slack).tangent(softness)
-            changed = balancing_forces(self.systems[i], self.scale[corner], force, tangent)
+            changed = balancing_forces(self.problems[i], self.scale[corner], force, tangent)
             if changed is not None:
                 balances[i], self.force[corner] = True, changed
         return balances
@@ -221,16 +221,16 @@ class _Iteration:
 
     def displacement(self, motion: Floats) -> Floats:
         """``S A' v``: (k, 3) of all models."""
-        rows = zip(self.systems, self.of_block, strict=True)
+        rows = zip(self.problems, self.of_block, strict=True)
         return self.scale * np.concatenate(
-            [system.statics.displacement(motion[block]) for system, block in rows]
+            [statics.displacement(motion[block]) for statics, block in rows]
         )
 
     def wrench(self, force: Floats) -> Floats:
         """``A S f``: (n, 6) of all models."""
         scaled = self.scale * force
-        rows = zip(self.systems, self.of_corner, strict=True)
-        return np.concatenate([system.statics.wrench(scaled[corner]) for system, corner in rows])
+        rows = zip(self.problems, self.of_corner, strict=True)
+        return np.concatenate([statics.wrench(scaled[corner]) for statics, corner in rows])
 
     def defects(self) -> tuple[Floats, Floats]:
         """``M v - p - A S f`` and ``s - S A' v - C f``."""
@@ -266,8 +266,8 @@ class _Iteration:
         fastest = self.corners.spread(self.blocks.max(speed, empty=0.0))
         local = np.concatenate(
             [
-                _of_corners(system, speed[block])
-                for system, block in zip(self.systems, self.of_block, strict=True)
+                _of_corners(statics, speed[block])
+                for statics, block in zip(self.problems, self.of_block, strict=True)
             ]
         )
         closing = np.maximum(0.0, -inner(self.displacement(motion)))
@@ -285,8 +285,10 @@ class _Iteration:
         tangent = scaling.tangent(self.softness)
         scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
         solves: list[Callable[[Floats], Floats]] = []
-        for system, block, corner in zip(self.systems, self.of_block, self.of_corner, strict=True):
-            solves.append(_solution(system, scaled[corner], self.mass[block]))
+        for statics, block, corner in zip(
+            self.problems, self.of_block, self.of_corner, strict=True
+        ):
+            solves.append(_solution(statics, scaled[corner], self.mass[block]))
         gap = self.corners.sum((self.force * self.slack).sum(axis=1))
 
         def direction(aim: Floats) -> tuple[Floats, Floats, Floats]:
@@ -329,17 +331,16 @@ class _Iteration:
         return least
 
 
-def _of_corners(system: TangentSystem, speed: Floats) -> Floats:
+def _of_corners(statics: Statics, speed: Floats) -> Floats:
     """Larger value (k,) of the two blocks of each corner, of values (n,) of the free blocks."""
     of_block = np.append(speed, 0.0)  # a fixed block has the number -1
-    statics = system.statics
     return np.maximum(of_block[statics.block_a], of_block[statics.block_b])
 
 
-def _solution(system: TangentSystem, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
+def _solution(statics: Statics, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
     """The factorised tangent."""
     try:
-        return system.factorise(tangent, mass)
+        return statics.maps.factorise(tangent, mass)
     except SolverError:
         return _no_solution
 

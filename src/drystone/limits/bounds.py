@@ -20,12 +20,12 @@ from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.loads import LoadCase
+from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability import RBEOptions, solve_rbe
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
-from drystone.statics import Statics, build_statics
 
 _WIDEST = 3e-3
 """A limit from one program needs checked states within this share of it on both sides. Otherwise it

@@ -25,8 +25,8 @@ from drystone.limits.limit_checks import (
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.mechanics.statics import build_statics
 from drystone.results import Result, Verdict
-from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
 """Default width for larger models, as a share of the limit. A finer bracket would depend more on

@@ -16,10 +16,10 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, as_model
+from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicStatus
-from drystone.statics import build_statics
 
 CHECKED = 1e-6
 """Largest residual of a state of equilibrium that is reported, dimensionless."""

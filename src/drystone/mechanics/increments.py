@@ -7,15 +7,15 @@ displacement ``w . q = d`` with ``w = g / |g|`` is given.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.law import ContactResponse, respond
-from drystone.mechanics.maps import SparseMaps, imposed, maps_of
+from drystone.mechanics.maps import FEW, Solve, corner_rows, maps_between
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.positions import BlockPositions, place_corners
 
@@ -93,8 +93,9 @@ class Increments:
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
-        self.maps = maps_of(bodies)
-        self.rough = ROUGH if isinstance(self.maps, SparseMaps) else 0.0
+        a, b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
+        self.maps = maps_between(a, b, bodies.radius[bodies.free], bodies.centroid[bodies.free])
+        self.rough = ROUGH if len(bodies.free) > FEW else 0.0
         count = len(bodies.centroid)
         self.pose = BlockPositions(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
         self.friction = np.zeros((len(bodies.block_a), 2))
@@ -104,8 +105,7 @@ class Increments:
         self.grown: Floats | None = None
         self.factor = 0.0
         self.iterations = 0
-        self.placed = place_corners(bodies, self.pose)
-        self.maps.at(self.pose, self.placed)
+        self.place(self.pose)
 
     def increment(
         self,
@@ -156,7 +156,23 @@ class Increments:
     def place(self, pose: BlockPositions) -> None:
         """Put the blocks somewhere."""
         self.pose, self.placed = pose, place_corners(self.bodies, pose)
-        self.maps.at(pose, self.placed)
+        self.maps.at(
+            self.placed.axes, self._arms(self.bodies.block_a), self._arms(self.bodies.block_b)
+        )
+
+    def imposed(self, moving: Floats) -> Floats:
+        """Local motion (k, 3) of b over a at each corner due to supports that move by (n, 6)."""
+        bodies, result = self.bodies, np.zeros((len(self.placed.gap), 3))
+        still = np.where((bodies.slot < 0)[:, None], moving, 0.0)
+        for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
+            rows = corner_rows(self.placed.axes, self._arms(block))
+            result += sign * np.einsum("kij,kj->ki", rows, still[block])
+        return result
+
+    def _arms(self, block: Ints) -> Floats:
+        """(k, 3) from the centroid of a block of each corner to the corner, by its radius."""
+        arm: Floats = self.placed.point - self.pose.place[block]
+        return arm / self.bodies.radius[block, None]
 
 
 class _Balance(Equation[Increment, tuple[Floats, float]]):
@@ -169,8 +185,8 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         self.weight = np.repeat(blocks.drag * bodies.mass[:, None], 6, axis=1)
         self.shift: Floats | None = None
         if moving is not None:
-            self.shift = imposed(bodies, blocks.pose, blocks.placed, moving)
-        self.solve: Callable[[Floats], Floats] | None = None
+            self.shift = blocks.imposed(moving)
+        self.solve: Solve | None = None
 
     def at(self, motion: Floats, factor: float) -> Increment:
         """The forces after a motion (f, 6), and what is not balanced."""
@@ -196,6 +212,7 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
 
     def step(self, point: Increment, renew: bool) -> tuple[Floats, float]:
         if renew or self.solve is None:
+            self.solve = None  # one set of factors at a time
             self.solve = self.maps.factorise(point.response.tangent, self.weight)
         step, grown = self.solve(point.left), self.blocks.grown
         if grown is None:

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
-from drystone.statics import Statics
+from drystone.mechanics.statics import Statics
 
 COHESIVE_FRICTION = 0.1
 """Least friction coefficient in the slip length of cohesive joints: it keeps the length finite."""

@@ -21,14 +21,10 @@ from drystone.mechanics.law import (
     respond,
     wrench_size,
 )
+from drystone.mechanics.maps import Solve
 from drystone.mechanics.newton import Equation, Steps, newton
-from drystone.mechanics.rest_state import (
-    RestOptions,
-    RestState,
-    Start,
-    block_scale,
-)
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.rest_state import RestOptions, RestState, Start, block_scale
+from drystone.mechanics.statics import Statics
 
 STALL = 3
 """Largest number of successive steps that do not halve the largest unbalanced share. Measured: of
@@ -50,7 +46,7 @@ LOST = 0.999
 
 
 def find_rest_nearby(
-    system: TangentSystem,
+    statics: Statics,
     compliance: Compliance,
     options: RestOptions,
     start: Start,
@@ -60,8 +56,8 @@ def find_rest_nearby(
 
     Parameters
     ----------
-    system
-        The model, with its elimination order. No interface may join two fixed blocks.
+    statics
+        No interface may join two fixed blocks.
     compliance
     options
         Only the ground and the tolerance are used.
@@ -76,19 +72,19 @@ def find_rest_nearby(
         Converged; None if the method does not converge, which proves nothing.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return descend(system, compliance, options, start.motion, stop)[0]
+        return descend(statics, compliance, options, start.motion, stop)[0]
 
 
 def descend(
-    system: TangentSystem,
+    statics: Statics,
     compliance: Compliance,
     options: RestOptions,
     motion: Floats,
     stop: Callable[[], bool] | None = None,
 ) -> tuple[RestState | None, int]:
     """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
-    law = _Law(system, compliance, options, stop)
-    begin = law.at(motion, system.statics.displacement(motion))
+    law = _Law(statics, compliance, options, stop)
+    begin = law.at(motion, statics.displacement(motion))
     point, solved, steps = newton(law, begin, Steps(LIMIT, chords=CHORDS))
     if not solved:
         return None, steps
@@ -117,20 +113,20 @@ class _Law(Equation[_Point, Floats]):
 
     def __init__(
         self,
-        system: TangentSystem,
+        statics: Statics,
         compliance: Compliance,
         options: RestOptions,
         stop: Callable[[], bool] | None,
     ) -> None:
-        self.system, self.compliance, self.stop = system, compliance, stop
+        self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance
-        self.weight = options.ground * system.statics.mass_matrix
-        self.solve: Callable[[Floats], Floats] | None = None
+        self.weight = options.ground * statics.mass_matrix
+        self.solve: Solve | None = None
         self.best, self.since, self.before = np.inf, 0, np.inf
 
     def at(self, motion: Floats, moved: Floats) -> _Point:
         """The iterate at a motion (n, 6), and at the corner displacements (k, 3) by it."""
-        statics = self.system.statics
+        statics = self.statics
         response = respond(self.compliance, moved[:, 0] + self.compliance.overlap, moved[:, 1:])
         ground = self.weight * motion
         left = statics.wrench(response.force) + statics.load - ground
@@ -152,11 +148,13 @@ class _Law(Equation[_Point, Floats]):
     def step(self, point: _Point, renew: bool) -> Floats:
         if renew or self.solve is None:
             rough = point.size < HOPELESS * self.before  # as long as single precision leads on
-            self.solve = self.system.factorise(point.response.tangent, self.weight, rough=rough)
+            self.solve = None  # one set of factors at a time
+            tangent = point.response.tangent
+            self.solve = self.statics.maps.factorise(tangent, self.weight, rough=rough)
         self.before = point.size
         return self.solve(point.left)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:
         del length  # steps are full
-        moved = point.moved + self.system.statics.displacement(step)
+        moved = point.moved + self.statics.displacement(step)
         return self.at(point.motion + step, moved)

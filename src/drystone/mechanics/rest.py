@@ -37,7 +37,7 @@ from drystone.mechanics.rest_state import (
     Start,
     block_scale,
 )
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics.statics import Statics
 
 SHORTEST_STEP = 2e-3
 """Smallest share of a Newton step: rounding makes a shorter one meaningless."""
@@ -62,7 +62,7 @@ hundreds of courses carry about as much although they stand; such walls take few
 
 
 def find_rest(
-    system: TangentSystem,
+    statics: Statics,
     compliance: Compliance,
     options: RestOptions | None = None,
     *,
@@ -74,8 +74,8 @@ def find_rest(
 
     Parameters
     ----------
-    system
-        The model, with its elimination order. No interface may join two fixed blocks.
+    statics
+        No interface may join two fixed blocks.
     compliance
     options
     start
@@ -89,11 +89,11 @@ def find_rest(
     chosen = options if options is not None else RestOptions()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         # a diverging trial step overflows and is rejected by the merit function
-        state = _Path(system, compliance, chosen, stop=stop, falls=falls).follow(start)
+        state = _Path(statics, compliance, chosen, stop=stop, falls=falls).follow(start)
         if compliance.tension is None or state.converged or (stop is not None and stop()):
             return state
         # joints that pull more at first can lead away from the rest state
-        other = _Path(system, compliance, chosen, harder=False, stop=stop).follow(start)
+        other = _Path(statics, compliance, chosen, harder=False, stop=stop).follow(start)
         steps = state.iterations + other.iterations
         return replace(other if other.converged else state, iterations=steps)
 
@@ -103,7 +103,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
 
     def __init__(
         self,
-        system: TangentSystem,
+        statics: Statics,
         compliance: Compliance,
         options: RestOptions,
         *,
@@ -111,9 +111,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         stop: Callable[[], bool] | None = None,
         falls: Callable[[], bool] | None = None,
     ) -> None:
-        self.system = system
         self.harder = harder and compliance.tension is not None
-        self.statics = statics = system.statics
+        self.statics = statics
         self.law = compliance.friction
         self.compliance = compliance
         self.kn = compliance.normal
@@ -205,7 +204,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         options, ended = self.options, False
         if self.end is not None and not self.carries_much(point.motion):
             options, self.end, ended = self.end, None, True
-        state, steps = descend(self.system, self.compliance, options, point.motion, self.stop)
+        state, steps = descend(self.statics, self.compliance, options, point.motion, self.stop)
         self.steps += steps
         if state is None or (ended and self.carries_much(state.motion)):
             return None
@@ -282,9 +281,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
-        motion = self.system.factorise(tangent, self.ground, rough=self.rough and tau >= SINGLE)(
-            right
-        )
+        rough = self.rough and tau >= SINGLE
+        motion = statics.maps.factorise(tangent, self.ground, rough=rough)(right)
         moved = statics.displacement(motion)
         return motion, moved, shift - stiffness * moved[:, 0]
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, lengths
 from drystone.mechanics.law import Compliance
-from drystone.mechanics.tangent import TangentSystem
-from drystone.statics import Statics
+from drystone.mechanics.statics import Statics
 
 STALL = 20
 """Steps without progress. Measured: of 1,143 converging runs, near and far from the limits of their
@@ -105,27 +104,25 @@ class RestState:
     ended: bool = False
 
 
-def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:
+def start_from(statics: Statics, compliance: Compliance, motion: Floats) -> Start:
     """A start with the shape of a motion (n, 6), such as the rest state of a similar model.
 
     Without an initial overlap the contact law is homogeneous of degree one: the motion is scaled so
     that its forces fit the loads best.
     """
-    statics = system.statics
     moved = statics.displacement(motion)
-    normal = compliance.normal * np.maximum(0.0, -moved[..., 0])
-    slide = compliance.friction(normal, moved[..., 1:]).force
-    force = np.concatenate([normal[..., None], -slide], axis=-1)
+    normal = compliance.normal * np.maximum(0.0, -moved[:, 0])
+    slide = compliance.friction(normal, moved[:, 1:]).force
+    force = np.concatenate([normal[:, None], -slide], axis=1)
     scale = statics.load_scale[:, None]
     carried = statics.wrench(force) / scale
-    size = (carried**2).sum(axis=(-2, -1))
-    fit = -(carried * (statics.load / scale)).sum(axis=(-2, -1)) / np.where(size > 0.0, size, 1.0)
-    fit = np.maximum(fit, 0.0)
-    return Start(fit[..., None, None] * motion, fit[..., None] * normal)
+    size = float((carried**2).sum())
+    fit = -float((carried * (statics.load / scale)).sum()) / size if size > 0.0 else 0.0
+    fit = max(fit, 0.0)
+    return Start(fit * motion, fit * normal)
 
 
 def block_scale(statics: Statics, force: Floats) -> Floats:
-    """Size (..., n) of the forces on each block: its load and its corner forces (..., k, 3)."""
-    at_corners = (statics.touching @ lengths(force).T).T
-    total: Floats = statics.load_size + at_corners
+    """Size (n,) of the forces on each block: its load and its corner forces (k, 3)."""
+    total = statics.load_size + statics.on_blocks(lengths(force))
     return np.where(total > 0.0, total, 1.0)

@@ -11,11 +11,10 @@ from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats
-from drystone.checks import moving_joints
+from drystone.checks import first_motion_of, moving_joints
 from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results.solution import Solution
-from drystone.statics import first_motion_of
 
 NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load comes from the ground springs. It is not

@@ -28,11 +28,11 @@ from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
+from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
 from drystone.settlement.response import solve_response
 from drystone.solvers.conic import ConicStatus
-from drystone.statics import build_statics
 
 CHECKED = 1e-5
 """Largest residual of a state that is reported as standing, dimensionless: that of an interior

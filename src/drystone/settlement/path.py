@@ -16,7 +16,7 @@ from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbe
 from drystone.mechanics.both_carriers import ends_alike
 from drystone.mechanics.corners import Carrier, flush_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
-from drystone.mechanics.maps import DENSE
+from drystone.mechanics.maps import FEW
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors, rotations
 from drystone.mechanics.soft_springs import STIFFEST
@@ -82,7 +82,7 @@ class FollowedCase:
     @property
     def many(self) -> bool:
         """Whether it has many blocks."""
-        return len(self.model.assembly.free) > DENSE
+        return len(self.model.assembly.free) > FEW
 
     def follower(
         self, carrier: Carrier, overlap: float, tell: Callable[[float], None] | None = None
@@ -164,7 +164,7 @@ def _rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:
     A plug that hardly tapers presses with many times its weight, and moves far before its springs
     do. On stiffer springs it moves less in proportion.
     """
-    few = len(bodies.free) <= DENSE and bodies.overlap > STIFFEST
+    few = len(bodies.free) <= FEW and bodies.overlap > STIFFEST
     return few and track.ended is Ended.RESTS and float(track.travel.max()) > chosen.rest_within
 
 
@@ -175,7 +175,7 @@ def _rests_nearer(track: Track, before: Track) -> bool:
 
 def _moved_much(bodies: Bodies, track: Track) -> bool:
     """Whether springs of many blocks may have moved them to where they rest."""
-    many = len(bodies.free) > DENSE and bodies.overlap > STIFFEST
+    many = len(bodies.free) > FEW and bodies.overlap > STIFFEST
     return many and track.ended is Ended.RESTS and float(track.travel.max()) > TOO_FAR
 
 

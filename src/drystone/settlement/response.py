@@ -21,9 +21,9 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats
+from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
-from drystone.statics import Statics
 
 SOFTEST = 0.05
 """Least tributary area of a corner, as a share of the mean: slivers would make the system

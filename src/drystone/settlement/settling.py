@@ -19,7 +19,7 @@ from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
-from drystone.mechanics.maps import DENSE
+from drystone.mechanics.maps import FEW
 from drystone.mechanics.meeting import faces_apart
 from drystone.model import Model
 from drystone.results import Residuals
@@ -108,7 +108,7 @@ def settle_for_verdict(
     goes from there, the structure does not stand.
     """
     chosen, clock = SettlementOptions.of(options), Clock(float("inf"), stop)
-    left_at = chosen.rest_within if len(model.assembly.free) > DENSE else np.inf
+    left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
     return _carried(model, None, chosen, clock, executor, None, left_at)
 
 

@@ -10,10 +10,6 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
 
-FEW = 6
-"""Vectors up to which a sparse matrix is multiplied with one after the other: timed on the
-Armadillo vault. 2 to 4 at once take as long as six one by one."""
-
 
 def transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
     """Wrench on a block per unit force at each corner (k, 6, 3): the axes, and lever x axis.
@@ -60,20 +56,3 @@ def sparse_rows(pair: Ints, transfers: Floats, count: int) -> sparse.csr_matrix:
     start = np.zeros(3 * k + 1, dtype=index)
     np.cumsum(np.repeat(6 * meets.sum(axis=1), 3), out=start[1:])
     return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
-
-
-def full_rows(pair: Ints, transfers: Floats, count: int) -> Floats:
-    """The same as a full matrix."""
-    full = np.zeros((len(pair), 3, count, 6))
-    for side in range(2):
-        corner = np.flatnonzero(pair[:, side] >= 0)
-        full[corner, :, pair[corner, side]] = np.swapaxes(transfers[corner, side], 1, 2)
-    return full.reshape(3 * len(pair), 6 * count)
-
-
-def times(matrix: sparse.csr_matrix, rows: Floats) -> Floats:
-    """``matrix @ row`` of one row (n,), or of each of several (s, n)."""
-    if rows.ndim == 1 or len(rows) > FEW:
-        result: Floats = (matrix @ rows.T).T
-        return result
-    return np.stack([matrix @ row for row in rows])

@@ -112,7 +112,7 @@ class Asked:
         problem, late = self.problem, self.clock.late
         if problem.statics.dry:
             if self.nearest is None:
-                self.nearest = nearest_mechanism(problem.system, stop=late)
+                self.nearest = nearest_mechanism(problem.statics, stop=late)
             nearest = self.nearest
             self.steps += nearest.iterations
             if nearest.motion is not None:

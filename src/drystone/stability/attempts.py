@@ -105,7 +105,7 @@ class Attempt:
             They have another shape, or are not finite.
         """
         start = self._start(displacement)
-        state = find_rest_nearby(self.problem.system, self.springs, AT_REST, start, self.late)
+        state = find_rest_nearby(self.problem.statics, self.springs, AT_REST, start, self.late)
         if state is not None:
             self.steps += state.iterations
             found = self._examined(state)
@@ -204,7 +204,7 @@ class Attempt:
             raise InputError(f"the start must hold {count} times six finite numbers", where="start")
         statics = self.problem.statics
         motion = statics.scaled_motion(np.asarray(displacement), statics.mean_length)
-        return start_from(self.problem.system, self.springs, motion)
+        return start_from(self.problem.statics, self.springs, motion)
 
     def _find(
         self,
@@ -216,7 +216,7 @@ class Attempt:
         """A state on ground springs, with the springs of the try or others."""
         chosen = self.springs if springs is None else springs
         state = find_rest(
-            self.problem.system, chosen, options, start=start, stop=self.late, falls=falls
+            self.problem.statics, chosen, options, start=start, stop=self.late, falls=falls
         )
         self.steps += state.iterations
         return state

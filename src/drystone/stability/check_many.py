@@ -213,7 +213,7 @@ def _side_by_side(models: Sequence[Model], options: CheckOptions) -> list[Result
             problems.append(error)
     built = [one for one in problems if isinstance(one, Problem)]
     first = [one for one in built if one.statics.free_count and one.equilibrium_first]
-    known = nearest_mechanisms([one.system for one in first]) if first else []
+    known = nearest_mechanisms([one.statics for one in first]) if first else []
     nearest = dict(zip(first, known, strict=True))
     shared_s = clock.elapsed_s / max(len(models), 1)
     found: list[Result | DrystoneError] = []

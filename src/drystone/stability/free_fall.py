@@ -8,8 +8,6 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, dot
 from drystone.checks import block_speed, point_motion
 from drystone.contacts import Contacts
-from drystone.model import Model
-from drystone.statics import Statics
 
 APPROACH = 1e-3
 """A corner is pressed when free blocks approach it by more than this share of their speed: it then
@@ -17,16 +15,6 @@ overlaps by as much of their motion, and the source bounds slides by a thousand 
 
 NO_APPROACH = 1e-7
 """The same for faces along which blocks fall freely: less is rounding of their coordinates."""
-
-
-def free_acceleration(model: Model, statics: Statics) -> Floats:
-    """Acceleration (n, 6) of each free block under its load alone."""
-    assembly, wrench, free = model.assembly, model.load.wrench, statics.free
-    motion = np.zeros((len(assembly), 6))
-    motion[free, :3] = wrench[free, :3] / assembly.mass[free, None]
-    turning = assembly.mass[free] * statics.inertia * assembly.size[free] ** 2
-    motion[free, 3:] = wrench[free, 3:] / turning[:, None]
-    return motion
 
 
 def unpressed(

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
-from drystone.checks import block_speed
-from drystone.mechanics.tangent import TangentSystem
+from drystone.checks import accelerations, block_speed
+from drystone.mechanics.maps import FEW
+from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
-from drystone.stability.free_fall import free_acceleration, unpressed
-from drystone.statics import Statics, build_statics
+from drystone.stability.free_fall import unpressed
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +66,6 @@ class Problem:
     def __getstate__(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("model", "corners", "statics")}
 
-    @cached_property
-    def system(self) -> TangentSystem:
-        """The tangent's pattern and elimination order, made once."""
-        return TangentSystem(self.statics, self.model.assembly.centroid[self.statics.free])
-
     @property
     def equilibrium_first(self) -> bool:
         """Whether it is cheaper to ask first whether any forces balance the loads.
@@ -78,12 +73,12 @@ class Problem:
         Of a small model with dry joints the nearest mechanism takes as long as a third of the path
         to a rest state; where there is no rest state, that path takes twice as long.
         """
-        return self.statics.dry and self.system.small
+        return self.statics.dry and self.statics.free_count <= FEW
 
     @cached_property
     def acceleration(self) -> Floats:
         """Acceleration (n, 6) of each free block under its load alone."""
-        return free_acceleration(self.model, self.statics)
+        return accelerations(self.model.assembly, self.model.load.wrench)
 
     @cached_property
     def unpressed(self) -> Bools:

@@ -14,10 +14,10 @@ from drystone.formulations.equilibrium import (
     solve_load_factor,
 )
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.models import arch, h_model, incline, stool, tower, two_blocks_on_incline
 from drystone.solvers.conic import ConicStatus
-from drystone.statics import Statics, build_statics
 from tests.oracle import touching_faces
 
 EXACT = FrictionCone.exact()
@@ -177,11 +177,3 @@ def test_joints_without_friction_do_not_pull(friction: float) -> None:
     lifted = LoadCase(-LoadCase.gravity(tower(2)).wrench)
     problem = statics(tower(2), friction, lifted)
     assert solve_equilibrium(problem, cone=EXACT).raw.status is ConicStatus.INFEASIBLE
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_the_full_equilibrium_matrix_of_a_small_model_is_the_sparse_one(order: int) -> None:
-    given = arch(0.3, 5)
-    problem = statics(given.subset(list(range(len(given)))[::order]), 0.5)
-    assert problem.full_transposed is not None
-    np.testing.assert_array_equal(problem.full_transposed, problem.matrix_transposed.toarray())

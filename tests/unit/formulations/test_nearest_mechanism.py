@@ -26,7 +26,7 @@ from drystone.stability.proofs import balanced, checked_mechanism, sound_mechani
 
 def answer(model: Model) -> tuple[Problem, NearestMechanism]:
     problem = Problem.build(model)
-    return problem, nearest_mechanism(problem.system)
+    return problem, nearest_mechanism(problem.statics)
 
 
 def tilted(assembly: Assembly, friction: float, degrees: float) -> Model:
@@ -127,7 +127,7 @@ def test_a_vault_with_sparse_fronts_gets_a_sound_mechanism() -> None:
 
 def test_a_request_to_stop_ends_the_iteration_at_once() -> None:
     problem = Problem.build(random_pile(0))
-    assert nearest_mechanism(problem.system, stop=lambda: True).iterations == 0
+    assert nearest_mechanism(problem.statics, stop=lambda: True).iterations == 0
 
 
 def test_the_scaling_takes_a_point_and_its_dual_to_one_point() -> None:
@@ -174,11 +174,11 @@ def test_a_step_through_the_apex_is_cut_there() -> None:
 
 def test_no_answer_depends_on_the_models_beside_it() -> None:
     models = [random_pile(seed, blocks) for seed, blocks in ((0, 3), (1, 10), (2, 14), (3, 5))]
-    systems = [Problem.build(one).system for one in [*models, tilted(arch(), 0.6, 5.0)]]
-    alone = [nearest_mechanism(one) for one in systems]
+    problems = [Problem.build(one).statics for one in [*models, tilted(arch(), 0.6, 5.0)]]
+    alone = [nearest_mechanism(one) for one in problems]
     for order in ([0, 1, 2, 3, 4], [4, 2, 0], [3, 3, 1]):
         for number, found in zip(
-            order, nearest_mechanisms([systems[number] for number in order]), strict=True
+            order, nearest_mechanisms([problems[number] for number in order]), strict=True
         ):
             np.testing.assert_array_equal(found.force, alone[number].force)
             assert (found.motion is None) == (alone[number].motion is None)

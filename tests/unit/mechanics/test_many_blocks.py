@@ -11,7 +11,7 @@ from drystone.base.progress import Clock
 from drystone.mechanics.bodies import Bodies, build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.law import respond
-from drystone.mechanics.maps import DenseMaps, SparseMaps
+from drystone.mechanics.maps import FullMaps, SparseMaps
 from drystone.mechanics.meeting import faces_apart
 from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models import arch
@@ -19,7 +19,7 @@ from drystone.settlement import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.path import FollowedCase, path_of
 
 
-def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
+def moved_arch() -> tuple[Bodies, FullMaps, SparseMaps]:
     """An arch whose blocks have moved, with both kinds of maps."""
     model = Model.of(arch(0.2, 9), friction=0.6)
     followed = model.with_contacts(model.contacts.select(model.active))
@@ -27,10 +27,22 @@ def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
     rng = np.random.default_rng(3)
     start = BlockPositions(bodies.centroid, np.tile(np.eye(3), (len(bodies.centroid), 1, 1)))
     pose = start.moved(bodies.free, 1e-2 * rng.normal(size=(len(bodies.free), 6)))
-    maps = DenseMaps(bodies), SparseMaps(bodies)
-    for one in maps:
-        one.at(pose, place_corners(bodies, pose))
-    return bodies, *maps
+    a, b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
+    few = FullMaps(a, b, len(bodies.free))
+    many = SparseMaps(a, b, bodies.radius[bodies.free], bodies.centroid[bodies.free])
+    for one in (few, many):
+        put(bodies, one, pose)
+    return bodies, few, many
+
+
+def put(bodies: Bodies, maps: FullMaps | SparseMaps, pose: BlockPositions) -> None:
+    """Renew maps for positions of the blocks."""
+    placed = place_corners(bodies, pose)
+    arms = (
+        (placed.point - pose.place[block]) / bodies.radius[block, None]
+        for block in (bodies.block_a, bodies.block_b)
+    )
+    maps.at(placed.axes, *arms)
 
 
 def test_the_maps_of_many_blocks_are_those_of_few() -> None:
@@ -66,7 +78,7 @@ def test_joints_that_have_not_changed_keep_their_stiffness() -> None:
             many.factorise(asked, weight)(wrench), dense.factorise(asked, weight)(wrench), rtol=1e-9
         )
     for one in (dense, many):
-        one.at(start, place_corners(bodies, start))
+        put(bodies, one, start)
     np.testing.assert_allclose(
         many.factorise(tangent, weight)(wrench), dense.factorise(tangent, weight)(wrench), rtol=1e-9
     )

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from drystone import LoadCase, find_contacts, models
-from drystone.mechanics import tangent
+from drystone.mechanics import maps
 from drystone.mechanics.law import uniform
+from drystone.mechanics.maps import SparseMaps
 from drystone.mechanics.nearby import find_rest_nearby
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, Start
-from drystone.mechanics.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.problem import Problem
 
@@ -24,7 +24,7 @@ def leaning(degrees):
 
 def upright(problem, slip, glue):
     springs = uniform(problem.statics, slip=slip, glue=glue)
-    state = find_rest(problem.system, springs, OPTIONS)
+    state = find_rest(problem.statics, springs, OPTIONS)
     assert state.converged
     return springs, Start(state.motion, state.normal)
 
@@ -35,8 +35,8 @@ def test_the_state_is_that_of_the_relaxed_law(slip, glue):
     _, start = upright(leaning(0.0), slip, glue)
     problem = leaning(1.0)
     springs = uniform(problem.statics, slip=slip, glue=glue)
-    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
-    relaxed = find_rest(problem.system, springs, OPTIONS)
+    found = find_rest_nearby(problem.statics, springs, OPTIONS, start)
+    relaxed = find_rest(problem.statics, springs, OPTIONS)
     assert found is not None
     assert found.unbalanced <= OPTIONS.tolerance
     assert np.allclose(found.force, relaxed.force, rtol=0.0, atol=1e-8)
@@ -45,35 +45,35 @@ def test_the_state_is_that_of_the_relaxed_law(slip, glue):
 
 def test_a_rest_state_is_next_to_itself():
     springs, start = upright(leaning(0.0), None, 0.0)
-    found = find_rest_nearby(leaning(0.0).system, springs, OPTIONS, start)
+    found = find_rest_nearby(leaning(0.0).statics, springs, OPTIONS, start)
     assert found is not None
     assert found.iterations == 0
 
 
 def test_what_falls_has_no_rest_state_nearby():
     springs, start = upright(leaning(0.0), None, 0.0)
-    assert find_rest_nearby(leaning(20.0).system, springs, OPTIONS, start) is None
+    assert find_rest_nearby(leaning(20.0).statics, springs, OPTIONS, start) is None
 
 
 def test_the_wish_to_stop_is_heard():
     springs, start = upright(leaning(0.0), None, 0.0)
-    assert find_rest_nearby(leaning(1.0).system, springs, OPTIONS, start, lambda: True) is None
+    assert find_rest_nearby(leaning(1.0).statics, springs, OPTIONS, start, lambda: True) is None
 
 
 def test_the_last_steps_have_the_factors_of_the_one_before(monkeypatch):
     factors = []
-    factorise = TangentSystem.factorise
+    factorise = SparseMaps.factorise
 
-    def counted(system, tangent, weight, **options):
+    def counted(maps, tangent, weight, **options):
         factors.append(tangent)
-        return factorise(system, tangent, weight, **options)
+        return factorise(maps, tangent, weight, **options)
 
-    monkeypatch.setattr(TangentSystem, "factorise", counted)
+    monkeypatch.setattr(SparseMaps, "factorise", counted)
     _, start = upright(leaning(0.0), 10.0, 0.0)
     problem = leaning(1.0)
     springs = uniform(problem.statics, slip=10.0)
     factors.clear()
-    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    found = find_rest_nearby(problem.statics, springs, OPTIONS, start)
     assert found is not None
     assert 0 < len(factors) < found.iterations
     assert found.unbalanced <= OPTIONS.tolerance
@@ -83,10 +83,10 @@ def test_rough_steps_end_at_the_same_state(monkeypatch):
     _, start = upright(leaning(0.0), 10.0, 0.0)
     problem = leaning(1.0)
     springs = uniform(problem.statics, slip=10.0)
-    expected = find_rest_nearby(problem.system, springs, OPTIONS, start)
-    monkeypatch.setattr(tangent, "SINGLE_FROM", 1)
-    monkeypatch.setattr(tangent, "FULL", 0)
-    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    expected = find_rest_nearby(problem.statics, springs, OPTIONS, start)
+    monkeypatch.setattr(maps, "SINGLE_FROM", 1)
+    problem = leaning(1.0)
+    found = find_rest_nearby(problem.statics, springs, OPTIONS, start)
     assert expected is not None
     assert found is not None
     assert found.unbalanced <= OPTIONS.tolerance

@@ -8,6 +8,7 @@ import pytest
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
 from drystone.mechanics import law
+from drystone.mechanics.maps import SparseMaps
 from drystone.mechanics.rest import _Path, find_rest
 from drystone.mechanics.rest_state import RestOptions
 from drystone.model import Model
@@ -23,7 +24,9 @@ def problem_of(assembly, friction, load=None):
 @pytest.mark.parametrize("model", [arch(0.15, voussoirs=7), shelf(), tower(4)])
 def test_assembled_tangent_is_the_product_of_its_factors(model):
     problem = problem_of(model, 0.7)
-    statics, system = problem.statics, problem.system.sparse
+    statics = problem.statics
+    system = SparseMaps(statics.block_a, statics.block_b, statics.length, statics.position)
+    system.at(statics.frame, statics.lever_a, statics.lever_b)
     rng = np.random.default_rng(0)
     tangent = rng.normal(size=(statics.corner_count, 3, 3))
     weight = rng.uniform(size=(statics.free_count, 6))
@@ -40,7 +43,7 @@ def test_newton_tangent_is_the_derivative_of_the_unbalanced_wrench():
     problem = problem_of(arch(0.15, voussoirs=7), 0.5)
     statics = problem.statics
     for springs in (law.uniform(statics), law.uniform(statics, slip=0.7)):
-        path = _Path(problem.system, springs, RestOptions(ground=0.1))
+        path = _Path(problem.statics, springs, RestOptions(ground=0.1))
         rng = np.random.default_rng(1)
         motion = rng.normal(size=(statics.free_count, 6))
 
@@ -61,7 +64,7 @@ def test_a_block_on_the_ground_sinks_by_weight_over_stiffness():
     problem = problem_of(tower(2), 0.5)
     statics = problem.statics
     springs = law.uniform(statics)
-    state = find_rest(problem.system, springs, RestOptions(ground=1e-14))
+    state = find_rest(problem.statics, springs, RestOptions(ground=1e-14))
     assert state.converged
     assert state.motion[0, 2] == pytest.approx(-1.0 / springs.normal.sum(), rel=1e-9)
     assert state.force[:, 0] == pytest.approx(np.full(4, 0.25), rel=1e-9)
@@ -73,7 +76,7 @@ def test_a_block_in_the_air_leans_on_the_ground_with_its_whole_weight():
         np.array([True, False]),
     )
     problem = problem_of(pair, 0.5)
-    state = find_rest(problem.system, law.uniform(problem.statics))
+    state = find_rest(problem.statics, law.uniform(problem.statics))
     assert state.converged
     assert state.ground[0] == pytest.approx([0, 0, -1.0, 0, 0, 0], abs=1e-9)
 
@@ -84,8 +87,8 @@ def test_a_warm_start_takes_fewer_steps():
     level = Problem.build(Model(model, contacts, None))
     tilted = Problem.build(Model(model, contacts, LoadCase.tilt(model, (0, 1, 0), 0.2)))
     springs = law.uniform(level.statics)
-    cold = find_rest(tilted.system, springs)
-    warm = find_rest(tilted.system, springs, start=find_rest(level.system, springs))
+    cold = find_rest(tilted.statics, springs)
+    warm = find_rest(tilted.statics, springs, start=find_rest(level.statics, springs))
     assert cold.converged
     assert warm.converged
     assert np.allclose(cold.force, warm.force, atol=1e-8)
@@ -95,8 +98,8 @@ def test_a_warm_start_takes_fewer_steps():
 def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, monkeypatch):
     problem, asked = problem_of(wall(5, 5), 0.6), []
     springs = law.uniform(problem.statics)
-    expected = find_rest(problem.system, springs)
-    factorise = problem.system.factorise
+    expected = find_rest(problem.statics, springs)
+    factorise = problem.statics.maps.factorise
 
     def wrong(tangent, weight, *, rough=False):
         if not rough:
@@ -104,8 +107,8 @@ def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, mon
         asked.append(1)
         return answer
 
-    monkeypatch.setattr(problem.system, "factorise", wrong)
-    found = find_rest(problem.system, springs)
+    monkeypatch.setattr(problem.statics.maps, "factorise", wrong)
+    found = find_rest(problem.statics, springs)
     assert asked
     assert found.converged
     np.testing.assert_allclose(found.force, expected.force, rtol=0.0, atol=1e-8)
@@ -113,7 +116,7 @@ def test_rough_steps_that_lead_nowhere_are_followed_by_accurate_ones(answer, mon
 
 def test_stopping_returns_what_is_there():
     problem = problem_of(arch(0.15), 0.9)
-    state = find_rest(problem.system, law.uniform(problem.statics), stop=lambda: True)
+    state = find_rest(problem.statics, law.uniform(problem.statics), stop=lambda: True)
     assert not state.converged
     assert state.iterations == 0
 
@@ -123,7 +126,7 @@ def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_i
     problem, asked = problem_of(wall(10, 10), 0.6), []
     for springs in law.samples(problem.statics, 4, 0, tangential=0.2):
         state = find_rest(
-            problem.system, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
+            problem.statics, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
         )
         assert state.converged
         assert state.iterations <= 15  # 11 to 15: with another order of elimination one more
@@ -139,7 +142,7 @@ def test_a_fall_is_sought_where_the_ground_carries_much():
         return True
 
     springs = law.uniform(problem.statics)
-    state = find_rest(problem.system, springs, RestOptions(ground=1e-7), falls=falls)
+    state = find_rest(problem.statics, springs, RestOptions(ground=1e-7), falls=falls)
     assert len(asked) == 1
     assert not state.converged
     assert state.iterations <= 12
@@ -151,12 +154,12 @@ def test_the_last_state_is_looked_for_at_once_where_the_ground_carries_little(de
     problem = problem_of(model, 0.93, LoadCase.tilt(model, (0.0, 1.0, 0.0), degrees))
     springs = law.uniform(problem.statics)
     strong, weak = RestOptions(ground=1e-7, tolerance=1e-7), RestOptions(ground=1e-14)
-    twice = find_rest(problem.system, springs, strong)
-    once = find_rest(problem.system, springs, replace(strong, end=weak))
+    twice = find_rest(problem.statics, springs, strong)
+    once = find_rest(problem.statics, springs, replace(strong, end=weak))
     assert once.ended is rests
     assert not twice.ended
     if rests:
-        last = find_rest(problem.system, springs, weak, start=twice)
+        last = find_rest(problem.statics, springs, weak, start=twice)
         assert once.unbalanced <= weak.tolerance
         assert np.abs(once.ground).max() < 1e-9
         assert once.iterations < twice.iterations + last.iterations

@@ -348,7 +348,7 @@ def test_a_motion_that_the_joints_resist_is_no_first_motion():
 def test_the_first_motion_of_a_block_that_slides_is_the_slide():
     block = models.incline(35.0)
     problem = Problem.build(Model(block, find_contacts(block, friction=0.6).contacts, None))
-    system = problem.system
+    system = problem.statics
     state = find_rest(system, uniform(problem.statics), RestOptions(ground=1e-7, tolerance=1e-7))
     motion = first_motion(problem, state)
     assert motion is not None
@@ -405,7 +405,7 @@ def test_every_analysis_takes_the_same_keywords(analysis):
 def test_a_last_state_that_proves_nothing_is_followed_further():
     roughly = replace(PATIENT.numerics, end=RestOptions(ground=1e-5, tolerance=1e-7))
     problem = Problem.build(Model(ARCH, JOINTS))
-    state = find_rest(problem.system, uniform(problem.statics), roughly)
+    state = find_rest(problem.statics, uniform(problem.statics), roughly)
     assert state.ended
     assert problem.ground_share(state.ground).max() > 1e-6
     found = try_rest(problem, screening=replace(PATIENT, numerics=roughly))

@@ -158,10 +158,10 @@ def _worst(state: Result, options: CRAOptions) -> tuple[bool, float, float]:
 def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result | None:
     """The end of the path of equal overlaps, for a slip length of the friction law."""
     springs = law.uniform(problem.statics, slip=slip)
-    start = find_rest(problem.system, springs, BEGUN, stop=clock.late)
+    start = find_rest(problem.statics, springs, BEGUN, stop=clock.late)
     if problem.ground_share(start.ground).max() > HANGS or clock.late():
         return None
-    path = equal_overlap(problem.system, start, slip, stop=clock.late)
+    path = equal_overlap(problem.statics, start, slip, stop=clock.late)
     model, force = problem.model, problem.force(path.state.force)
     displacement = problem.displacement(path.state.motion)
     residuals = check_forces(model, force, displacement)

@@ -17,6 +17,7 @@ from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
+from drystone.mechanics.statics import Statics
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
@@ -26,7 +27,6 @@ from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
 from drystone.stability.verdict import decided
-from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Tensile stiffness of a corner divided by its stiffness in compression. It is reduced step by step
@@ -121,7 +121,7 @@ def solve_cra_penalty(
     statics = problem.statics
     glued = glued_state(problem, chosen.ground, clock.late)
     leaning = find_rest(
-        problem.system, law.uniform(statics), replace(TO_REST, end=None), stop=clock.late
+        problem.statics, law.uniform(statics), replace(TO_REST, end=None), stop=clock.late
     )
     if clock.late():
         return replace(
@@ -180,9 +180,9 @@ def glued_state(
     """
     numerics = RestOptions(ground=ground, tolerance=1e-7)
     statics = problem.statics
-    glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=stop)
+    glued = find_rest(problem.statics, _glue(statics, GLUE[0]), numerics, stop=stop)
     for glue in GLUE[1:]:
-        weaker = find_rest(problem.system, _glue(statics, glue), numerics, start=glued, stop=stop)
+        weaker = find_rest(problem.statics, _glue(statics, glue), numerics, start=glued, stop=stop)
         if not weaker.converged:
             break
         glued = weaker

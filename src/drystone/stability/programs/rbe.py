@@ -21,6 +21,7 @@ from drystone.formulations.equilibrium import (
 )
 from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, as_model
+from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -34,7 +35,6 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
-from drystone.statics import Statics
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
@@ -290,7 +290,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
 
 def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | None:
     """The answer of the mechanism nearest to free fall; None where it proves nothing."""
-    found = nearest_mechanism(problem.system, stop=clock.late)
+    found = nearest_mechanism(problem.statics, stop=clock.late)
     mechanism = force = residuals = None
     if found.motion is not None:
         mechanism = sound_mechanism(problem, found.motion)
@@ -299,7 +299,7 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
         if not balanced(problem, found.force) and (friction > STEEP).any():
             # forces within a narrower cone are within this one
             narrower = Problem.build(problem.model.with_friction(np.minimum(friction, STEEP)))
-            found = nearest_mechanism(narrower.system, stop=clock.late)
+            found = nearest_mechanism(narrower.statics, stop=clock.late)
         if balanced(problem, found.force):
             force = problem.force(found.force)
             residuals = check_forces(problem.model, force)

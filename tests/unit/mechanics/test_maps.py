@@ -5,11 +5,10 @@ import pytest
 from scipy import sparse
 
 from drystone import Assembly, Model, models
-from drystone.mechanics import tangent as tangents
-from drystone.mechanics.tangent import TangentSystem
+from drystone.mechanics import maps
+from drystone.mechanics.maps import SparseMaps
+from drystone.mechanics.statics import build_statics
 from drystone.models import box
-from drystone.solvers.equilibrium_matrix import FEW
-from drystone.statics import build_statics
 
 
 def stiffness(count, rng):
@@ -22,13 +21,21 @@ def stiffness(count, rng):
     return tangent
 
 
+def sparse_maps(statics, rng):
+    """The maps as those of many blocks."""
+    position = rng.random((statics.free_count, 3))
+    found = SparseMaps(statics.block_a, statics.block_b, statics.length, position)
+    found.at(statics.frame, statics.lever_a, statics.lever_b)
+    return found
+
+
 def largest_error(model, seed=0):
     """Of each block of the tangent, by the largest number of the block; the largest of these."""
     statics = build_statics(model)
     rng = np.random.default_rng(seed)
     tangent = stiffness(statics.corner_count, rng)
     weight = 1e-3 * rng.random((statics.free_count, 6))
-    system = TangentSystem(statics, rng.random((statics.free_count, 3))).sparse
+    system = sparse_maps(statics, rng)
     found = system.blocks(tangent, weight)
     matrix = statics.matrix
     whole = matrix @ sparse.block_diag(list(tangent)) @ matrix.T + sparse.diags(weight.ravel())
@@ -62,7 +69,7 @@ def test_a_small_block_on_a_large_one_costs_no_digits(size, small_first):
 def test_the_memory_of_a_tangent_is_used_again_and_no_answer_changes(monkeypatch):
     statics = build_statics(Model.of(models.vault(), friction=0.6))
     rng = np.random.default_rng(2)
-    system = TangentSystem(statics, rng.random((statics.free_count, 3))).sparse
+    system = sparse_maps(statics, rng)
     given = [stiffness(statics.corner_count, rng) for _ in range(2)]
     weight = np.ones((statics.free_count, 6))
     first = system.blocks(given[0], weight)
@@ -70,20 +77,17 @@ def test_the_memory_of_a_tangent_is_used_again_and_no_answer_changes(monkeypatch
     second = system.blocks(given[1], weight)
     np.testing.assert_array_equal(first, kept)
     assert not np.array_equal(first, second)
-    monkeypatch.setattr(tangents, "SIDE_BY_SIDE", 7)
+    monkeypatch.setattr(maps, "SIDE_BY_SIDE", 7)
     np.testing.assert_array_equal(system.blocks(given[1], weight), second)
 
 
-@pytest.mark.parametrize("count", [1, 3, FEW, FEW + 1])
-def test_several_states_are_those_one_by_one(count):
-    scaled = build_statics(Model.of(models.vault(), friction=0.6))
-    assert scaled.full_transposed is None
+@pytest.mark.parametrize("model", [models.arch(0.3, 5), models.vault(), models.dome(12, 4)])
+def test_maps_between_blocks_and_corners_are_the_equilibrium_matrix(model):
+    statics = build_statics(Model.of(model, friction=0.6))
     rng = np.random.default_rng(3)
-    force = rng.standard_normal((count, scaled.corner_count, 3))
-    motion = rng.standard_normal((count, scaled.free_count, 6))
-    wrench, moved = scaled.wrench(force), scaled.displacement(motion)
-    assert wrench.shape == motion.shape
-    assert moved.shape == force.shape
-    for i in range(count):
-        np.testing.assert_allclose(wrench[i], scaled.wrench(force[i]), atol=1e-12)
-        np.testing.assert_allclose(moved[i], scaled.displacement(motion[i]), atol=1e-12)
+    force = rng.standard_normal((statics.corner_count, 3))
+    motion = rng.standard_normal((statics.free_count, 6))
+    wrench, moved = statics.matrix @ force.ravel(), statics.matrix_transposed @ motion.ravel()
+    for made in (statics.maps, sparse_maps(statics, rng)):
+        np.testing.assert_allclose(made.wrench(force).ravel(), wrench, atol=1e-12)
+        np.testing.assert_allclose(made.moved(motion).ravel(), moved, atol=1e-12)

@@ -12,20 +12,19 @@ Power is conserved: ``wrench . motion`` in scaled numbers is power / (W D).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.mechanics.maps import Maps, maps_between
 from drystone.model import Model
-from drystone.solvers.equilibrium_matrix import full_rows, sparse_rows, times, transfer
+from drystone.solvers.equilibrium_matrix import sparse_rows, transfer
 from drystone.solvers.program import Entries
 
-_FULL = 40_000
-"""Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
-sparse product takes longer than the product of a small matrix."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
@@ -63,6 +62,7 @@ class Statics:
     mass : (n,) by the mean mass of a free block
     inertia : (n,) radius of gyration squared, by the block's length squared
     length : (n,) [m]
+    position : (n, 3) [m] centroids, for the order of elimination
     force_unit : [N]
     mean_length : [m]
     felt : (k,)
@@ -86,9 +86,13 @@ class Statics:
     mass: Floats
     inertia: Floats
     length: Floats
+    position: Floats
     force_unit: float
     mean_length: float
     felt: Floats | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @property
     def free_count(self) -> int:
@@ -117,14 +121,16 @@ class Statics:
         return np.stack([-on_a, transfer(self.frame, self.lever_b, self.block_b)], axis=1)
 
     @cached_property
-    def matrix(self) -> sparse.csr_matrix:
-        """Equilibrium matrix A (6 n, 3 k): at rest ``A @ force + load`` vanishes (both raveled)."""
-        return self.matrix_by_column.tocsr()
+    def maps(self) -> Maps:
+        """The maps between blocks and corners, and the elimination order of the tangent."""
+        made = maps_between(self.block_a, self.block_b, self.length, self.position)
+        made.at(self.frame, self.lever_a, self.lever_b)
+        return made
 
     @cached_property
-    def matrix_by_column(self) -> sparse.csc_matrix:
-        """The same matrix, for taking columns."""
-        return self.matrix_transposed.T
+    def matrix(self) -> sparse.csr_matrix:
+        """Equilibrium matrix A (6 n, 3 k): at rest ``A @ force + load`` vanishes (both raveled)."""
+        return self.matrix_transposed.T.tocsr()
 
     @cached_property
     def matrix_transposed(self) -> sparse.csr_matrix:
@@ -132,35 +138,12 @@ class Statics:
         return sparse_rows(self.blocks, self.transfers, self.free_count)
 
     def wrench(self, force: Floats) -> Floats:
-        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks.
-
-        Also of several states, (s, n, 6) from (s, k, 3).
-        """
-        flat = force.reshape(*force.shape[:-2], -1)
-        if self.full_transposed is not None:
-            result: Floats = flat @ self.full_transposed
-        else:
-            result = times(self.matrix, flat)
-        return result.reshape(*force.shape[:-2], -1, 6)
+        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        return self.maps.wrench(force)
 
     def displacement(self, motion: Floats) -> Floats:
-        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v.
-
-        Also of several states, (s, k, 3) from (s, n, 6).
-        """
-        flat = motion.reshape(*motion.shape[:-2], -1)
-        if self.full_transposed is not None:
-            result: Floats = flat @ self.full_transposed.T
-        else:
-            result = times(self.matrix_transposed, flat)
-        return result.reshape(*motion.shape[:-2], -1, 3)
-
-    @cached_property
-    def full_transposed(self) -> Floats | None:
-        """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
-        if 18 * self.corner_count * self.free_count > _FULL:
-            return None
-        return full_rows(self.blocks, self.transfers, self.free_count)
+        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        return self.maps.moved(motion)
 
     @cached_property
     def normal_stiffness(self) -> Floats:
@@ -182,7 +165,7 @@ class Statics:
         None where no block feels less than _LIGHT, or so much more than its load.
         """
         load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
-        block = np.append(load + self.touching @ lengths(force), np.inf)
+        block = np.append(load + self.on_blocks(lengths(force)), np.inf)
         felt = np.minimum(block[self.block_a], block[self.block_b])
         if not ((felt < _LIGHT) | (self.corner_load < _LIGHT * felt)).any():
             return None
@@ -213,19 +196,13 @@ class Statics:
         turning = self.mass * self.inertia
         return np.stack([self.mass] * 3 + [turning] * 3, axis=1)
 
-    @cached_property
-    def touching(self) -> Floats | sparse.csr_matrix:
-        """(n, k): one where a corner belongs to a free block; full where the model is small."""
-        of_corner = [(block, np.flatnonzero(block >= 0)) for block in (self.block_a, self.block_b)]
-        shape = self.free_count, self.corner_count
-        if self.full_transposed is not None:
-            full = np.zeros(shape)
-            for block, corner in of_corner:
-                full[block[corner], corner] = 1.0
-            return full
-        row = np.concatenate([block[corner] for block, corner in of_corner])
-        column = np.concatenate([corner for _, corner in of_corner])
-        return sparse.csr_matrix((np.ones(len(row)), (row, column)), shape=shape)
+    def on_blocks(self, values: Floats) -> Floats:
+        """(n,) sums of values (k,) over the corners of each free block."""
+        count = self.free_count + 1
+        of_a, of_b = (
+            np.bincount(block + 1, values, count)[1:] for block in (self.block_a, self.block_b)
+        )
+        return np.asarray(of_a + of_b, dtype=np.float64)
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).
@@ -351,29 +328,7 @@ def build_statics(model: Model) -> Statics:
         mass=mass / (mass.sum() / len(free)) if len(free) else mass,
         inertia=(extent**2).sum(axis=1) / (12.0 * size**2),
         length=size,
+        position=assembly.centroid[free],
         force_unit=force_unit,
         mean_length=float(size.sum()) / len(free) if len(free) else 1.0,
     )
-
-
-def first_motion_of(model: Model, prop: Floats) -> Floats:
-    """The first motion (n, 6) of blocks when props are removed.
-
-    The wrench of a prop is the mass of the block times its acceleration without the prop. The
-    fastest corner moves by the mean size of a block.
-
-    Parameters
-    ----------
-    model
-    prop : (n, 6) [N, N m]
-    """
-    statics = build_statics(model)
-    assembly, free = model.assembly, statics.free
-    motion = np.zeros((len(model), 6))
-    motion[free, :3] = -prop[free, :3] / assembly.mass[free, None]
-    turning = assembly.mass[free] * statics.inertia * assembly.size[free] ** 2
-    motion[free, 3:] = -prop[free, 3:] / turning[:, None]
-    speed = np.linalg.norm(motion[:, :3], axis=1)
-    speed += assembly.size * np.linalg.norm(motion[:, 3:], axis=1)
-    fastest = float(speed.max(initial=0.0))
-    return motion * (statics.mean_length / fastest) if fastest > 0.0 else motion
