@@ -55,6 +55,8 @@ SHARES = {
     "bricks": 0.02,
     "ldraw": 0.02,
     "3dm": 0.002,
+    "mjcf": 0.05,
+    "urdf": 0.05,
 }
 """Of the inputs, by format."""
 AWKWARD = (
@@ -68,11 +70,30 @@ SMALL = {
         b"0 FILE a.ldr\n1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n1 16 80 0 0 0 0 1 0 1 0 -1 0 0 b\n"
         b"0 FILE b\n1 4 40 -24 0 1 0 0 0 1 0 0 0 1 3023.dat\n0 STEP\n0 NOFILE\n",
     ),
+    "mjcf": (
+        b"""<mujoco><compiler angle="degree"/><default><geom friction=".5"/>
+<default class="b"><geom type="box" size=".1 .1 .1"/></default></default>
+<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
+<worldbody><geom type="plane" size="1 1 1"/><body name="a" pos="0 0 .1" euler="0 0 30"><freejoint/>
+<geom class="b"/><body quat="1 0 0 1"><geom type="cylinder" size=".05" fromto="0 0 .1 0 0 .3"/>
+</body></body><body name="c" pos="1 0 0"><geom type="mesh" mesh="m"/></body>
+</worldbody></mujoco>""",
+    ),
+    "urdf": (
+        b"""<robot name="r"><link name="world"/>
+<link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<link name="b"><inertial><mass value="5"/></inertial><collision><origin xyz="0 0 1" rpy="0 0 1"/>
+<geometry><cylinder radius="0.4" length="1"/></geometry></collision></link>
+<joint type="fixed"><parent link="world"/><child link="a"/></joint>
+<joint type="floating"><parent link="world"/><child link="b"/></joint></robot>""",
+    ),
 }
-"""Sound files of formats that are only read."""
+"""Sound files of formats that are only read, or of which our own have not all."""
 WORDS = {
     "bricks": ("1 1", "2x2 (0,0,0)", "0 0 0 99999 99999", "#"),
     "ldraw": ("0 FILE b", "0 NOFILE", "1 4 0 0 0 1 0 0 0 1 0 0 0 1 b", "2 24", "3004.dat"),
+    "mjcf": ("<body>", "</body>", "<freejoint/>", '<geom mesh="m"/>', '<joint type="ball"/>'),
+    "urdf": ("<link/>", "</link>", "<joint/>", '<mesh filename="x.obj"/>', '<origin xyz="1"/>'),
     "obj": ("f -1 -2 -3", "o", "g", "o a", "v", "f", "curv 0 1", "call x", "\\", "l 1 2", "#"),
     "stl": ("solid x", "endsolid", "facet", "outer loop", "vertex 0 0 0", "endloop", "endfacet"),
     "ply": ("element vertex 9", "property list int int x", "end_header", "comment", "format"),

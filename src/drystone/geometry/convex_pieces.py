@@ -103,7 +103,7 @@ def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[_ConvexPiece]
         if part.volume() <= least:
             continue
         if hull.volume() - part.volume() <= _CONVEX * hull.volume():
-            found.append(_ConvexPiece.around(_mesh(hull)[0]))
+            found.append(_ConvexPiece.around(mesh_of(hull)[0]))
             continue
         connected = part.decompose()
         waiting += connected if len(connected) > 1 else _cut(part)
@@ -117,7 +117,7 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
     without area may hide the edge; then the cut follows the plane of the largest face with vertices
     above it. A part that no plane divides is convex up to rounding; its hull is taken.
     """
-    point, triangle = _mesh(part)
+    point, triangle = mesh_of(part)
     normal, size = _normals(point[triangle])
     kerf = _KERF * float(np.linalg.norm(np.ptp(point, axis=0)))
     length, planes = _concave_edges(point, triangle)
@@ -135,7 +135,7 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
             halves = (above, part.trim_by_plane(-along, kerf - offset))
             if min(half.volume() for half in halves) <= least:
                 continue
-            left = sum(len(_concave_edges(*_mesh(half))[0]) for half in halves)
+            left = sum(len(_concave_edges(*mesh_of(half))[0]) for half in halves)
             if best is None or left < best[0]:
                 best = (left, halves)
         if best is not None:
@@ -170,7 +170,24 @@ def _concave_edges(
     return np.array(length), planes
 
 
-def _mesh(solid: manifold3d.Manifold) -> tuple[Floats, Ints]:
+def hull_of(point: Floats) -> tuple[Floats, Ints]:
+    """The convex hull of points (p, 3): those that it uses, and triangles (t, 3) outwards.
+
+    Raises
+    ------
+    QhullError
+        The points lie in one plane.
+    """
+    hull = ConvexHull(point)
+    triangle = hull.simplices.astype(np.intp)
+    normal, _ = _normals(point[triangle])
+    inward = (normal * hull.equations[:, :3]).sum(axis=1) < 0.0
+    triangle[inward] = triangle[inward][:, ::-1]
+    used, place = np.unique(triangle, return_inverse=True)
+    return point[used], place.reshape(-1, 3)
+
+
+def mesh_of(solid: manifold3d.Manifold) -> tuple[Floats, Ints]:
     """Corners (p, 3) and triangles (t, 3); manifold3d may write one corner several times."""
     mesh = solid.to_mesh64()
     point = np.asarray(mesh.vert_properties)[:, :3]

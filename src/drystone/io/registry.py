@@ -111,12 +111,18 @@ FORMATS: tuple[Format, ...] = (
     Format(
         "mjcf",
         "MJCF, for MuJoCo",
-        (".xml",),
-        writer="mjcf",
+        (".xml", ".mjcf"),
+        "mjcf_read",
+        "mjcf",
         loses=f"friction of single joints, {_SIMULATED}",
     ),
     Format(
-        "urdf", "URDF, with meshes", (".urdf",), writer="urdf", loses="friction, loads, results"
+        "urdf",
+        "URDF, with meshes",
+        (".urdf",),
+        "urdf_read",
+        "urdf",
+        loses="friction, loads, results",
     ),
     Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb_write", f"{_SINGLE}, {_CONTACTS}"),
 )

@@ -6,12 +6,11 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
-from drystone.geometry.convex_pieces import convex_pieces
+from drystone.geometry.convex_pieces import convex_pieces, hull_of
 from drystone.io.draft import Contents
 from drystone.model import Model
 
@@ -52,7 +51,7 @@ def bodies(model: Model) -> list[SimulatorBody]:
     out = []
     for i, block in enumerate(assembly.blocks):
         pieces = tuple(
-            _hull(p.point - block.centroid) for p in convex_pieces(block.vertices, block.faces)
+            hull_of(p.point - block.centroid) for p in convex_pieces(block.vertices, block.faces)
         )
         inertia = _inertia(block, pieces)
         fixed = bool(assembly.fixed[i])
@@ -101,17 +100,6 @@ def _plain_names(names: tuple[str, ...]) -> list[str]:
         plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
         out.append(plain if plain not in out and plain == name else f"{plain}_{i}")
     return out[1:]
-
-
-def _hull(point: Floats) -> tuple[Floats, Ints]:
-    hull = ConvexHull(point)
-    triangle = hull.simplices.astype(np.intp)
-    corner = point[triangle]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    inward = (normal * hull.equations[:, :3]).sum(axis=1) < 0.0
-    triangle[inward] = triangle[inward][:, ::-1]
-    used, place = np.unique(triangle, return_inverse=True)
-    return point[used], place.reshape(-1, 3)
 
 
 def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:

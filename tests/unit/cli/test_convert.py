@@ -53,7 +53,7 @@ def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) 
     ("arguments", "words"),
     [
         (["out.dwg"], "suffix '.dwg' is not known"),
-        (["out.dwg"], "these are: .3dm, .glb, .json, .obj, .ply, .stl, .urdf, .xml"),
+        (["out.dwg"], "these are: .3dm, .glb, .json, .mjcf, .obj, .ply, .stl, .urdf, .xml"),
         (["none/out.obj"], "cannot be written"),
         (["out.json", "--to", "dwg"], "format 'dwg' is not known"),
         (["out.obj", "--supports", "pier"], "no block is called 'pier'"),
