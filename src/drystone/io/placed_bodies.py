@@ -21,7 +21,8 @@ from drystone.base.errors import FormatError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
-from drystone.geometry.polyhedron import Loop, edge_defects, mass_properties, stack_faces
+from drystone.geometry.polyhedron import Loop, mass_properties, stack_faces
+from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
 from drystone.io.registry import format_of
