@@ -141,6 +141,7 @@ def samples() -> dict[str, list[bytes]]:
             for name in SHARES.keys() - SMALL.keys():
                 made[name] += _written(full, name, Path(folder))
     made["stl"].append(_binary_stl(models[0]))
+    made["compas-dem"] += [_analysis(data) for data in made["compas-dem"]]
     for name, files in SMALL.items():
         made[name] += files
     return {name: files for name, files in made.items() if files}
@@ -156,6 +157,18 @@ def _written(model: Contents, name: str, folder: Path) -> list[bytes]:
     except ImportError:
         return []
     return [path.read_bytes()]
+
+
+def _analysis(model: bytes) -> bytes:
+    """An analysis of compas_dem with a block model in it."""
+    load = {"block_index": 1, "force": [5.0, 0.0, 0.0], "point": [0.5, 0.5, 1.0]}
+    move = {"block_index": 0, "translation": [None, None, -0.1], "rotation": [0.0, 0.0, 0.1]}
+    press = {"block_index": 1, "face_index": 0, "load": [0.0, 0.0, -1.0]}
+    group = {"g": 9.0, "point_loads": [load], "displacements": [move], "surface_loads": [press]}
+    law = {"contact_model": {"dtype": "a/MohrCoulomb", "data": {"phi": 30.0}}}
+    problem = {"name": "live", "boundary_conditions": [group], "contact_properties": law}
+    whole = {"model": json.loads(model), "problems": [problem]}
+    return json.dumps({"dtype": "a/Analysis", "data": whole}).encode()
 
 
 def _binary_stl(model: Assembly) -> bytes:

@@ -16,16 +16,24 @@ from drystone.io.draft import Extras
 from drystone.io.jsontext import Field
 
 
+def data_of(field: Field) -> Field:
+    """The data of an object, with or without the wrapper of its type."""
+    if not isinstance(field.value, dict) or "dtype" not in field.value:
+        return field
+    return field["data"] if "data" in field.value else field["value"]
+
+
 def reader(
-    graph: Field, key: str, nodes: Sequence[str]
+    graph: Field, keys: Sequence[str], nodes: Sequence[str]
 ) -> Callable[[Assembly, float], Extras] | None:
     """A function that makes the contacts of a graph's edges; ``None`` if it stores none.
 
     Parameters
     ----------
     graph
-    key
-        Attribute of the edges: ``interfaces`` in compas_assembly, ``contacts`` in compas_model.
+    keys
+        Attributes of the edges: ``interfaces``, before ``interface``, in compas_assembly;
+        ``contacts`` in compas_model.
     nodes
         Node of each block, by position.
     """
@@ -33,8 +41,11 @@ def reader(
     stored: list[tuple[int, int, Field]] = []
     for start, neighbours in graph.get("edge", {}).items():
         for end, edge in neighbours.items():
-            if isinstance(edge.value, dict) and edge.has(key):
-                for interface in edge[key].elements():
+            for key in keys:
+                if not isinstance(edge.value, dict) or not edge.has(key):
+                    continue
+                listed = isinstance(edge[key].value, list)
+                for interface in edge[key].elements() if listed else [edge[key]]:
                     if start not in position or end not in position:
                         raise edge.error("joins nodes that are no blocks")
                     stored.append((position[start], position[end], interface))
@@ -120,15 +131,8 @@ def frame_of(xaxis: Floats, yaxis: Floats) -> Floats | None:
     return np.stack([normal, u, np.cross(normal, u)])
 
 
-def _plain(field: Field) -> Field:
-    value = field.value
-    if isinstance(value, dict) and "dtype" in value:
-        return field["data"] if "data" in value else field["value"]
-    return field
-
-
 def _points(interface: Field) -> Floats:
-    points = [_plain(point).floats(3) for point in _plain(interface)["points"].elements()]
+    points = [data_of(point).floats(3) for point in data_of(interface)["points"].elements()]
     if not points:
         raise interface.error("has no points")
     corners = np.array(points)
@@ -139,13 +143,13 @@ def _points(interface: Field) -> Floats:
 
 def _frame(interface: Field, points: Floats) -> Floats:
     """Rows n, u, v: the stored frame made orthonormal, or one about the polygon's own normal."""
-    inside = _plain(interface)
+    inside = data_of(interface)
     if not inside.has("frame"):
         area = polygon.area_vector(points)
         if not area.any():
             raise interface.error("has neither a frame nor an area")
         return frames_from_normals((area / np.linalg.norm(area))[None])[0]
-    stored = _plain(inside["frame"])
+    stored = data_of(inside["frame"])
     frame = frame_of(stored["xaxis"].floats(3), stored["yaxis"].floats(3))
     if frame is None:
         raise inside["frame"].error("has axes that span no plane")

@@ -1,16 +1,16 @@
-"""COMPAS JSON without COMPAS: assemblies of compas_assembly, block models of compas_dem.
+"""COMPAS JSON without COMPAS: assemblies of compas_assembly, models and problems of compas_dem.
 
 The structure was taken from files written with compas_assembly (COMPAS 2.0), compas_model
-0.9.3 and compas_dem 0.6.0. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
+0.9.3 and compas_dem 0.4 to 0.6. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
 COMPAS 1 wrote ``value`` for ``data``. Before that objects had no type: an assembly was
-``{"assembly": {"vertex": {...}}, "blocks": {...}}``, a list of blocks a list of meshes, and a face
-the corner that follows each of its corners.
+``{"assembly": {"vertex": {...}}, "blocks": {...}}`` or a network whose nodes have blocks, a list of
+blocks a list of meshes, and a face the corner that follows each of its corners.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,44 +18,83 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.io import compas_contacts
+from drystone.io.compas_contacts import data_of
+from drystone.io.compas_problem import with_problems
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.face_soup import moved
 from drystone.io.jsontext import Field
 
-_MESHES = ("Mesh", "Block", "Polyhedron")
+_TELLING = frozenset(("dtype", "assembly", "node", "face"))
+"""Every object of COMPAS in a file has one of these keys."""
 
 
 def is_compas(top: Field) -> bool:
     """Whether JSON is of COMPAS: typed objects, a list, or an assembly from before types."""
-    return isinstance(top.value, list) or not {"dtype", "assembly"}.isdisjoint(top.object().value)
+    if isinstance(top.value, list) or not _TELLING.isdisjoint(top.value):
+        return True
+    blocks = top.value.get("blocks")  # of results: a list of typed meshes
+    return isinstance(blocks, list) and bool(blocks) and "dtype" in _keys(blocks[0])
+
+
+def _keys(value: object) -> Collection[str]:
+    return value if isinstance(value, dict) else ()
 
 
 def read(top: Field) -> Draft:
     """The draft of a COMPAS file."""
     if isinstance(top.value, list):
         return _meshes(top)
-    if "assembly" in top.value:
-        return _untyped_assembly(top)
-    kind = _class(top)
+    if "dtype" not in top.value:
+        return _untyped(top)
+    kind, data = _class(top), data_of(top)
+    if kind in ("Problem", "Analysis"):
+        return _problems(data, [data] if kind == "Problem" else [*data["problems"].elements()])
     if kind.endswith("Assembly"):
-        return _assembly(_data(top))
+        return _graph(data_of(data["graph"]))
     if kind.endswith("Model"):
-        return _model(_data(top))
-    if kind in _MESHES:
+        return _model(data)[0]
+    if "node" in data.object().value:
+        return _graph(data)
+    if not {"vertex", "vertices"}.isdisjoint(data.value):
         return Draft((_mesh(top, top.get("name", "block").text()),))
     raise top.error(
         f"is a COMPAS '{kind[:40]}'",
-        "save an Assembly of compas_assembly or a BlockModel of compas_dem",
+        "save an Assembly of compas_assembly, or a BlockModel or an Analysis of compas_dem",
     )
 
 
+def _untyped(top: Field) -> Draft:
+    """A network, a mesh, an assembly, or the blocks of results, from before types."""
+    if "node" in top.value:
+        return _graph(top)
+    if "face" in top.value:
+        return Draft((_mesh(top, "block"),))
+    return _untyped_assembly(top) if "assembly" in top.value else _meshes(top["blocks"])
+
+
+def _problems(data: Field, problems: list[Field]) -> Draft:
+    if not data.has("model"):
+        raise data.error(
+            "holds no model", "save the Analysis, which has the model and its problems"
+        )
+    model, nodes = _model(data_of(data["model"]))
+    return with_problems(model, nodes, [data_of(problem) for problem in problems])
+
+
 def _meshes(top: Field) -> Draft:
-    """A list of meshes: blocks with the names of their meshes, or their places in the list."""
+    """A list of meshes or of such lists: blocks with their names, or their places in the list."""
     shapes = []
-    for place, mesh in enumerate(top.elements()):
-        if "dtype" in mesh.object().value and _class(mesh) not in _MESHES:
-            raise mesh.error(f"is a COMPAS '{_class(mesh)[:40]}'", "a list may hold meshes only")
-        shapes.append(_mesh(mesh, f"block-{place}"))
+    waiting = [(mesh, f"block-{place}") for place, mesh in enumerate(top.elements())][::-1]
+    while waiting:
+        mesh, name = waiting.pop()
+        if isinstance(mesh.value, list):
+            inner = [*mesh.elements()]
+            names = [name] if len(inner) == 1 else [f"{name}-{i}" for i in range(len(inner))]
+            waiting += [*zip(inner, names, strict=True)][::-1]
+        elif {"vertex", "vertices"}.isdisjoint(data_of(mesh).object().value):
+            raise mesh.error("is no mesh", "a list may hold meshes only")
+        else:
+            shapes.append(_mesh(mesh, name))
     given = Counter(shape.metadata.get("label") for shape in shapes)
     return Draft(
         tuple(
@@ -72,7 +111,7 @@ def _untyped_assembly(top: Field) -> Draft:
     network = top["assembly"]
     default = network.get("dva", {}).get("is_support", False).boolean()
     shapes = []
-    for key, node in network["vertex"].items():
+    for key, node in network["vertex" if "vertex" in network.value else "node"].items():
         fixed = node.get("is_support", default).boolean()
         shapes.append(replace(_mesh(top["blocks"][key], _name(key)), fixed=fixed))
     return Draft(tuple(shapes))
@@ -81,11 +120,6 @@ def _untyped_assembly(top: Field) -> Draft:
 def _class(field: Field) -> str:
     """Class name of an object."""
     return field["dtype"].text().rpartition("/")[2]
-
-
-def _data(field: Field) -> Field:
-    """The data of an object."""
-    return field["data"] if "data" in field.object().value else field["value"]
 
 
 def _name(key: str) -> str:
@@ -98,14 +132,8 @@ def _name(key: str) -> str:
     return key
 
 
-def _plain(field: Field) -> Field:
-    """The data of an object, with or without the wrapper of its type."""
-    return _data(field) if "dtype" in field.object().value else field
-
-
-def _assembly(data: Field) -> Draft:
-    """A compas_assembly: a graph whose nodes are blocks. A node's key is its block's name."""
-    graph = _plain(data["graph"])
+def _graph(graph: Field) -> Draft:
+    """An assembly: a graph whose nodes have blocks. A node's key is its block's name."""
     default = graph.get("default_node_attributes", {}).get("is_support", False).boolean()
     shapes = []
     for key, node in graph["node"].items():
@@ -114,22 +142,25 @@ def _assembly(data: Field) -> Draft:
         shape = _mesh(node["block"], _name(key))
         fixed = shape.fixed or node.get("is_support", default).boolean()
         shapes.append(replace(shape, fixed=fixed))
-    finish = compas_contacts.reader(graph, "interfaces", list(graph["node"].value))
+    finish = compas_contacts.reader(graph, ("interfaces", "interface"), list(graph["node"].value))
     return Draft(tuple(shapes), finish=finish)
 
 
-def _model(data: Field) -> Draft:
-    """A block model: elements, placed by a tree of transformations, in the order of the graph."""
-    graph = _plain(data["graph"])
+def _model(data: Field) -> tuple[Draft, list[str]]:
+    """A block model, and the node of each block.
+
+    Its elements are placed by a tree of transformations, and in the order of the graph.
+    """
+    graph = data_of(data["graph"])
     elements = _by_guid(data["elements"])
     densities = _densities(data)
     place = _placements(data, elements)
     shapes: list[DraftBlock] = []
     nodes: list[str] = []
-    given = Counter(_data(element).get("name", "").text() for _, element in elements.items())
+    given = Counter(data_of(element).get("name", "").text() for _, element in elements.items())
     for key, node in sorted(graph["node"].items(), key=lambda item: (len(item[0]), item[0])):
         guid = node["element"].text()
-        inside = _data(elements[guid])
+        inside = data_of(elements[guid])
         if not inside.has("geometry"):
             if _class(elements[guid]) != "Group":
                 raise elements[guid].error("has no mesh", "only elements with a mesh can be read")
@@ -149,8 +180,8 @@ def _model(data: Field) -> Draft:
             )
         )
         nodes.append(key)
-    finish = compas_contacts.reader(graph, "contacts", nodes)
-    return Draft(tuple(shapes), finish=finish)
+    finish = compas_contacts.reader(graph, ("contacts",), nodes)
+    return Draft(tuple(shapes), finish=finish), nodes
 
 
 def _by_guid(elements: Field) -> Field:
@@ -163,8 +194,8 @@ def _by_guid(elements: Field) -> Field:
 
 def _densities(data: Field) -> dict[str, float]:
     found = {}
-    for guid, material in data.get("materials", {}).items():
-        inside = _data(material)
+    for guid, material in _by_guid(data.get("materials", {})).items():
+        inside = data_of(material)
         if inside.has("density"):
             found[guid] = inside["density"].number()
     return found
@@ -172,9 +203,9 @@ def _densities(data: Field) -> dict[str, float]:
 
 def _placements(data: Field, elements: Field) -> dict[str, Floats]:
     """Matrix (4, 4) of each element: the model's, then its ancestors', then its own."""
-    own = {guid: _matrix(_data(element)) for guid, element in elements.items()}
+    own = {guid: _matrix(data_of(element)) for guid, element in elements.items()}
     placed: dict[str, Floats] = {}
-    stack = [(_plain(data["tree"])["root"], _matrix(data))]
+    stack = [(data_of(data["tree"])["root"], _matrix(data))]
     while stack:
         node, above = stack.pop()
         for child in node.get("children", []).elements():
@@ -190,12 +221,12 @@ def _placements(data: Field, elements: Field) -> dict[str, Floats]:
 def _matrix(field: Field) -> Floats:
     if not field.has("transformation"):
         return np.eye(4)
-    return _data(field["transformation"])["matrix"].floats(4, 4)
+    return data_of(field["transformation"])["matrix"].floats(4, 4)
 
 
 def _mesh(field: Field, name: str) -> DraftBlock:
     """A mesh with vertices by key, as COMPAS 1 and 2 write them, or by position (polyhedron)."""
-    data = _plain(field)
+    data = data_of(field)
     attributes: Mapping[str, object] = data.get("attributes", {}).object().value
     if "vertices" in data.value:
         points = data["vertices"].floats(None, 3)
