@@ -1,8 +1,8 @@
-"""The bench on which changes of one region are tried, and the least value that holds it."""
+"""The bench on which changes of one region are tried, and the least values that hold it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -13,25 +13,18 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.design.changes import Change, Surgery
-from drystone.design.diagnosed import Region
 from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check, rest_found
 from drystone.design.regions import interfaces_of, local_model
 from drystone.design.search import least
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 
-MANY = 4
-"""Largest number of blocks of a region with which every joint and every block is tried alone.
-Chosen. In a larger region all joints, or all blocks, are changed together."""
-
-ALL = LARGE_REGION
-"""Largest number of blocks of a region whose joints or blocks are all cut anew together, and that
-is held by several props. Chosen: a cut takes a twentieth of a second, and each prop is checked."""
-
-
-_Near: TypeAlias = list[dict[int, Floats]] | None
+Near: TypeAlias = list[dict[int, Floats]] | None
 """Rest states of the last model that stood, in each case of the margin."""
+
+Held: TypeAlias = tuple[Change, float]
+"""A change and the least value with which it holds a region."""
 
 
 @dataclass(frozen=True)
@@ -50,14 +43,15 @@ class Tried(OneLine):
 
 
 class Bench:
-    """Search for the mends of one region.
+    """The local model of a region, on which changes are tried.
 
     Parameters
     ----------
     model
-    motion : (n, 6)
-        First motion of its blocks.
     region
+        Positions of its blocks.
+    motion : (n, 6)
+        First motion of the blocks of the model.
     margin
     keep
         Positions of blocks that may not be changed.
@@ -68,36 +62,26 @@ class Bench:
     def __init__(
         self,
         model: Model,
+        region: Sequence[int],
         motion: Floats,
-        region: Region,
-        margin: DesignMargin,
-        keep: frozenset[int],
+        margin: DesignMargin | None = None,
+        keep: frozenset[int] = frozenset(),
         stop: Callable[[], bool] | None = None,
     ) -> None:
-        self.model = model
-        self.region = region
-        self.margin = margin
-        self.local, self.blocks = local_model(self.model, region.blocks)
-        self.interfaces: Ints = np.flatnonzero(interfaces_of(self.model, region.blocks))
-        self.motion = motion
-        self.keep = keep
-        self.stop = stop
+        self.model, self.region, self.keep, self.stop = model, tuple(region), keep, stop
+        self.margin = DesignMargin() if margin is None else margin
+        self.local, self.blocks = local_model(model, region)
+        self.interfaces: Ints = np.flatnonzero(interfaces_of(model, region))
+        self.motion = motion[self.blocks]
+        self.own = list(range(len(region)))
+        self.large = len(region) > LARGE_REGION
         self.tried: list[Tried] = []
-        self.own = list(range(len(region.blocks)))
-        before = region.local
-        # where supports have moved, blocks are diagnosed where they fall; what a region that stands
-        # alone needs is not known
-        self.as_diagnosed = (
-            region.verdict is not Verdict.STABLE
-            and before.contacts.count == self.local.contacts.count
-            and np.array_equal(before.assembly.centroid, self.local.assembly.centroid)
-        )
 
-    def nearby(self) -> _Near:
+    def nearby(self) -> Near:
         """Rest states for a search over one value; none in a small region."""
-        return [] if len(self.own) > ALL else None
+        return [] if self.large else None
 
-    def stands(self, make: Surgery, near: _Near = None, beyond: Sequence[int] = ()) -> bool:
+    def stands(self, make: Surgery, near: Near = None, beyond: Sequence[int] = ()) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
             changed = self.changed(make, beyond)
@@ -105,7 +89,7 @@ class Bench:
             return False
         return self.keeps_margin(changed, quick=True, near=near)
 
-    def keeps_margin(self, model: Model, *, quick: bool = False, near: _Near = None) -> bool:
+    def keeps_margin(self, model: Model, *, quick: bool = False, near: Near = None) -> bool:
         """Whether a model stands at the margin; ``near`` as for :meth:`DesignMargin.stands`.
 
         Raises
@@ -118,15 +102,15 @@ class Bench:
             raise Stopped
         return stands
 
-    def holds(self, model: Model, margin: DesignMargin | None = None) -> Result:
-        """The check of a model at the margin, or at another one.
+    def holds(self, model: Model, margin: DesignMargin) -> Result:
+        """The check of a model at a margin.
 
         Raises
         ------
         Stopped
             As above.
         """
-        result = (margin or self.margin).holds(model, self.stop)
+        result = margin.holds(model, self.stop)
         if result.stopped:
             raise Stopped
         return result
@@ -148,26 +132,16 @@ class Bench:
         def stands(value: float) -> bool:
             return self.stands(change.make(value), near, change.beyond)
 
-        return least(stands, steps, change.close, change.low)
+        found = least(stands, steps, change.close, change.low)
+        return None if found is None or found >= below else found
 
-    def holding(
-        self, kind: str, changes: Sequence[Change], why: str
-    ) -> Iterator[tuple[Change, float]]:
-        """The changes that hold the region, with their least values; else why none does."""
-        held = False
+    def smallest(self, changes: Iterable[Change]) -> Held | None:
+        """The change that holds the region with the smallest value."""
+        best: Held | None = None
         for change in changes:
-            value = self.least(change)
-            if value is not None:
-                held = True
-                yield change, value
-        if not held:
-            self.fail(kind, why, *(one.make(one.steps[-1]) for one in changes))
-
-    def from_known(self, change: Change, known: float | None) -> list[Change]:
-        """The change from what a diagnosis found without a margin; none where it found nothing."""
-        if not self.as_diagnosed:
-            return [change]
-        return [] if known is None else [change.above(known)]
+            value = self.least(change, np.inf if best is None else best[1])
+            best = best if value is None else (change, value)
+        return best
 
     def largest_forces(self, make: Surgery, count: int) -> tuple[Floats, Floats]:
         """The largest force at the last joints of the local model after a change, at the margin.
@@ -187,15 +161,15 @@ class Bench:
             size = np.maximum(size, now)
         return size, point
 
-    def may_change(self, interface: int) -> bool:
-        """Whether both blocks at an interface of the local model may be changed."""
+    def kept_at(self, interfaces: Sequence[int]) -> str:
+        """The names of blocks at interfaces of the local model that may not be changed."""
         contacts = self.local.contacts
-        ends = (contacts.block_a[interface], contacts.block_b[interface])
-        return not any(int(self.blocks[end]) in self.keep for end in ends)
+        some = list(interfaces)
+        return self.kept([*contacts.block_a[some].tolist(), *contacts.block_b[some].tolist()])
 
-    def kept(self, *blocks: Ints) -> str:
+    def kept(self, blocks: Sequence[int]) -> str:
         """The names of those of some blocks of the local model that may not be changed."""
-        some = {int(self.blocks[i]) for group in blocks for i in group} & self.keep
+        some = {int(self.blocks[i]) for i in blocks} & self.keep
         return names_of(self.model, sorted(some)) if some else ""
 
     def joint_name(self, interface: int) -> str:
@@ -211,7 +185,7 @@ class Bench:
         nearest
             The changes that went farthest; of a large region only the first one is examined.
         """
-        some = nearest if len(self.own) <= ALL else nearest[:1]
+        some = nearest[:1] if self.large else nearest
         shares = [share for share in map(self._not_carried, some) if share is not None]
         if shares:
             least = 100.0 * min(shares)
@@ -232,11 +206,3 @@ class Bench:
         if prop is None or load == 0.0:
             return None
         return min(float(np.linalg.norm(prop[:, :3], axis=1).sum() / load), 1.0)
-
-
-def volume_changed(before: Model, after: Model) -> float:
-    """Volume [m3] of the differences between equally named blocks, and of other blocks."""
-    old = dict(zip(before.assembly.names, before.assembly.volume.tolist(), strict=True))
-    new = dict(zip(after.assembly.names, after.assembly.volume.tolist(), strict=True))
-    names = set(old) | set(new)
-    return float(sum(abs(new.get(name, 0.0) - old.get(name, 0.0)) for name in names))

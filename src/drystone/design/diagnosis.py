@@ -16,6 +16,7 @@ from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.checks import first_motion_of
+from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states
 from drystone.design.margin import QUICK, quickly_stands
@@ -141,33 +142,26 @@ def _region(
 ) -> Region:
     """A region, examined with its neighbours fixed."""
     late = clock.late
-    local, position = local_model(model, blocks)
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True
+    interfaces = interfaces_of(model, blocks)
+    local, position = local_model(model, blocks)
     alone = solve_alone(local, late) if options.needs else check(local, options=QUICK, stop=late)
-    own = tuple(range(len(blocks)))
     wrench = prop[list(blocks)]
     if alone.prop is not None and not alone.stable and np.any(alone.prop):
-        wrench = np.array(alone.prop[list(own)])
+        wrench = np.array(alone.prop[: len(blocks)])
     mine = np.zeros((len(model), 6))
     mine[list(blocks)] = wrench
-    interfaces = interfaces_of(model, blocks)
     motion = first_motion_of(model, mine)
-    joints = joint_states(
-        model,
-        inside,
-        interfaces,
-        motion,
-        answer.force if answer.force is not None else answer.force_with_props,
-    )
+    forces = answer.force if answer.force is not None else answer.force_with_props
+    joints = joint_states(model, inside, interfaces, motion, forces)
     force, point = one_force(model, blocks, wrench)
     between = np.flatnonzero(interfaces)
     pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
     if options.needs and not alone.stable and not late():
-        searched = search_needs(local, len(own), needs, motion[position], (position, between), late)
         with contextlib.suppress(Stopped):
-            for found in searched:
+            for found in search_needs(Bench(model, blocks, motion, stop=late), needs):
                 needs = replace(needs, **found)
     return Region(
         blocks,

@@ -1,17 +1,18 @@
-"""The kinds of mends: for each, the changes that hold a region, and what did not do."""
+"""The kinds of mends: the changes of each that are tried on a region."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+import enum
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError, counted
-from drystone.design.bench import ALL, MANY, Bench
+from drystone.design.bench import Bench, Held
 from drystone.design.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.changes import (
     HEAVIEST,
@@ -27,34 +28,121 @@ from drystone.design.changes import (
     props_at,
     tied,
 )
-from drystone.design.needs import SEARCHED
+from drystone.design.margin import LARGE_REGION, SMALL_REGION
+from drystone.design.needs import SEARCHED, Needs
 from drystone.design.props import find_props
 from drystone.design.struts import struts
 from drystone.design.words import glue_words, names_of, newtons, place
 from drystone.model import Model
 
-_STRUTS = 6
-"""Number of struts of one block that are tried, the shortest first."""
-
-_TIES = 6
-"""Number of pairs of blocks between which a tie is tried, those that move apart fastest first."""
+_FIRST = 6
+"""Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
+which a tie is tried, those that move apart fastest first."""
 
 _THICKER = (0.1, 0.3, 1.0)
 """Increases of thickness that are tried before the least one is searched, relative to that of the
 block."""
 
-Held: TypeAlias = Iterator[tuple[Change, float]]
-"""Changes that hold the region of a bench in its local model, with their least values."""
+
+class _Take(enum.Enum):
+    """Which of some changes that hold a region are told."""
+
+    EACH = enum.auto()
+    FIRST = enum.auto()
+    SMALLEST = enum.auto()
 
 
-def _support(bench: Bench) -> Held:
-    """A block below that fits between a block of the region and another one."""
-    if len(bench.own) > MANY:
-        bench.fail("support", f"not tried on a region of more than {MANY} blocks")
+@dataclass(frozen=True, eq=False)
+class _Tries:
+    """Changes of one kind that are tried, and what is said if none of them holds the region.
+
+    Attributes
+    ----------
+    changes
+    why
+        Empty where nothing is said.
+    take
+    known
+        The least values that the diagnosis found without a margin, ``None`` where it found none;
+        where left out it did not look for them.
+    last
+        Whether they are tried only where none before them holds it.
+    told
+        Makes the change that is told of the one that holds it.
+    """
+
+    changes: Sequence[Change]
+    why: str
+    take: _Take = _Take.EACH
+    known: Sequence[float | None] | None = None
+    last: bool = False
+    told: Callable[[Change], Held] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class KnownNeeds:
+    """What the changes of a region are proposed from.
+
+    Attributes
+    ----------
+    bench
+    needs
+        What the diagnosis found that would hold it, without a margin.
+    known
+        Whether that is of the same local model: not where supports have moved.
+    """
+
+    bench: Bench
+    needs: Needs
+    known: bool
+
+
+_Proposals: TypeAlias = Iterator[_Tries | str]
+"""Changes to try, and why others are not tried."""
+
+
+def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
+    """The changes of a kind that hold a region, with their least values; else it is noted why."""
+    bench, holds = asked.bench, False
+    largest = _LARGEST.get(kind, len(bench.own))
+    if len(bench.own) > largest:
+        bench.fail(kind, f"not tried on a region of more than {largest} blocks")
         return
-    changes = []
-    for whole in bench.region.blocks:
-        for strut in struts(bench.model, whole, bench.motion[whole])[:_STRUTS]:
+    for tries in _PROPOSED[kind](asked):
+        if isinstance(tries, str):
+            bench.fail(kind, tries)
+        elif not (tries.last and holds):
+            found = _held(bench, tries, asked.known)
+            holds = holds or bool(found)
+            yield from found
+            if not found and tries.why:
+                bench.fail(kind, tries.why, *(one.make(one.steps[-1]) for one in tries.changes))
+
+
+def _held(bench: Bench, tries: _Tries, known: bool) -> list[Held]:
+    """Those of some changes that hold a region."""
+    changes = list(tries.changes)
+    if known and tries.known is not None:
+        pairs = zip(changes, tries.known, strict=True)
+        changes = [change.above(value) for change, value in pairs if value is not None]
+    if tries.take is _Take.SMALLEST:
+        best = bench.smallest(changes)
+        return [] if best is None else [best]
+    found: list[Held] = []
+    for change in changes:
+        value = bench.least(change)
+        if value is not None:
+            found.append((change, value) if tries.told is None else tries.told(change))
+            if tries.take is _Take.FIRST:
+                break
+    return found
+
+
+def _support(asked: KnownNeeds) -> _Proposals:
+    """A block below that fits between a block of the region and another one."""
+    bench, changes = asked.bench, []
+    for i, whole in enumerate(bench.region):
+        for strut in struts(bench.model, whole, bench.motion[i])[:_FIRST]:
             on, held = (names_of(bench.model, [i]) for i in (strut.on, whole))
             size = f"a block of {strut.body.volume:.3g} m3, {strut.length:.3g} m long,"
             words = f"{size} between {on} and {held}"
@@ -63,233 +151,187 @@ def _support(bench: Bench) -> Held:
             beyond = () if strut.on in bench.blocks else (strut.on,)
             changes.append(replace(change, beyond=beyond))
     why = f"{len(changes)} blocks that fit were tried, the shortest first"
-    for change in changes:
-        if bench.least(change) is not None:
-            yield change, change.steps[0]
-            return
-    bench.fail("support", why)
+    yield _Tries(changes, why, _Take.FIRST)
 
 
-def _prop(bench: Bench) -> Held:
+def _prop(asked: KnownNeeds) -> _Proposals:
     """One prop, with the least force; else a few props that hold the region together."""
-    found = bench.region.needs.props
-    if bench.as_diagnosed:
+    bench, found = asked.bench, asked.needs.props
+    if asked.known:
         at = np.zeros(len(bench.model), dtype=np.intp)
-        at[list(bench.region.blocks)] = bench.own
+        at[list(bench.region)] = bench.own
         found = found.renumbered(at)
     else:
-        motion = bench.motion[bench.blocks]
-        found = find_props(bench.local, bench.own, motion, bench.stop, single=bench.own[:MANY])
-    chosen = [one.seat for one in found.props]
-    if not chosen:
-        bench.fail("prop", f"no prop holds it: tried were {found.tried}")
+        first = bench.own[:SMALL_REGION]
+        found = find_props(bench.local, bench.own, bench.motion, bench.stop, single=first)
+    seats = [one.seat for one in found.props]
+    if not seats:
+        yield f"no prop holds it: tried were {found.tried}"
         return
-    change = Change.single("prop", props_at(chosen), "", added=len(chosen))
-    if bench.least(change) is None:
-        bench.fail("prop", "the best props do not keep the margin")
-        return
-    sizes, points = bench.largest_forces(props_at(chosen), len(chosen))
-    told = [
-        f"{newtons(size)} against {names_of(bench.local, [seat.block])} at {place(point)}"
-        for seat, size, point in zip(chosen, sizes.tolist(), points, strict=True)
-    ]
-    kind = "a prop of " if len(chosen) == 1 else f"{len(chosen)} props: "
-    yield _of_force(change, float(sizes.sum()), kind + ", ".join(told))
+
+    def words(sizes: Floats, points: Floats) -> str:
+        some = [
+            f"{newtons(size)} against {names_of(bench.local, [seat.block])} at {place(point)}"
+            for seat, size, point in zip(seats, sizes.tolist(), points, strict=True)
+        ]
+        return ("a prop of " if len(seats) == 1 else f"{len(seats)} props: ") + ", ".join(some)
+
+    change = Change.single("prop", props_at(seats), "", added=len(seats))
+    told = partial(_by_force, bench, len(seats), words)
+    yield _Tries([change], "the best props do not keep the margin", told=told)
 
 
-def _of_force(change: Change, force: float, words: str) -> tuple[Change, float]:
-    """A change with nothing to vary, told by the force [N] that it then carries."""
-    return Change.single(change.kind, change.make(0.0), words, force, added=change.added), force
+def _by_force(
+    bench: Bench, count: int, words: Callable[[Floats, Floats], str], change: Change
+) -> Held:
+    """A change told by the forces [N] of its last joints at the margin."""
+    make = change.make(0.0)
+    sizes, points = bench.largest_forces(make, count)
+    force = float(sizes.sum())
+    told = words(sizes, points)
+    return Change.single(change.kind, make, told, force, added=change.added), force
 
 
-def _tie(bench: Bench) -> Held:
+def _tie(asked: KnownNeeds) -> _Proposals:
     """A tie between the centroids of two blocks that move apart: it pulls, and never presses."""
-    centroid, velocity = bench.local.assembly.centroid, bench.motion[bench.blocks, :3]
-    fixed = bench.local.assembly.fixed
+    local, own = asked.bench.local, asked.bench.own
+    centroid, fixed = local.assembly.centroid, local.assembly.fixed
+    velocity = np.where(fixed[:, None], 0.0, asked.bench.motion[:, :3])
     apart = []
-    for i in bench.own:
-        for j in range(len(bench.blocks)):
-            if j == i or (j in bench.own and j < i):
-                continue
-            along = centroid[j] - centroid[i]
-            other = np.zeros(3) if fixed[j] else velocity[j]
-            rate = float((other - velocity[i]) @ along / np.linalg.norm(along))
-            apart.append((rate, i, j))
-    fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:_TIES]
+    for i in own:
+        along = centroid - centroid[i]
+        size = np.linalg.norm(along, axis=1)
+        rate = ((velocity - velocity[i]) * along).sum(axis=1) / np.where(size > 0.0, size, 1.0)
+        rate[[j for j in own if j <= i]] = 0.0  # each pair once
+        apart += [(float(rate[j]), i, int(j)) for j in np.flatnonzero(rate > 0.0)]
+    if not apart:
+        yield "no blocks move apart"
+        return
 
     def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
 
+    def words(change: Change, sizes: Floats, _: Floats) -> str:
+        return f"a tie that pulls {newtons(float(sizes[0]))} between {change.words(0.0)}"
+
+    def told(change: Change) -> Held:
+        return _by_force(asked.bench, 1, partial(words, change), change)
+
     changes = [
-        Change.single("tie", partial(make, (i, j)), names_of(bench.local, [i, j]), added=1)
-        for _, i, j in fastest
+        Change.single("tie", partial(make, (i, j)), names_of(local, [i, j]), added=1)
+        for _, i, j in sorted(apart, reverse=True)[:_FIRST]
     ]
-    why = "no blocks move apart"
-    if changes:
-        why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
-    for change, _ in bench.holding("tie", changes, why):
-        size = float(bench.largest_forces(change.make(0.0), 1)[0][0])
-        words = f"a tie that pulls {newtons(size)} between {change.words(0.0)}"
-        yield _of_force(change, size, words)
-        return
+    why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
+    yield _Tries(changes, why, _Take.FIRST, told=told)
 
 
-def _friction(bench: Bench) -> Held:
+def _friction(asked: KnownNeeds) -> _Proposals:
     """The least friction of one joint, else of all that may be changed."""
-    contacts = bench.local.contacts
-    if contacts.count == 0:
-        bench.fail("friction", "it touches no other block")
-        return
-    free = [k for k in range(contacts.count) if bench.may_change(k)]
+    bench, count = asked.bench, asked.bench.local.contacts.count
+    free = [k for k in range(count) if not bench.kept_at([k])]
     if not free:
-        stay = bench.kept(contacts.block_a, contacts.block_b)
-        bench.fail("friction", f"its joints may not be changed (kept: {stay})")
+        kept = f"its joints may not be changed (kept: {bench.kept_at(range(count))})"
+        yield kept if count else "it touches no other block"
         return
-    every = tuple(free)
-    changes: dict[tuple[int, ...], Change] = {}
-    if len(bench.own) <= MANY:
-        for k in free:
-            changes[(k,)] = friction_change(bench.local, [k], f"in {bench.joint_name(k)}")
-    if every not in changes:
-        changes[every] = friction_change(bench.local, free, "in all its joints")
     # no joint alone, and no margin, takes less than all joints take
-    known, held = bench.region.needs.friction, False
-    for on, change in changes.items():
-        if held and len(on) > 1:
-            break
-        for new in bench.from_known(change, known):
-            value = bench.least(new)
-            if value is not None:
-                held = True
-                yield new, value
-    if not held:
-        which = "all its joints" if len(free) == contacts.count else "the joints that may change"
-        what = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
-        bench.fail("friction", what, changes[every].make(ROUGHEST))
+    known = [asked.needs.friction] * len(free)
+    each = [friction_change(bench.local, [k], f"in {bench.joint_name(k)}") for k in free]
+    alone = len(free) == 1
+    if len(bench.own) <= SMALL_REGION and not alone:
+        yield _Tries(each, "", known=known)
+    every = each if alone else [friction_change(bench.local, free, "in all its joints")]
+    which = "all its joints" if len(free) == count else "the joints that may change"
+    why = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
+    yield _Tries(every, why, known=known[:1], last=True)
 
 
-def _joints(bench: Bench, kind: str) -> Held:
+def _joints(asked: KnownNeeds, kind: str) -> _Proposals:
     """Joints rotated, made wedges or let in: each one in a small region, else all together."""
-    if len(bench.own) > ALL:
-        bench.fail(kind, f"not tried on a region of more than {ALL} blocks")
-        return
-    count = len(bench.interfaces)
-    for group in [[k] for k in range(count)] if len(bench.own) <= MANY else [list(range(count))]:
+    bench, count = asked.bench, len(asked.bench.interfaces)
+    small = len(bench.own) <= SMALL_REGION
+    turn = asked.needs.turn
+    known = [None if turn is None else turn.value] * 2 if kind == "turn" and small else None
+    for group in [[k] for k in range(count)] if small else [list(range(count))]:
         name = bench.joint_name(group[0]) if len(group) == 1 else "all its joints"
-        if not all(bench.may_change(k) for k in group):
-            contacts = bench.local.contacts
-            stay = bench.kept(contacts.block_a[group], contacts.block_b[group])
-            bench.fail(kind, f"{name.rstrip(',')} may not be changed (kept: {stay})")
+        stay = bench.kept_at(group)
+        if stay:
+            yield f"{name.rstrip(',')} may not be changed (kept: {stay})"
             continue
         try:
             sides = [joint_change(bench.local, kind, group, side, name) for side in (1.0, -1.0)]
         except InputError as error:
-            bench.fail(kind, str(error))
+            yield str(error)
             continue
-        changes = sides
-        if kind == "turn" and len(bench.own) <= MANY:
-            turn = bench.region.needs.turn
-            known = None if turn is None else turn.value
-            changes = [one for side in sides for one in bench.from_known(side, known)]
-        best: tuple[Change, float] | None = None
-        for change in changes:
-            value = bench.least(change, np.inf if best is None else best[1])
-            best = best if value is None else (change, value)
-        if best is not None:
-            yield best
-        else:
-            most = sides[0].steps[-1]
-            told = f"{most:g} degrees" if kind != "let-in" else f"{1e3 * most:.0f} mm"
-            farthest = [side.make(most) for side in sides]
-            bench.fail(kind, f"{name.rstrip(',')} up to {told}", *farthest)
+        most = sides[0].steps[-1]
+        told = f"{most:g} degrees" if kind != "let-in" else f"{1e3 * most:.0f} mm"
+        yield _Tries(sides, f"{name.rstrip(',')} up to {told}", _Take.SMALLEST, known)
 
 
-def _thicker(bench: Bench) -> Held:
+def _thicker(asked: KnownNeeds) -> _Proposals:
     """Thicker blocks of the region."""
-    if len(bench.own) > ALL:
-        bench.fail("thicker", f"not tried on a region of more than {ALL} blocks")
-        return
-    if any(i in bench.keep for i in bench.region.blocks):
-        stay = bench.kept(np.array(bench.own))
-        bench.fail("thicker", f"its blocks may not be changed (kept: {stay})")
+    bench = asked.bench
+    stay = bench.kept(bench.own)
+    if stay:
+        yield f"its blocks may not be changed (kept: {stay})"
         return
 
     def make(share: float) -> Surgery:
         return lambda model, blocks, _: thicken_blocks(model, blocks[bench.own].tolist(), share)
 
     def words(share: float) -> str:
-        return f"{names_of(bench.model, bench.region.blocks)} thicker by {100.0 * share:.0f} %"
+        return f"{names_of(bench.model, bench.region)} thicker by {100.0 * share:.0f} %"
 
     why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"
-    yield from bench.holding("thicker", [Change("thicker", make, words, _THICKER, 0.02)], why)
+    yield _Tries([Change("thicker", make, words, _THICKER, 0.02)], why)
 
 
-def _ballast(bench: Bench) -> Held:
+def _ballast(asked: KnownNeeds) -> _Proposals:
     """The least weight on one block."""
-    ballast = bench.region.needs.ballast
+    bench, ballast = asked.bench, asked.needs.ballast
     if ballast is None:
-        what = f"no weight up to {HEAVIEST:g} times its own on one block holds it"
-        if len(bench.own) > SEARCHED:
-            what = f"not tried on a region of more than {SEARCHED} blocks"
-        bench.fail("ballast", what)
+        yield f"no weight up to {HEAVIEST:g} times its own on one block holds it"
         return
-    weight, at = ballast.value, bench.region.blocks.index(ballast.at[0])
+    weight, at = ballast.value, bench.region.index(ballast.at[0])
 
     def make(model: Model, blocks: Ints, _: Ints) -> Model:
         return ballasted(model, int(blocks[at]), weight)
 
     words = f"a weight of {newtons(weight)} on {names_of(bench.model, ballast.at)}"
     change = Change.single("ballast", make, words, weight, added=1)
-    if bench.least(change) is not None:
-        yield change, weight
-    else:
-        bench.fail("ballast", "the least weight does not keep the margin")
+    yield _Tries([change], "the least weight does not keep the margin")
 
 
-def _glue(bench: Bench) -> Held:
+def _glue(asked: KnownNeeds) -> _Proposals:
     """Glue in one joint: the least strength with which the region stands.
 
     In a larger region, the same glue in all joints that would pull.
     """
+    bench = asked.bench
     at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
-    pulls = bench.region.needs.pulls
+    pulls = asked.needs.pulls
     pulling = [(at[pull.interface], pull.force) for pull in pulls if pull.interface in at]
-    changes = glue_changes(bench.local, len(bench.own), pulling, MANY)
-    if not changes:
-        bench.fail("glue", "none of its joints would pull")
-        return
-    free = {on: one for on, one in changes.items() if all(bench.may_change(k) for k in on)}
+    changes = glue_changes(bench.local, len(bench.own), pulling, SMALL_REGION)
+    free = {on: one for on, one in changes.items() if not bench.kept_at(on)}
     if not free:
-        joints = [k for on in changes for k in on]
-        ends = (bench.local.contacts.block_a[joints], bench.local.contacts.block_b[joints])
-        bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
+        kept = bench.kept_at([k for on in changes for k in on]) if changes else ""
+        kept = f"its joints may not be changed (kept: {kept})"
+        yield kept if changes else "none of its joints would pull"
         return
-    known = {frozenset(one.at): one.value for one in bench.region.needs.glue}
-    held = False
-    for on, change in free.items():
-        least = known.get(frozenset(bench.interfaces[list(on)].tolist()))
-        asked = bench.from_known(change, least) if len(bench.own) <= ALL else [change]
-        for new in asked:
-            value = bench.least(new)
-            if value is not None:
-                held = True
-                yield new, value
-    if not held:
-        what = f"it falls with glue of {STRONGEST:g} times its weight in any one of its joints"
-        if len(bench.own) > MANY:
-            (one,) = free.values()
-            most = newtons(one.steps[-1])
-            what = f"it falls with glue of {most} in the {one.joints} joints that pull"
-        bench.fail("glue", what, *(one.make(one.steps[-1]) for one in free.values()))
+    found = {frozenset(one.at): one.value for one in asked.needs.glue}
+    known = [found.get(frozenset(bench.interfaces[list(on)].tolist())) for on in free]
+    some = list(free.values())
+    why = f"it falls with glue of {STRONGEST:g} times its weight in any one of its joints"
+    if len(bench.own) > SMALL_REGION:
+        most = newtons(some[0].steps[-1])
+        why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"
+    yield _Tries(some, why, known=None if bench.large else known)
 
 
-def _merge(bench: Bench) -> Held:
+def _merge(asked: KnownNeeds) -> _Proposals:
     """Two blocks made one."""
-    if len(bench.own) > MANY:
-        bench.fail("merge", f"not tried on a region of more than {MANY} blocks")
-        return
+    bench = asked.bench
     contacts, fixed = bench.local.contacts, bench.local.assembly.fixed
-    strengths = {frozenset(glue.at): glue.value for glue in bench.region.needs.glue}
+    strengths = {frozenset(glue.at): glue.value for glue in asked.needs.glue}
     pairs = list(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
 
     def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
@@ -297,7 +339,7 @@ def _merge(bench: Bench) -> Held:
 
     changes = []
     for a, b in dict.fromkeys(pairs):
-        if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
+        if bench.kept([a, b]):
             continue
         ends = (a, b) if fixed[a] or not fixed[b] else (b, a)
         own = [k for k, pair in enumerate(pairs) if {*pair} == {a, b}]
@@ -306,13 +348,14 @@ def _merge(bench: Bench) -> Held:
         words = f"{names_of(bench.local, [a, b])} made one block{enough}"
         changes.append(Change.single("merge", partial(make, ends), words, held, joints=len(own)))
     why = "it falls with any two of its blocks made one"
-    if not changes:
-        stay = bench.kept(contacts.block_a, contacts.block_b)
-        why = f"its blocks may not be changed (kept: {stay})"
-    yield from bench.holding("merge", changes, why)
+    stay = bench.kept_at(range(contacts.count))
+    if changes or not stay:
+        yield _Tries(changes, why)
+    else:
+        yield f"its blocks may not be changed (kept: {stay})"
 
 
-MAKERS: Mapping[str, Callable[[Bench], Held]] = {
+_PROPOSED: Mapping[str, Callable[[KnownNeeds], _Proposals]] = {
     "support": _support,
     "prop": _prop,
     "tie": _tie,
@@ -325,7 +368,15 @@ MAKERS: Mapping[str, Callable[[Bench], Held]] = {
     "glue": _glue,
     "merge": _merge,
 }
-"""What finds the changes of each kind that hold a region."""
+"""What proposes the changes of each kind."""
 
-KINDS = tuple(MAKERS)
+_LARGEST = {
+    **dict.fromkeys(("support", "merge"), SMALL_REGION),
+    **dict.fromkeys(("turn", "wedge", "let-in", "thicker"), LARGE_REGION),
+    "ballast": SEARCHED,
+}
+"""The largest number of blocks of a region on which a kind is tried, where there is one. Chosen: a
+cut takes a twentieth of a second."""
+
+KINDS = tuple(_PROPOSED)
 """The kinds of mends."""

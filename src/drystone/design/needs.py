@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,19 +13,17 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.design.bench import Bench
 from drystone.design.changed_model import acceleration_of
 from drystone.design.changes import (
-    FRICTION,
     Change,
-    Surgery,
     ballast_change,
     friction_change,
     glue_changes,
     joint_change,
 )
-from drystone.design.margin import LARGE_REGION, SMALL_REGION, quickly_stands
+from drystone.design.margin import SMALL_REGION
 from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props
-from drystone.design.search import least
 from drystone.geometry.solid import crossings
 from drystone.geometry.triangulate import triangulate
 from drystone.model import Model
@@ -113,94 +111,50 @@ class Needs(OneLine):
     glue: tuple[Need, ...] = ()
 
 
-def search_needs(
-    local: Model,
-    count: int,
-    needs: Needs,
-    motion: Floats,
-    place: tuple[Ints, Ints],
-    late: Callable[[], bool],
-) -> Iterator[dict[str, Any]]:
-    """The needs of a region, one after the other, as fields of :class:`Needs`.
+def search_needs(bench: Bench, needs: Needs) -> Iterator[dict[str, Any]]:
+    """The needs of the region of a bench, one after the other, as fields of :class:`Needs`.
 
-    Parameters
-    ----------
-    local
-        The model of the region alone.
-    count
-        Number of its blocks, the first ones of the model.
-    needs
-        What is known of them.
-    motion : (l, 6)
-        First motion of the blocks of the local model.
-    place : (l,), (m,)
-        Its blocks and its interfaces in the whole model.
-    late
+    ``needs`` is what is known of them.
 
     Raises
     ------
     Stopped
     """
-    blocks, between = place
-    own = range(count)
-    every = np.arange(len(local)), np.arange(local.contacts.count)
-
-    def stands(make: Surgery, near: dict[int, Floats] | None = None) -> bool:
-        try:
-            made = make(local, *every)
-        except InputError:  # a face would be swallowed
-            return False
-        return quickly_stands(made, late, near)
-
-    few = SEARCHED if count <= LARGE_REGION else SMALL_REGION
-    neediest = sorted(own, key=lambda i: -float(np.linalg.norm(needs.wrench[i, :3])))[:few]
-    shares = SHARES if count <= SMALL_REGION else SHARES[:1]
-    found = find_props(local, own, motion, late, single=neediest, shares=shares)
-    yield {"props": found.renumbered(blocks)}
-    if local.contacts.count:
-        rough = friction_change(local, every[1].tolist(), "")
-        near: dict[int, Floats] | None = {} if len(local) > LARGE_REGION else None
-        value = least(lambda x: stands(rough.make(x), near), rough.steps, FRICTION, rough.low)
+    local, count = bench.local, len(bench.own)
+    small, joints = count <= SMALL_REGION, range(local.contacts.count)
+    few = SMALL_REGION if bench.large else SEARCHED
+    neediest = sorted(bench.own, key=lambda i: -float(np.linalg.norm(needs.wrench[i, :3])))[:few]
+    shares = SHARES if small else SHARES[:1]
+    found = find_props(local, bench.own, bench.motion, bench.stop, single=neediest, shares=shares)
+    yield {"props": found.renumbered(bench.blocks)}
+    if joints:
+        value = bench.least(friction_change(local, joints, ""))
         yield {"friction": None if value is None else round(value, 6)}
     if count <= SEARCHED and acceleration_of(local).any():
-        weights = [(i, ballast_change(local, count, i)) for i in own]
-        yield {"ballast": _smallest(weights, stands, blocks)}
-    if count <= SMALL_REGION:
-        turns = []
-        for k in every[1].tolist():
-            for side in (1.0, -1.0):
-                with contextlib.suppress(InputError):
-                    turns.append((k, joint_change(local, "turn", [k], side)))
-        yield {"turn": _smallest(turns, stands, between)}
-    if count <= LARGE_REGION:
-        inner = {int(whole): k for k, whole in enumerate(between)}
+        weights = [ballast_change(local, count, i) for i in bench.own]
+        yield {"ballast": _smallest(bench, weights, bench.region)}
+    if small:
+        turns, at = [], []
+        for k, side in product(joints, (1.0, -1.0)):
+            with contextlib.suppress(InputError):  # it is not plane
+                turns.append(joint_change(local, "turn", [k], side))
+                at.append(int(bench.interfaces[k]))
+        yield {"turn": _smallest(bench, turns, at)}
+    if not bench.large:
+        inner = {int(whole): k for k, whole in enumerate(bench.interfaces)}
         pulling = [(inner[pull.interface], pull.force) for pull in needs.pulls]
         glue = []
-        for joints, change in glue_changes(local, count, pulling, SMALL_REGION).items():
-            most = change.steps[-1:]
-            value = least(partial(_after, stands, change), most, change.close)
+        for some, change in glue_changes(local, count, pulling, SMALL_REGION).items():
+            value = bench.least(replace(change, steps=change.steps[-1:]))
             if value is not None:
-                glue.append(Need(value, tuple(between[list(joints)].tolist())))
+                glue.append(Need(value, tuple(bench.interfaces[list(some)].tolist())))
         yield {"glue": tuple(sorted(glue, key=lambda one: one.value))}
 
 
-def _after(stands: Callable[[Surgery], bool], change: Change, value: float) -> bool:
-    return stands(change.make(value))
-
-
-def _smallest(
-    changes: Sequence[tuple[int, Change]], stands: Callable[[Surgery], bool], place: Ints
-) -> Need | None:
+def _smallest(bench: Bench, changes: Sequence[Change], at: Sequence[int]) -> Need | None:
     """The smallest of the least values of some changes, each of a block or of a joint."""
-    best: Need | None = None
-    for at, change in changes:
-        steps = change.steps
-        if best is not None:
-            steps = (*(x for x in steps if x < best.value), best.value)
-        value = least(partial(_after, stands, change), steps, change.close)
-        if value is not None and (best is None or value < best.value):
-            best = Need(value, (int(place[at]),))
-    return best
+    best = bench.smallest(changes)
+    return None if best is None else Need(best[1], (at[list(changes).index(best[0])],))
 
 
 def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -12,15 +13,15 @@ from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
-from drystone.design.bench import Bench, Tried, volume_changed
+from drystone.design.bench import Bench, Tried
 from drystone.design.changed import Changed, Kept
 from drystone.design.changes import Change
 from drystone.design.diagnosed import Region
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import MAKERS
-from drystone.design.search import bracket
+from drystone.design.mend_kinds import KnownNeeds, holding
+from drystone.design.search import least
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
@@ -42,12 +43,23 @@ def mends_of_kind(
     clock: Clock,
     kind: str,
 ) -> tuple[list[Changed], list[Tried]]:
-    """The mends of one kind for a region, and what was tried without success."""
-    bench = Bench(model, motion, region, margin, keep, clock.late)
+    """The mends of one kind for a region, and what was tried without success.
+
+    ``motion`` (n, 6) is the first one of all blocks; ``held`` are blocks of other regions.
+    """
+    bench = Bench(model, region.blocks, motion, margin, keep, clock.late)
+    before = region.local
+    # where supports have moved, blocks are diagnosed where they fall; what a region that stands
+    # alone needs is not known
+    known = (
+        region.verdict is not Verdict.STABLE
+        and before.contacts.count == bench.local.contacts.count
+        and np.array_equal(before.assembly.centroid, bench.local.assembly.centroid)
+    )
     made = []
     with contextlib.suppress(Stopped):
-        for change, value in MAKERS[kind](bench):
-            found = WholeCheck(model, bench, change, value, held).mend()
+        for change, value in holding(kind, KnownNeeds(bench, region.needs, known)):
+            found = _WholeCheck(bench, change, value, held).mend()
             if found is not None:
                 made.append(found)
     return made, bench.tried
@@ -62,7 +74,7 @@ class _Held(NamedTuple):
     settles: bool
 
 
-class WholeCheck:
+class _WholeCheck:
     """The check of a change on the whole structure.
 
     If the least value of the local model is not sufficient for the whole structure, a larger one is
@@ -70,36 +82,29 @@ class WholeCheck:
 
     Parameters
     ----------
-    model, bench, candidate
+    bench, candidate
     value
         The least one with which the region alone stands.
     held
         Blocks of other regions, which are held meanwhile.
     """
 
-    def __init__(
-        self, model: Model, bench: Bench, candidate: Change, value: float, held: list[int]
-    ) -> None:
-        self.model = model
-        self.bench = bench
-        self.candidate = candidate
-        self.held = tuple(model.assembly.names[i] for i in held)
+    def __init__(self, bench: Bench, candidate: Change, value: float, held: list[int]) -> None:
+        self.bench, self.candidate, self.first = bench, candidate, value
+        self.held = tuple(bench.model.assembly.names[i] for i in held)
         self.near = bench.nearby()
-        # a large model that does not stand for all stiffnesses is not followed while it settles
-        self.sieved = bench.margin.robust and self.near is not None
         self.why: dict[float, str] = {}
-        self.least = self.largest = value
+        self.largest = value
 
     def mend(self) -> Changed | None:
         """The change with the least value that holds the structure; ``None`` if it falls."""
-        found = self._least()
+        bench, candidate, found = self.bench, self.candidate, self._least()
         if found is None:
-            self.bench.tried.append(Tried(self.candidate.kind, self._falls()))
+            bench.tried.append(Tried(candidate.kind, self._falls()))
             return None
-        model, candidate, made = self.model, self.candidate, found.model
-        blocks = self.bench.region.blocks
-        volume = volume_changed(model, made)
-        whole = float(model.assembly.volume[list(blocks)].sum())
+        model, made = bench.model, found.model
+        volume = _volume_changed(model, made)
+        whole = float(model.assembly.volume[list(bench.region)].sum())
         cost = SETTLED if found.settles else 0.0
         cost += JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
         if candidate.kind == "friction":
@@ -108,7 +113,7 @@ class WholeCheck:
         how = ", which holds only after settling" if found.settles else ""
         kept = Kept(
             candidate.kind,
-            tuple(model.assembly.names[i] for i in blocks),
+            tuple(model.assembly.names[i] for i in bench.region),
             candidate.words(found.value) + how,
             found.value,
             candidate.joints,
@@ -122,25 +127,44 @@ class WholeCheck:
         return Changed(model, made, found.result, found.result.stable, words, (kept,))
 
     def _least(self) -> _Held | None:
-        """The least value with which the structure stands."""
-        low = self.least
-        # cheap first: what falls with uniform stiffness does not stand for all
-        if self.sieved and not self._stands(low, quick=True):
-            high = self._larger(low, quick=True)
-            if high is None:
-                return self._settled(low)
-            low = high
-        found = self._checked(low)
+        """The structure with the least value with which it stands, else stands after settling."""
+        found = self._checked(self.first)
         if found is None:
-            high = self._larger(low, quick=False)
-            found = None if high is None else self._checked(high)
-        return found or self._settled(low)
+            close = self.candidate.close
+            value = least(self._stands, [*self._larger()], close, self.first)
+            found = None if value is None else self._checked(value)
+        return found or self._settled()
+
+    def _larger(self) -> Iterator[float]:
+        """Values above the first one: each doubled, up to the largest one."""
+        high, most, close = self.first, self.candidate.steps[-1], self.candidate.close
+        while high + close < most:
+            high = min(2.0 * high + close, most)
+            yield high
+
+    def _settled(self) -> _Held | None:
+        """A value with which the structure stands after settling.
+
+        It is halved once only: each check follows the blocks. A large structure is followed at the
+        first value only.
+        """
+        if not self.bench.margin.robust:
+            return None
+        if self.bench.large:
+            return self._checked(self.first, settles=True)
+        low = self.first
+        for high in self._larger():
+            found = self._checked(high, settles=True)
+            if found is not None:
+                return self._checked(0.5 * (low + high), settles=True) or found
+            low = high
+        return None
 
     def _falls(self) -> str:
         """Why no value holds the structure."""
-        first, why = self.least, self.why
+        first, why = self.first, self.why
         if first not in why:
-            self._checked(first)
+            self._checked(first, settles=True)
         what = f"{self.candidate.words(first)} holds the region, but of the whole: {why[first]}"
         if self.largest > first:
             last = f" ({why[self.largest]})" if self.largest in why else ""
@@ -151,9 +175,9 @@ class WholeCheck:
     def _changed(self, value: float) -> tuple[Model, Model] | None:
         """The whole model with the change, and the same with other regions held."""
         self.largest = max(self.largest, value)
+        bench = self.bench
         try:
-            change = self.candidate.make(value)
-            made = change(self.model, self.bench.blocks, self.bench.interfaces)
+            made = self.candidate.make(value)(bench.model, bench.blocks, bench.interfaces)
         except InputError as error:
             self.why[value] = str(error)
             return None
@@ -165,50 +189,28 @@ class WholeCheck:
         """Those of the held blocks that are left after the change."""
         return tuple(name for name in self.held if name in made.assembly)
 
-    def _stands(self, value: float, *, quick: bool) -> bool:
+    def _stands(self, value: float) -> bool:
         both = self._changed(value)
-        return both is not None and self.bench.keeps_margin(both[1], quick=quick, near=self.near)
+        return both is not None and self.bench.keeps_margin(both[1], near=self.near)
 
     def _checked(self, value: float, *, settles: bool = False) -> _Held | None:
         """The structure at a value, if it stands at the margin, or at least after settling."""
         both, bench = self._changed(value), self.bench
         if both is None:
             return None
-        if self.sieved and not settles and not bench.keeps_margin(both[1], near=self.near):
+        # a large model that does not stand for all stiffnesses is not followed while it settles
+        sieved = bench.large and bench.margin.robust and not settles
+        if sieved and not bench.keeps_margin(both[1], near=self.near):
             return None
         margin = replace(bench.margin, robust=False) if settles else bench.margin
         result = bench.holds(both[1], margin)
         self.why[value] = result.message
         return _Held(value, both[0], result, settles) if margin.meets(result) else None
 
-    def _larger(self, low: float, *, quick: bool) -> float | None:
-        """The least value above one that falls."""
-        most, close = self.candidate.steps[-1], self.candidate.close
 
-        def stands(value: float) -> bool:
-            return self._stands(value, quick=quick)
-
-        while low + close < most:
-            high = min(2.0 * low + close, most)
-            if stands(high):
-                return bracket(stands, low, high, close)[1]
-            low = high
-        return None
-
-    def _settled(self, low: float) -> _Held | None:
-        """A value above one that falls with which the structure stands after settling.
-
-        A large structure is followed at that value only.
-        """
-        most, close = self.candidate.steps[-1], self.candidate.close
-        if not self.bench.margin.robust:
-            return None
-        if self.sieved:
-            return self._checked(low, settles=True)
-        found, high = None, low
-        while found is None and high + close < most:
-            low, high = high, min(2.0 * high + close, most)
-            found = self._checked(high, settles=True)
-        if found is None:
-            return None
-        return self._checked(0.5 * (low + high), settles=True) or found
+def _volume_changed(before: Model, after: Model) -> float:
+    """Volume [m3] of the differences between equally named blocks, and of other blocks."""
+    old = dict(zip(before.assembly.names, before.assembly.volume.tolist(), strict=True))
+    new = dict(zip(after.assembly.names, after.assembly.volume.tolist(), strict=True))
+    names = set(old) | set(new)
+    return float(sum(abs(new.get(name, 0.0) - old.get(name, 0.0)) for name in names))
