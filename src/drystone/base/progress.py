@@ -50,12 +50,18 @@ class Stopped(Exception):
 
 
 class Clock:
-    """Time since the start, the limit, and the caller's request to stop; once late, always late."""
+    """Time since the start, the limit, and the caller's request to stop; once late, always late.
 
-    def __init__(self, limit_s: float, stop: Stop | None = None) -> None:
+    ``progress`` is what :meth:`tell` calls.
+    """
+
+    def __init__(
+        self, limit_s: float, stop: Stop | None = None, progress: Progress | None = None
+    ) -> None:
         self.began = time.perf_counter()
         self.limit_s = limit_s
         self.wish = stop
+        self.progress = progress
         self.reason = ""
 
     def __getstate__(self) -> dict[str, Any]:
@@ -65,6 +71,11 @@ class Clock:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(state["limit_s"])  # type: ignore[misc]
         self.reason = state["reason"]
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        """Report how far a stage is, where the caller wants to know."""
+        if self.progress is not None:
+            self.progress(stage, done, total)
 
     @property
     def elapsed_s(self) -> float:

@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from drystone.design.joint_surgery import turn_joint as turn_joint
     from drystone.design.joint_surgery import wedge_joint as wedge_joint
     from drystone.design.margin import DesignMargin as DesignMargin
-    from drystone.design.mend_types import MendOptions as MendOptions
-    from drystone.design.mend_types import Mends as Mends
     from drystone.design.mending import mend as mend
+    from drystone.design.mends import MendOptions as MendOptions
+    from drystone.design.mends import Mends as Mends
     from drystone.design.mends import find_mends as find_mends
     from drystone.design.needs import Need as Need
     from drystone.design.needs import Needs as Needs
@@ -83,9 +83,8 @@ _NAMES = {
     "props": "PropForce",
     "bench": "Tried",
     "margin": "DesignMargin",
-    "mend_types": "MendOptions Mends",
     "mending": "mend",
-    "mends": "find_mends",
+    "mends": "MendOptions Mends find_mends",
     "free_moves": "Moves block_moves free_vertices joint_moves thickening",
     "shape_options": "HelpMeasure ShapeAim ShapeOptions",
     "shaping": "shape",

@@ -119,9 +119,9 @@ def make_buildable(
     """
     chosen = BuildableOptions.of(options)
     several = [layouts] if isinstance(layouts, Layout) else list(layouts)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     with WorkerPool(executor) as pool:
-        search = _WedgeSearch(shape, body or ShellBody(), chosen, pool, progress, clock.late)
+        search = _WedgeSearch(shape, body or ShellBody(), chosen, pool, clock)
         return search.run(several)
 
 
@@ -153,11 +153,10 @@ class _WedgeSearch:
         body: ShellBody,
         options: BuildableOptions,
         pool: WorkerPool,
-        progress: Progress | None,
-        late: Stop,
+        clock: Clock,
     ) -> None:
         self.shape, self.body, self.options = shape, body, options
-        self.pool, self.progress, self.late = pool, progress, late
+        self.pool, self.clock, self.late = pool, clock, clock.late
         self.seen: set[Layout] = set()
 
     def run(self, layouts: list[Layout]) -> Buildable:
@@ -167,7 +166,7 @@ class _WedgeSearch:
         for done, layout in enumerate(layouts):
             if self.late():
                 break
-            self.tell("planning layouts", done, len(layouts))
+            self.clock.tell("planning layouts", done, len(layouts))
             try:
                 first = self.planned(self.shallow(layout))
             except InputError as error:
@@ -212,10 +211,6 @@ class _WedgeSearch:
             model, best.plan, tuple(kept), (*told, words), len(self.seen), needed, best.layout
         )
 
-    def tell(self, stage: str, done: int, total: int) -> None:
-        if self.progress is not None:
-            self.progress(stage, done, total)
-
     def shallow(self, layout: Layout) -> Layout:
         """A layout with the shallowest wedge at each bed line."""
         wedge = self.options.wedges[0]
@@ -243,7 +238,7 @@ class _WedgeSearch:
             layout = replace(now.layout, wedge=tuple(wedges.tolist()))
             if layout in self.seen:
                 continue
-            self.tell("planning wedges", len(self.seen), 0)
+            self.clock.tell("planning wedges", len(self.seen), 0)
             with contextlib.suppress(InputError):  # the shell cannot have them
                 found = self.planned(layout)
                 if found is not None:

@@ -107,7 +107,7 @@ def cut_until_free(
     choices = proposed_cuts(block, chosen.blocks) if proposals is None else proposals
     if not choices:
         raise InputError("no place to cut at", where="proposals", remedy="give one or more")
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     first = [0] * len(choices)
     log: list[str] = []
     model = Model.of(Assembly((block,), np.array([True])), friction=chosen.friction)
@@ -118,8 +118,7 @@ def cut_until_free(
         if clock.late():
             words = f"{clock.reason} before all was free"
             break
-        if progress is not None:
-            progress("cutting", done, chosen.most)
+        clock.tell("cutting", done, chosen.most)
         pieces, used = _cut(block, choices, first, chosen.friction)
         if len(used) < len(choices):
             place, why = len(used), "on none of its cuts the part above stands"

@@ -103,9 +103,8 @@ def diagnose(
     model = as_model(given, **how)
     if result is not None and result.model is not model:
         raise InputError("the result is of another model", remedy="leave it out")
-    clock = Clock(time_limit_s, stop)
-    if progress is not None:
-        progress("check", 0, 2)
+    clock = Clock(time_limit_s, stop, progress)
+    clock.tell("check", 0, 2)
     answer = check(model, stop=clock.late) if result is None else result
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
@@ -118,13 +117,11 @@ def diagnose(
     regions: list[Region] = []
     looked = groups[: chosen.regions]
     task = partial(_region, model, answer, prop, chosen, clock)
-    if progress is not None:
-        progress("regions", 0, len(looked))
+    clock.tell("regions", 0, len(looked))
     with WorkerPool(executor) as pool:
         for region in pool.answers(task, looked):
             regions.append(region)
-            if progress is not None:
-                progress("regions", len(regions), len(looked))
+            clock.tell("regions", len(regions), len(looked))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = chosen.needs and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None

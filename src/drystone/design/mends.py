@@ -2,27 +2,141 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.errors import InputError
+from drystone.answer import Answer, Scene, Sentence
+from drystone.base.display import named, shortened
+from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
-from drystone.base.settings import checked_call
+from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed
+from drystone.design.diagnosed import Diagnosis
 from drystone.design.diagnosis import diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
-from drystone.design.mend_types import MendOptions, Mends
 from drystone.design.whole_check import mends_of_kind
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.stability import check
 from drystone.supports import select
+
+
+@dataclass(frozen=True)
+class MendOptions(Options):
+    """Options of :func:`find_mends` and of :func:`drystone.design.mend`.
+
+    Attributes
+    ----------
+    margin
+        The safety margin of the mended structure.
+    kinds
+        Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
+        ballast, glue and merge; all when left out.
+    keep
+        Positions of blocks that may not be changed, and texts that name them, read like supports:
+        names and patterns, separated by commas; see ``drystone.supports.select``. Their joints
+        are not changed either; what is added may touch them.
+    """
+
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    kinds: tuple[str, ...] = KINDS
+    keep: tuple[int | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        kinds = _several(self.kinds, str, "kinds")
+        keep = _several(self.keep, int | str, "keep")
+        for kind in kinds:
+            if kind not in KINDS:
+                raise InputError(
+                    f"there is no kind of mend '{kind}'", remedy=f"choose from {', '.join(KINDS)}"
+                )
+        if not kinds:
+            raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
+        object.__setattr__(self, "kinds", kinds)
+        object.__setattr__(self, "keep", keep)
+
+
+def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
+    """One value or several of a kind, as a tuple."""
+    some = tuple(given) if isinstance(given, list | tuple) else (given,)
+    for one in some:
+        if not isinstance(one, kind) or isinstance(one, bool):
+            remedy = "give names" if kind is str else "give names or positions of blocks"
+            raise InputError(f"{name} has {shortened(repr(one), 60)}", remedy=remedy)
+    return some
+
+
+@dataclass(frozen=True, eq=False)
+class Mends(Answer):
+    """The mends of every region of a structure.
+
+    Attributes
+    ----------
+    diagnosis
+        Of the structure, or of the first case of the margin in which it falls.
+    mends
+        Each has one change. Per region, in order of cost; of equal cost and kind the smallest
+        value first.
+    tried
+        Kinds that do not hold a region, by the names of its blocks.
+    message
+        Why there is nothing to mend; empty otherwise.
+    """
+
+    diagnosis: Diagnosis
+    mends: tuple[Changed, ...] = ()
+    tried: tuple[tuple[tuple[str, ...], Tried], ...] = ()
+    message: str = ""
+
+    def _summary(self) -> str:
+        return self.message or counted(len(self.mends), "mend")
+
+    def of(self, blocks: Sequence[str]) -> tuple[Changed, ...]:
+        """The mends of the region with these blocks."""
+        return tuple(mend for mend in self.mends if set(mend.change.blocks) == set(blocks))
+
+    @property
+    def model(self) -> Model:
+        """The structure."""
+        return self.diagnosis.model
+
+    @property
+    def title(self) -> str:
+        """How many mends there are."""
+        return self.message or f"{self.diagnosis.title}; {counted(len(self.mends), 'mend')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Why it falls, the mends, and the kinds that do not help."""
+        said = [*self.diagnosis.sentences(), Sentence(self.message)]
+        for number, one in enumerate(self.mends, 1):
+            kept = one.change
+            told = f"mend {number}, of {named(kept.blocks)}: {kept.description}"
+            said.append(Sentence(f"{told} (cost {kept.cost:.3g})"))
+        for blocks, failed in self.tried:
+            told = f"no solution for {named(blocks)}: {failed.kind}: {failed.what}"
+            said.append(Sentence(told))
+        return [one for one in said if one.text]
+
+    def layers(self) -> Scene:
+        """Why it falls; each mend has a picture of its own."""
+        return self.diagnosis.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The diagnosis, the mends, and the kinds that do not help."""
+        return {
+            **self.diagnosis.numbers(),
+            "mends": [mend.as_mend() for mend in self.mends],
+            "tried": [{"blocks": blocks, **vars(one)} for blocks, one in self.tried],
+            "mending": self.message,
+        }
 
 
 @checked_call
@@ -64,12 +178,13 @@ def find_mends(
         What was given cannot be made into a model, or a block to keep does not exist.
     """
     chosen = MendOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
     first = chosen.margin.holds(model, clock.late)
     if chosen.margin.meets(first):
-        return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
+        why = diagnose(first.model, result=first)
+        return Mends(why, message=stands_already(chosen.margin))
     # what stands for some stiffnesses only is mended as it falls with the uniform one
     falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
     found = diagnose(
@@ -79,34 +194,30 @@ def find_mends(
         told = found.reasons[0]
         if first.stable:
             told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
-        return Mends(found, (), message=told)
+        return Mends(found, message=told)
+    tell_one = found_one or bool
     mends: list[Changed] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     mended = 0
     others = set(found.others).union(*(region.blocks for region in found.regions))
     others |= _falls_besides(found.model, others, clock.late)
     with WorkerPool(executor) as pool:
-        for number, region in enumerate(found.regions):
+        for number, region in enumerate(found.regions, 1):
             names = tuple(model.assembly.names[i] for i in region.blocks)
             if mended == regions or frozenset(names) in besides:
                 continue
             held = sorted(others - set(region.blocks))
-            own: list[Changed] = []
             task = partial(
                 mends_of_kind, model, found.motion, region, chosen.margin, keep, held, clock
             )
-            stage = f"mends of region {number + 1}"
-            if progress is not None:
-                progress(stage, 0, len(chosen.kinds))
+            own: list[Changed] = []
             several = pool.answers(task, chosen.kinds, clock.late)
-            for done, (made, failed) in enumerate(several, start=1):
+            for done, (made, failed) in enumerate(several, 1):
                 own += made
                 tried += [(names, one) for one in failed]
-                if found_one is not None:
-                    for one in made:
-                        found_one(one)
-                if progress is not None:
-                    progress(stage, done, len(chosen.kinds))
+                for one in made:
+                    tell_one(one)
+                clock.tell(f"mends of region {number}", done, len(chosen.kinds))
             mended += bool(own)
             mends += sorted(own, key=_rank)
     return Mends(found, tuple(mends), tuple(tried))

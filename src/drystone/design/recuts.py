@@ -95,7 +95,7 @@ def recut_joints(
     """
     chosen = RecutOptions.of(options)
     model = supported_model(given, **how)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     # a prop of what does not stand is one more block that needs help
     thus = replace(chosen.plan, anyway=True)
     planned = partial(plan, options=thus, executor=executor, stop=clock.late)
@@ -107,8 +107,7 @@ def recut_joints(
             if clock.late() or tried >= chosen.most:
                 return
             tried += 1
-            if progress is not None:
-                progress("changing joints", tried, chosen.most)
+            clock.tell("changing joints", tried, chosen.most)
             made = _changed(now.model, joint, kept, block)
             if made is None or not _stands(made, now.plan, block, beside):
                 continue

@@ -119,7 +119,7 @@ def sharpen(
     """
     del executor  # one chain of checks
     chosen = SharpenOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
     joints = PlaneJoints.of(model, keep)
@@ -132,44 +132,32 @@ def sharpen(
         kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
         what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
         raise InputError(what, remedy="let other blocks change, or try 'drystone mend'")
-    return _Sharpening(joints, chosen, progress, clock.late).run()
+    return _Sharpening(joints, chosen, clock).run()
 
 
 class _Sharpening:
-    """The rounds, then wedges taken back."""
+    """The rounds until it stands, then wedges taken back."""
 
-    def __init__(
-        self,
-        joints: PlaneJoints,
-        options: SharpenOptions,
-        progress: Progress | None,
-        late: Stop,
-    ) -> None:
-        self.joints = joints
-        self.options = options
-        self.progress = progress
-        self.late = late
+    def __init__(self, joints: PlaneJoints, options: SharpenOptions, clock: Clock) -> None:
+        self.joints, self.options, self.clock = joints, options, clock
         self.limit = np.where(joints.usable, options.most, 0.0)
 
     def run(self) -> Changed:
         sharpness, rounds, stands = self.rounds()
-        if not stands:
-            return self.answer(sharpness, rounds, self.why(sharpness))
-        sharpness = self.lowered(sharpness)
-        sharpness, known = each_needed(
-            sharpness,
-            self.holds,
-            close=self.options.close,
-            late=self.late,
-            tell=partial(self.tell, "taking each wedge back"),
-        )
-        some = counted(int((sharpness > 0.0).sum()), "joint")
-        words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
-        if not known:
-            words += "; it was stopped before each of them was known to be needed"
-        return self.answer(sharpness, rounds, words)
-
-    def answer(self, sharpness: Floats, rounds: int, message: str) -> Changed:
+        message = self.why(sharpness)
+        if stands:
+            close, late = self.options.close, self.clock.late
+            _, high = bracket(
+                lambda most: self.holds(np.minimum(sharpness, most)),
+                0.0, float(sharpness.max()), 0.5 * close, late,
+            )  # fmt: skip
+            tell = partial(self.clock.tell, "taking each wedge back")
+            lowered = np.minimum(sharpness, high)
+            sharpness, known = each_needed(lowered, self.holds, close=close, late=late, tell=tell)
+            message = f"stands with {_some(sharpness)} sharpened, by up to {sharpness.max():.2f} "
+            message += "degrees"
+            if not known:
+                message += "; it was stopped before each of them was known to be needed"
         before, model = self.joints.model, self.joints.wedged(sharpness)
         result = self.options.margin.holds(model)
         names, contacts = before.assembly.names, before.contacts
@@ -182,28 +170,21 @@ class _Sharpening:
             )
             for k in np.flatnonzero(sharpness > 0.0)
         ]
-        some = counted(len(kept), "joint")
-        words = f"{some} made wedges of up to {sharpness.max():.3g} degrees" if kept else ""
+        words = f"{_some(sharpness)} made wedges of up to {sharpness.max():.3g} degrees"
         return Changed(
-            before, model, result, self.options.margin.meets(result), words, tuple(kept),
-            (message,), sharpness, rounds=rounds,
+            before, model, result, self.options.margin.meets(result), words if kept else "",
+            tuple(kept), (message,), sharpness, rounds=rounds,
         )  # fmt: skip
 
-    def tell(self, stage: str, done: int, total: int) -> None:
-        if self.progress is not None:
-            self.progress(stage, done, total)
-
-    # -- until it stands ------------------------------------------------------------------------
     def rounds(self) -> tuple[Floats, int, bool]:
         """Sharpness (j,), number of rounds, and whether it stands."""
         joints, step = self.joints, self.options.step
-        sharpness = np.zeros(joints.model.contacts.count)
-        model = joints.model
+        sharpness, model = np.zeros(joints.model.contacts.count), joints.model
         most = int(np.ceil(self.options.most / step))
         for number in range(most):
-            if self.late():
+            if self.clock.late():
                 return sharpness, number, False
-            self.tell("sharpening", number, most)
+            self.clock.tell("sharpening", number, most)
             sharper, model = self.sharper(sharpness, self.tense(model))
             if np.array_equal(sharper, sharpness):
                 return sharpness, number, False
@@ -231,41 +212,32 @@ class _Sharpening:
             return wanted, self.joints.wedged(wanted)
         except InputError:  # some block is too small: find which
             for k in np.flatnonzero(wanted > sharpness).tolist():
-                alone = np.zeros(len(wanted))
-                alone[k] = wanted[k]
                 try:
-                    self.joints.wedged(alone)
+                    self.joints.wedged(np.where(np.arange(len(wanted)) == k, wanted, 0.0))
                 except InputError:
                     self.limit[k] = wanted[k] = sharpness[k]
         return wanted, self.joints.wedged(wanted)
 
     def why(self, sharpness: Floats) -> str:
         """Why no sharpness holds it."""
-        if self.late():
+        if self.clock.late():
             return "it was stopped before it stood"
         if not sharpness.any():
             return (
                 "no joint that may be changed shows tension, so that wedges do not help: "
                 "'drystone mend' tries other changes"
             )
-        some = counted(int((sharpness > 0.0).sum()), "joint")
-        told = f"it does not stand with {some} sharpened by up to {sharpness.max():g} degrees: "
-        if sharpness.max() >= self.options.most:
-            return f"{told}allow sharper wedges, or try 'drystone mend'"
-        return f"{told}sharper wedges do not fit or do not help, try 'drystone mend'"
-
-    # -- wedges taken back ----------------------------------------------------------------------
-    def lowered(self, sharpness: Floats) -> Floats:
-        """All wedges cut down to the least common sharpness with which it stands."""
-
-        def stands(most: float) -> bool:
-            self.tell("taking all wedges back", 0, 1)
-            return self.holds(np.minimum(sharpness, most))
-
-        close = 0.5 * self.options.close
-        _, high = bracket(stands, 0.0, float(sharpness.max()), close, self.late)
-        return np.minimum(sharpness, high)
+        some, most = _some(sharpness), sharpness.max()
+        what = "sharper wedges do not fit or do not help, try"
+        if most >= self.options.most:
+            what = "allow sharper wedges, or try"
+        told = f"it does not stand with {some} sharpened by up to {most:g} degrees"
+        return f"{told}: {what} 'drystone mend'"
 
     def holds(self, sharpness: Floats) -> bool:
         """Whether the structure stands with a sharpness (j,)."""
         return self.options.margin.stands(self.joints.wedged(sharpness))
+
+
+def _some(sharpness: Floats) -> str:
+    return counted(int((sharpness > 0.0).sum()), "joint")

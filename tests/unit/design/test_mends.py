@@ -297,7 +297,7 @@ def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended() -> No
     assert [step.blocks for step in made.changes] == [("left",)]
     assert not made.stands
     assert [text.partition(":")[0] for text in made.log] == [
-        "no mend of the list holds right", "left", "it still falls"
+        "left", "no mend of the list holds right", "it still falls"
     ]  # fmt: skip
     assert made.log[-1] == "it still falls: right"
 
