@@ -68,7 +68,7 @@ class _Tries:
     last
         Whether they are tried only where none before them holds it.
     told
-        Makes the change that is told of the one that holds it.
+        Makes the change that is said from the one that holds it.
     """
 
     changes: Sequence[Change]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock
 from drystone.design.margin import DesignMargin
+from drystone.design.tuned_values import Parameter
 from drystone.io.opening import as_model
 from drystone.model import Model
 from drystone.results import Verdict
@@ -33,71 +33,67 @@ Outcome = tuple[tuple[float, ...], bool, str]
 """Goals, whether it is good enough, and why not."""
 
 
-@dataclass(frozen=True)
-class TuneGoals:
-    """What is asked of each structure.
-
-    Attributes
-    ----------
-    goals
-    margin
-    props
-        Largest number of blocks that need a prop; ``None`` where it does not matter.
-    """
-
-    goals: tuple[str, ...]
-    margin: DesignMargin
-    props: int | None
-
-    @property
-    def planned(self) -> bool:
-        """Whether a plan is needed."""
-        asked = {goal.removeprefix("-") for goal in self.goals}
-        return self.props is not None or not asked.isdisjoint(PLANNED)
+def refuse_goals(goals: Sequence[str], parameters: Sequence[Parameter]) -> None:
+    """Refuse goals or parameters that are unknown, missing or given twice."""
+    names = [one.name for one in parameters]
+    if not names or len(set(names)) < len(names):
+        raise InputError(
+            "a parameter is given twice" if names else "no parameter is varied",
+            remedy="give each parameter once",
+        )
+    known = [*MEASURES, *PLANNED, *(one.name for one in parameters if not one.choices)]
+    asked = [goal.removeprefix("-") for goal in goals]
+    for goal, name in zip(goals, asked, strict=True):
+        if name not in known:
+            raise InputError(f"'{goal}' is no goal", remedy=f"use {', '.join(known)}")
+    if not asked or len(set(asked)) < len(asked):
+        raise InputError(
+            "the goals contradict each other, or there is none", remedy="name each once"
+        )
 
 
 def outcome_of(
     build: Callable[..., Any],
     how: Mapping[str, Any],
-    wanted: TuneGoals,
+    goals: Sequence[str],
+    margin: DesignMargin,
+    props: int | None,
     values: Mapping[str, Any],
     clock: Clock | None = None,
 ) -> Outcome | None:
-    """Build one structure, check it, and plan it where that is asked for.
+    """Build one structure, check it, and plan it where a goal needs that.
 
-    ``None`` where the time was up before the answer was known.
+    ``props`` is the largest number of blocks that need a prop; ``None`` where it does not matter.
+    The answer is ``None`` where the time was up before it was known.
     """
     clock = Clock(np.inf) if clock is None else clock
+    names = [goal.removeprefix("-") for goal in goals]
     try:
         model = model_of(build(**values), how)
-        result = wanted.margin.holds(model, clock.late, settle=False)
+        result = margin.holds(model, clock.late, settle=False)
     except InputError as error:
         return (), False, str(error)
     if result.stopped:
         return None
-    good = wanted.margin.meets(result)
+    good = margin.meets(result)
     why = "" if good else result.message
     counts: Mapping[str, int] = {}
-    if wanted.planned:
-        if not good:
-            return (), False, why
-        counts, why = planned_counts(model, clock)
+    if props is not None or not PLANNED.keys().isdisjoint(names):
+        if good:
+            counts, why = planned_counts(model, clock)
         if clock.reason:
             return None
         if why:
             return (), False, why
-        if wanted.props is not None and counts["propped"] > wanted.props:
+        if props is not None and counts["propped"] > props:
             good, why = False, f"{counted(counts['propped'], 'block')} would need a prop"
-    found = []
-    for goal in wanted.goals:
-        name = goal.removeprefix("-")
-        if name in values:
-            found.append(float(values[name]))
-        elif name in PLANNED:
-            found.append(float(counts[PLANNED[name]]))
-        else:
-            found.append(MEASURES[name](model))
-    return tuple(found), good, why
+    planned = {name: float(counts[kind]) for name, kind in PLANNED.items() if counts}
+    found = {**planned, **values}
+    return (
+        tuple(float(found[name] if name in found else MEASURES[name](model)) for name in names),
+        good,
+        why,
+    )
 
 
 def model_of(made: Any, how: Mapping[str, Any]) -> Model:

@@ -84,16 +84,6 @@ class TuneTrial(OneLine):
     stands: bool
     message: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values."""
-        return {
-            "number": self.number,
-            "values": dict(self.values),
-            "goals": list(self.goals),
-            "stands": self.stands,
-            "message": self.message,
-        }
-
 
 @dataclass(frozen=True, eq=False)
 class Tuned(Answer):
@@ -124,18 +114,16 @@ class Tuned(Answer):
 
         With one goal, the best one. They are in the order of the first goal.
         """
-        standing = [trial for trial in self.trials if trial.stands]
         signs = [-1.0 if goal.startswith("-") else 1.0 for goal in self.goals]
-
-        def cost(trial: TuneTrial) -> tuple[float, ...]:
-            return tuple(s * x for s, x in zip(signs, trial.goals, strict=True))
-
-        best: dict[tuple[float, ...], TuneTrial] = {}
-        for trial in standing:
-            mine = cost(trial)
-            if mine not in best and not any(_beats(cost(one), mine) for one in standing):
-                best[mine] = trial
-        return tuple(best[key] for key in sorted(best))
+        cost: dict[tuple[float, ...], TuneTrial] = {}
+        for trial in self.trials:
+            if trial.stands:
+                mine = tuple(s * x for s, x in zip(signs, trial.goals, strict=True))
+                cost.setdefault(mine, trial)
+        return tuple(
+            cost[mine] for mine in sorted(cost)
+            if not any(other != mine and np.less_equal(other, mine).all() for other in cost)
+        )  # fmt: skip
 
     @property
     def model(self) -> Model:
@@ -178,8 +166,8 @@ class Tuned(Answer):
         return {
             "message": self.title,
             "goals": self.goals,
-            "front": [trial.to_dict() for trial in self.front],
-            "trials": [trial.to_dict() for trial in self.trials],
+            "front": self.front,
+            "trials": self.trials,
         }
 
     def layers(self) -> Scene:
@@ -215,9 +203,3 @@ class Tuned(Answer):
 
 def _goal_name(goal: str) -> str:
     return goal.removeprefix("-") + (", most is best" if goal.startswith("-") else "")
-
-
-def _beats(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether costs are no higher anywhere, and lower somewhere."""
-    both = list(zip(one, other, strict=True))
-    return all(a <= b for a, b in both) and any(a < b for a, b in both)

@@ -18,10 +18,9 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.margin import DesignMargin
-from drystone.design.tune_goals import MEASURES, PLANNED, Outcome, TuneGoals, outcome_of
+from drystone.design.tune_goals import Outcome, outcome_of, refuse_goals
 from drystone.design.tuned_values import Parameter, Tuned, TuneTrial
 
-_STUDY = "drystone"
 SETTINGS = "settings"
 FALLS = "falls"
 
@@ -105,28 +104,13 @@ def tune(
     """
     chosen = TuneOptions.of(options)
     asked = tuple(goals)
-    names = [one.name for one in parameters]
-    if not names or len(set(names)) < len(names):
-        raise InputError(
-            "no parameter is varied" if not names else "a parameter is given twice",
-            remedy="give each parameter once",
-        )
-    known = [*MEASURES, *PLANNED, *(one.name for one in parameters if not one.choices)]
-    for goal in asked:
-        if goal.removeprefix("-") not in known:
-            raise InputError(f"'{goal}' is no goal", remedy=f"use {', '.join(known)}")
-    if not asked or len({goal.removeprefix("-") for goal in asked}) < len(asked):
-        raise InputError(
-            "the goals contradict each other, or there is none", remedy="name each once"
-        )
-    wanted = TuneGoals(asked, chosen.margin, chosen.props)
-    clock = Clock(time_limit_s, stop)
-    evaluate = partial(outcome_of, build, dict(how or {}), wanted, clock=clock)
-    built = told(partial(build, **dict(how or {})))
+    refuse_goals(asked, parameters)
+    clock = Clock(time_limit_s, stop, progress)
+    given = dict(how or {})
+    evaluate = partial(outcome_of, build, given, asked, chosen.margin, chosen.props, clock=clock)
+    built = told(partial(build, **given))
     with WorkerPool(executor) as pool:
-        return _ValueSearch(
-            parameters, asked, evaluate, built, store, chosen, pool, progress, clock.late
-        ).run()
+        return _ValueSearch(parameters, asked, evaluate, built, store, chosen, pool, clock).run()
 
 
 class _ValueSearch:
@@ -141,8 +125,7 @@ class _ValueSearch:
         store: str | Path | None,
         options: TuneOptions,
         pool: WorkerPool,
-        progress: Progress | None,
-        late: Stop,
+        clock: Clock,
     ) -> None:
         try:
             import optuna
@@ -153,8 +136,7 @@ class _ValueSearch:
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
-        self.options, self.pool, self.progress, self.late = options, pool, progress, late
-        self.built = built
+        self.options, self.pool, self.clock, self.built = options, pool, clock, built
         self.study = self.opened(store)
 
     def opened(self, store: str | Path | None) -> Any:
@@ -179,14 +161,17 @@ class _ValueSearch:
                 ) from error
         study = optuna.create_study(
             storage=storage,
-            study_name=_STUDY,
+            study_name="drystone",
             sampler=self.sampler(self.options.seed),
             load_if_exists=True,
             directions=["maximize" if goal.startswith("-") else "minimize" for goal in self.goals],
         )
         settings = json.dumps(
             {
-                "parameters": [[one.name, *self.range_of(one)] for one in self.parameters],
+                "parameters": [
+                    [one.name, *(one.choices or (one.low, one.high, one.whole))]
+                    for one in self.parameters
+                ],
                 "goals": self.goals,
                 "build": self.built,
                 "margin": str(self.options.margin),
@@ -207,13 +192,10 @@ class _ValueSearch:
         study.set_user_attr(SETTINGS, settings)
         return study
 
-    @staticmethod
-    def range_of(one: Parameter) -> list[Any]:
-        return [*one.choices] if one.choices else [one.low, one.high, one.whole]
-
     def run(self) -> Tuned:
+        """Ask and tell, batch by batch, until all trials are known or the time is up."""
         options = self.options
-        while not self.late():
+        while not self.clock.late():
             asked, waiting = len(self.study.trials), len(self.waiting)
             whole = options.batch * (1 + (asked - (waiting > 0)) // options.batch)
             for number in range(asked, min(options.trials, whole)):
@@ -248,7 +230,7 @@ class _ValueSearch:
     def answer(self, batch: list[Any]) -> None:
         """Evaluate trials, and tell what came of them in the order of their numbers."""
         values = [one.params for one in batch]
-        answers = self.pool.answers(self.evaluate, values, self.late, failed=_failed)
+        answers = self.pool.answers(self.evaluate, values, self.clock.late, failed=_failed)
         for frozen, outcome in zip(batch, answers, strict=False):
             if outcome is None:  # ended before its answer was known: the next run evaluates it
                 break
@@ -262,9 +244,8 @@ class _ValueSearch:
                 self.study.tell(trial, list(goals))
             else:
                 self.study.tell(trial, state=self.optuna.trial.TrialState.FAIL)
-            if self.progress is not None:
-                done = min(frozen.number + 1, self.options.trials)
-                self.progress("trials", done, self.options.trials)
+            most = self.options.trials
+            self.clock.tell("trials", min(frozen.number + 1, most), most)
 
     def trials(self) -> Iterator[TuneTrial]:
         for one in self.study.trials:

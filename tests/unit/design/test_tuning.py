@@ -11,7 +11,7 @@ import drystone
 from drystone import Assembly, InputError
 from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
-from drystone.design.tune_goals import TuneGoals, outcome_of, planned_counts
+from drystone.design.tune_goals import outcome_of, planned_counts
 from drystone.models import arch, box, tower
 from drystone.sequence import LocalWorkers
 
@@ -175,12 +175,12 @@ def test_a_search_of_a_shell_that_makes_no_sense_is_refused(
 
 
 def test_a_structure_that_needs_too_many_props_is_told_as_such() -> None:
-    wanted = TuneGoals(("props", "held"), DesignMargin(), 0)
-    goals, good, why = outcome_of(partial(arch, 0.3), {"friction": 0.4}, wanted, {"voussoirs": 5})
+    asked = ("props", "held"), DesignMargin(), 0
+    goals, good, why = outcome_of(partial(arch, 0.3), {"friction": 0.4}, *asked, {"voussoirs": 5})
     assert not good
     assert goals[0] > 0.0
     assert "need a prop" in why
-    assert outcome_of(tower, {}, wanted, {"count": 3}) == ((0.0, 0.0), True, "")
+    assert outcome_of(tower, {}, *asked, {"count": 3}) == ((0.0, 0.0), True, "")
 
 
 def test_what_makes_no_sense_is_refused() -> None:
