@@ -53,9 +53,8 @@ if TYPE_CHECKING:
     from drystone.design.props import PropForce as PropForce
     from drystone.design.recuts import RecutOptions as RecutOptions
     from drystone.design.recuts import recut_joints as recut_joints
-    from drystone.design.shape_options import HelpMeasure as HelpMeasure
-    from drystone.design.shape_options import ShapeAim as ShapeAim
-    from drystone.design.shape_options import ShapeOptions as ShapeOptions
+    from drystone.design.shape_values import ShapeAim as ShapeAim
+    from drystone.design.shape_values import ShapeOptions as ShapeOptions
     from drystone.design.shape_variables import FamilyMoves as FamilyMoves
     from drystone.design.shaping import shape as shape
     from drystone.design.shared_planes import PlaneMoves as PlaneMoves
@@ -86,7 +85,7 @@ _NAMES = {
     "mending": "mend",
     "mends": "MendOptions Mends find_mends",
     "free_moves": "Moves block_moves free_vertices joint_moves thickening",
-    "shape_options": "HelpMeasure ShapeAim ShapeOptions",
+    "shape_values": "ShapeAim ShapeOptions",
     "shaping": "shape",
     "shared_planes": "PlaneMoves",
     "shape_variables": "FamilyMoves",

@@ -16,14 +16,6 @@ b and e the derivatives of J by w, and by the displacements d of corners,
     dJ = lambda . (dA f) + q . (dA h) + lambda . dp + (partial derivative of J by p) . dp,
 
 where dA and dp are the changes of the equilibrium matrix and of the load with the vertices.
-Of the convex problem, without stiffnesses and with associative friction:
-
-    J = (v . v + t . t) / (p . p),    v = A f + p,    f within friction but for the pulls t,
-
-such that J is least. v is a mechanism, the multiplier of equilibrium. So
-dJ = 2 v . (dA f + dp) / (p . p) - J d(p . p) / (p . p), where the first term is the work of the
-mechanism on the change (Whiting, Shin, Wang, Ochsendorf and Durand 2012; pulls: Whiting, Ochsendorf
-and Durand 2009).
 """
 
 from __future__ import annotations
@@ -33,11 +25,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats, cross
-from drystone.base.errors import SolverError
 from drystone.design.changed_model import acceleration_of
 from drystone.design.corner_following import Corners
 from drystone.design.vertex_measures import BlockVertices
-from drystone.formulations.equilibrium import project_on_mechanisms
 from drystone.mechanics.law import Compliance, uniform
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
@@ -174,26 +164,6 @@ class Form:
         of_mean = float(shares.sum())
         by_square = count * shares + _LIGHT * of_mean if self.each else (1.0 + _LIGHT) * of_mean
         by_load = adjoint - 2.0 * (by_square + pulled / whole) * statics.load
-        return value, gradient + self._load_gradient(vertex, by_load)
-
-    def imbalance_at(self, vertex: Floats) -> tuple[float, Floats]:
-        """The help of the convex problem, J, and its gradient (v, 3) [1/m].
-
-        It is zero where forces balance the load, also of structures that fall.
-
-        Raises
-        ------
-        SolverError
-            The convex problem was not solved.
-        """
-        statics = self.statics_at(vertex)
-        found = project_on_mechanisms(statics, pull=1.0)
-        if found is None:
-            raise SolverError("the convex problem was not solved")
-        left, whole = found.multiplier, float((statics.load**2).sum())
-        value = float((left**2).sum() + (found.tension**2).sum()) / whole
-        gradient = 2.0 / whole * self._work_gradient(vertex, statics, found.force, left)
-        by_load = 2.0 / whole * (left - value * statics.load)
         return value, gradient + self._load_gradient(vertex, by_load)
 
     def _adjoint(

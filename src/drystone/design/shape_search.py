@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,12 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError, counted
-from drystone.base.progress import Progress, Stop, Stopped
+from drystone.base.progress import Clock, Stopped
 from drystone.design.changed import Changed, Kept
 from drystone.design.help_needed import GROUND
 from drystone.design.mends import stands_already
-from drystone.design.shape_options import MEASURES, HelpMeasure, ShapeAim, ShapeOptions
-from drystone.design.shape_values import ShapeValues
+from drystone.design.search import bracket
+from drystone.design.shape_values import MEASURES, ShapeAim, ShapeOptions, ShapeValues
 from drystone.design.shape_variables import ShapeVariables
 from drystone.model import Model
 from drystone.results import Result
@@ -43,20 +44,17 @@ _AT_END = 0.999
 KEPT = 0.1
 """Least length of an edge, by the shortest one as given, once blocks crossed themselves, chosen."""
 
+_USED_UP = "the rounds were used up"
+
 
 class ShapeSearch(ShapeValues):
     """One search for a shape."""
 
     def __init__(
-        self,
-        model: Model,
-        moves: ShapeVariables,
-        options: ShapeOptions,
-        progress: Progress | None,
-        late: Stop,
+        self, model: Model, moves: ShapeVariables, options: ShapeOptions, clock: Clock
     ) -> None:
-        super().__init__(model, moves, options, late)
-        self.progress = progress
+        super().__init__(model, moves, options, clock.late)
+        self.clock = clock
         self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
     def run(self, start: Floats | None = None) -> Changed:
@@ -66,11 +64,12 @@ class ShapeSearch(ShapeValues):
         stands, on weak ground from the beginning. Where blocks cross themselves on stiff ground,
         the search begins again, and edges keep a length from then on.
         """
-        options = self.options
-        rests = options.aim is ShapeAim.STAND and options.help is HelpMeasure.REST
-        if not rests or start is not None:
-            return self.followed(start, GROUND)
-        best = self.followed(None, _SOFT)
+        if self.options.aim is not ShapeAim.STAND:
+            return self.best_that_stands()
+        if start is not None:
+            return self.made_to_stand(start, GROUND)
+        none = np.zeros(self.moves.count)
+        best = self.made_to_stand(none, _SOFT)
         grounds = [GROUND]
         if self.crossed and self.least_edge == 0.0:
             self.least_edge = KEPT * self.shortest(self.bodies.vertex)
@@ -79,76 +78,144 @@ class ShapeSearch(ShapeValues):
             if best.stands or self.late():
                 break
             self.crossed = False
-            found = self.followed(None, ground)
+            found = self.made_to_stand(none, ground)
             best = found if found.stands or found.value < best.value else best
         return best
 
-    def followed(self, start: Floats | None, ground: float) -> Changed:
-        """The best shape with a stiffness of the ground at first."""
-        options, moves = self.options, self.moves
-        stand_only = options.aim is ShapeAim.STAND
-        best = np.zeros(moves.count) if start is None else start
-        now = self.model if start is None else self.made(start) or self.model
-        stands = self.options.margin.stands(now)
-        if stands and stand_only:
+    def made_to_stand(self, x: Floats, ground: float) -> Changed:
+        """A shape that stands, else the one that needs least help.
+
+        Parameters
+        ----------
+        x : (p,)
+        ground
+            Its stiffness at first.
+        """
+        options = self.options
+        made = self.made(x) if x.any() else None
+        now = self.model if made is None else made
+        if options.margin.stands(now):
             offer = f"{stands_already(options.margin)}, or for the least volume"
-            return self.answer(best, now, 0, offer)
-        if not stands and not stand_only:
+            return self.answer(x, now, 0, offer)
+        trust, rounds, words = options.trust, 0, _USED_UP
+        self.ground = ground
+        try:
+            for rounds in range(1, options.rounds + 1):
+                self.clock.tell("shaping", rounds - 1, options.rounds)
+                self.found_anew(now, x)
+                before = self.objective(x)[0]
+                share, place, found = self.needs_less(x, self.step(x, trust, 1.0), before)
+                if self.crossed and self.ground > GROUND:
+                    words = "blocks crossed themselves"
+                    break
+                if found is not None:
+                    x, now = place, found
+                    if options.margin.stands(now):
+                        words = "it stands"
+                        break
+                gained = 0.0 if found is None else before - self.objective(x)[0]
+                ends = share == 1.0 and gained <= options.close * abs(before)
+                trust = self.trusted(trust, share)
+                if self.ground > GROUND and (ends or trust < options.close):
+                    self.ground, trust = 0.1 * self.ground, options.trust
+                elif ends or trust < options.close:
+                    words = _ended(ends)
+                    break
+        except Stopped:
+            words = "it was stopped"
+        return self.answer(x, now, rounds, words)
+
+    def needs_less(
+        self, x: Floats, target: Floats, before: float
+    ) -> tuple[float, Floats, Model | None]:
+        """How far of the way to a target less help is needed than before, with contacts found anew.
+
+        The variables and the model there come with it.
+        """
+
+        def kept(place: Floats) -> Model | None:
+            model = self.made(place)
+            if model is None:
+                return None
+            self.found_anew(model, place)
+            return model if self.help_at(place)[0] < before else None
+
+        return _farthest(x, target, kept, 0.25)
+
+    def best_that_stands(self) -> Changed:
+        """The best shape that stands."""
+        options, now, x = self.options, self.model, np.zeros(self.moves.count)
+        if not options.margin.stands(now):
             raise InputError(
                 "it does not stand as it is, at the margin that is asked for",
                 remedy="shape it to stand first",
             )
-        trust, slack, rounds, centred = options.trust, 1.0, 0, False
-        self.ground = ground
-        words = "the rounds were used up"
+        trust, slack, rounds, centred, words = options.trust, 1.0, 0, False, _USED_UP
+        self.ground = GROUND
         try:
             for rounds in range(1, options.rounds + 1):
-                self.tell(rounds)
-                self.found_anew(now, best)
-                before = self.objective(best)[0]
-                self.firmest = min(self.firmest, (self.help_at(best)[0], best), key=lambda p: p[0])
-                target = self.step(best, trust, slack)
-                share, place, found = self.accepted(best, target, before)
-                if share < 0.5 and not stand_only:
-                    wished = before - self.objective(target)[0]
-                    if centred and wished <= options.close * abs(before):
-                        words = "the next round would gain almost nothing"
-                        break
-                    if not centred:
-                        centred = True
-                        self.centre(best)
-                        share = 0.5
+                self.clock.tell("shaping", rounds - 1, options.rounds)
+                self.found_anew(now, x)
+                before = self.objective(x)[0]
+                enough = options.close * abs(before)
+                self.seen(x)
+                target = self.step(x, trust, slack)
+                share, place, found = self.still_stands(x, target, before)
+                if share < 0.5 and centred and before - self.objective(target)[0] <= enough:
+                    words = "the next round would gain almost nothing"
+                    break
+                if share < 0.5 and not centred:
+                    centred, share = True, 0.5
+                    self.centre(x)
                 elif share > 0.5:
                     centred = False
-                if self.crossed and self.ground > GROUND:
-                    words = "blocks crossed themselves"
-                    break
-                gained = 0.0
                 if found is not None:
-                    best, now = place, found
-                    if stand_only and self.options.margin.stands(now):
-                        words = "it stands"
-                        break
-                    gained = before - self.objective(best)[0]
-                if share != 0.5:
-                    trust = min(2.0 * trust, options.trust) if share > 0.5 else 0.5 * trust
+                    x, now = place, found
+                gained = 0.0 if found is None else before - self.objective(x)[0]
+                trust = self.trusted(trust, share)
                 slack *= 1.0 if share == 1.0 else 0.25
-                far = share == 1.0 or (share > 0.5 and not stand_only)
-                ends = far and gained <= options.close * abs(before)
-                if self.ground > GROUND and (ends or trust < options.close):
-                    self.ground, trust = 0.1 * self.ground, options.trust
-                    continue
-                if ends:
-                    words = "the last round gained almost nothing"
-                    break
-                if trust < options.close:
-                    words = "no smaller step leads further"
+                ends = share > 0.5 and gained <= enough
+                if ends or trust < options.close:
+                    words = _ended(ends)
                     break
         except Stopped:
             words = "it was stopped"
-        if not stand_only:
-            best, now = self.confirmed(best, now)
-        return self.answer(best, now, rounds, words)
+        return self.answer(*self.confirmed(x, now), rounds, words)
+
+    def still_stands(
+        self, x: Floats, target: Floats, before: float
+    ) -> tuple[float, Floats, Model | None]:
+        """How far of the way to a target the shape stands, its variables, and the model there.
+
+        A target that falls is drawn back towards the shape that needed least help, as long as that
+        leads further than ``x``, else towards ``x``.
+        """
+
+        def kept(place: Floats) -> Model | None:
+            model = self.made(place)
+            return model if model is not None and self.options.margin.stands(model) else None
+
+        whole = None if np.array_equal(x, target) else kept(target)
+        if whole is not None or np.array_equal(x, target):
+            return 1.0, target, whole
+        for share in _DRAWN:
+            place = target + share * (self.firmest[1] - target)
+            if self.objective(place)[0] >= before:
+                break
+            found = kept(place)
+            if found is not None:
+                return 1.0 - share, place, found
+        return _farthest(x, target, kept, _CLOSE, fell=True)
+
+    def trusted(self, trust: float, share: float) -> float:
+        """The next largest change of a variable, after a share of the way was gone."""
+        if share == 0.5:
+            return trust
+        return min(2.0 * trust, self.options.trust) if share > 0.5 else 0.5 * trust
+
+    def seen(self, x: Floats) -> None:
+        """Keep a shape that stands as the firmest if none needed less help."""
+        self.firmest = min(self.firmest, (self.help_at(x)[0], x), key=lambda p: p[0])
 
     def confirmed(self, x: Floats, now: Model) -> tuple[Floats, Model]:
         """The shape, or one nearer to the firmest, that stands by the check with settlement.
@@ -169,7 +236,7 @@ class ShapeSearch(ShapeValues):
         place = self.step(x, self.options.trust, None)
         model = self.made(place)
         if model is not None and self.options.margin.stands(model):
-            self.firmest = min(self.firmest, (self.help_at(place)[0], place), key=lambda p: p[0])
+            self.seen(place)
 
     def step(self, x: Floats, trust: float, slack: float | None) -> Floats:
         """Where the optimiser goes from variables (p,) within a region of trust.
@@ -223,54 +290,6 @@ class ShapeSearch(ShapeValues):
         )
         return np.clip(most * found.x, low, high)
 
-    def accepted(
-        self, x: Floats, target: Floats, before: float
-    ) -> tuple[float, Floats, Model | None]:
-        """How far of the way to a target the shape may be kept, its variables, and the model there.
-
-        It may be kept where it stands; of a structure that is to stand, where it needs less help
-        than ``before`` with its contacts found anew. A target that falls is drawn back towards the
-        shape that needed least help, as long as that leads further than ``x``, else towards ``x``.
-        """
-        if np.array_equal(x, target):
-            return 1.0, x, None
-        stand_only = self.options.aim is ShapeAim.STAND
-
-        def kept(place: Floats) -> Model | None:
-            model = self.made(place)
-            if model is None:
-                return None
-            if not stand_only:
-                return model if self.options.margin.stands(model) else None
-            self.found_anew(model, place)
-            return model if self.help_at(place)[0] < before else None
-
-        whole = kept(target)
-        if whole is not None:
-            return 1.0, target, whole
-        inner = self.firmest[1]
-        for share in () if stand_only else _DRAWN:
-            place = target + share * (inner - target)
-            if self.objective(place)[0] >= before:
-                break
-            found = kept(place)
-            if found is not None:
-                return 1.0 - share, place, found
-        low, high, found = 0.0, 1.0, None
-        while high - low > (0.25 if stand_only else _CLOSE):
-            middle = 0.5 * (low + high)
-            tried = kept(x + middle * (target - x))
-            if tried is not None:
-                low, found = middle, tried
-            else:
-                high = middle
-        return low, x + low * (target - x), found
-
-    def tell(self, rounds: int) -> None:
-        """Report the progress."""
-        if self.progress is not None:
-            self.progress("shaping", rounds - 1, self.options.rounds)
-
     def answer(self, x: Floats, model: Model, rounds: int, words: str) -> Changed:
         """What was found, checked in full."""
         result = self.options.margin.holds(model)
@@ -313,3 +332,36 @@ class ShapeSearch(ShapeValues):
             self.model, model, result, self.options.margin.meets(result), words, kept,
             (told, message), x, value, first, rounds,
         )  # fmt: skip
+
+
+def _farthest(
+    x: Floats,
+    target: Floats,
+    kept: Callable[[Floats], Model | None],
+    width: float,
+    *,
+    fell: bool = False,
+) -> tuple[float, Floats, Model | None]:
+    """The share of the way to a target up to which a shape is kept, its variables, and its model.
+
+    ``fell`` says that the target itself is known not to be kept.
+    """
+    if np.array_equal(x, target):
+        return 1.0, x, None
+    found: dict[float, Model | None] = {}
+
+    def falls(share: float) -> bool:
+        found[share] = kept(x + share * (target - x))
+        return found[share] is None
+
+    if not fell and not falls(1.0):
+        return 1.0, target, found[1.0]
+    share, _ = bracket(falls, 0.0, 1.0, width)
+    return share, x + share * (target - x), found.get(share)
+
+
+def _ended(ends: bool) -> str:
+    """Why a search ends: the last step led to its end, or no step leads further."""
+    if ends:
+        return "the last round gained almost nothing"
+    return "no smaller step leads further"

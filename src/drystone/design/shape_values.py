@@ -1,7 +1,9 @@
-"""The values of a shape as functions of its variables, and their derivatives."""
+"""What a shape is changed for: its values as functions of its variables, and their derivatives."""
 
 from __future__ import annotations
 
+import enum
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,9 +12,10 @@ from scipy import sparse
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
+from drystone.base.settings import Options
 from drystone.design.changed_model import changed
 from drystone.design.help_needed import GROUND, Form
-from drystone.design.shape_options import HelpMeasure, ShapeAim, ShapeOptions
+from drystone.design.margin import DesignMargin
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import BlockVertices
 from drystone.geometry.polyhedron import edges_of
@@ -20,6 +23,79 @@ from drystone.model import Model
 
 _ROUNDING = 1e-6
 """Share by which an edge may be shorter than the least: the optimiser keeps bounds to rounding."""
+
+
+class ShapeAim(enum.Enum):
+    """What a shape is changed for."""
+
+    STAND = "stand"
+    VOLUME = "volume"
+    REACH = "reach"
+    TILT = "tilt"
+
+
+MEASURES = {
+    ShapeAim.STAND: "share of the load that needs help",
+    ShapeAim.VOLUME: "volume [m3]",
+    ShapeAim.REACH: "reach [m]",
+    ShapeAim.TILT: "tilt [degrees]",
+}
+"""What is to be best."""
+
+
+@dataclass(frozen=True)
+class ShapeOptions(Options):
+    """Options of :func:`shape`.
+
+    Attributes
+    ----------
+    aim
+        To stand; the least volume, or the farthest reach, with which it stands at the margin; or
+        the largest tilt to each of four sides at which it stands.
+    margin
+        How far from falling the shape has to stand.
+    reach : (3,)
+        The direction of the farthest reach.
+    block
+        Name or position of the block that reaches out.
+    rounds
+        Steps of the search at most; contacts are found anew after each.
+    iterations
+        Iterations of the optimiser in one round at most.
+    least_edge : [m]
+        No edge that moves gets shorter: the least thickness of blocks.
+    trust
+        Largest change of a variable in the first round, by its largest move.
+    close
+        The search ends when a round gains less than this share.
+    """
+
+    aim: ShapeAim = ShapeAim.STAND
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    reach: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    block: int | str = -1
+    rounds: int = 20
+    iterations: int = 40
+    least_edge: float = 0.0
+    trust: float = 0.25
+    close: float = 1e-3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_below(1, "rounds", "iterations")
+        if self.aim is ShapeAim.TILT and self.margin.tilt > 0.0:
+            raise InputError(
+                "the largest tilt and a margin of tilt contradict each other",
+                remedy="leave the margin of tilt out",
+            )
+        if not 0.0 < self.trust <= 1.0:
+            raise InputError(f"the trust is {self.trust}", remedy="give a share above 0, up to 1")
+        if not 0.0 <= self.least_edge < np.inf:
+            raise InputError(
+                f"the least edge is {self.least_edge} m", remedy="give metres, 0 or more"
+            )
+        if not 0.0 < self.close < 1.0:
+            raise InputError(f"close is {self.close}", remedy="give a share between 0 and 1")
 
 
 class ShapeValues:
@@ -152,10 +228,7 @@ class ShapeValues:
         key = np.asarray(x).tobytes()
         if key not in self.known:
             vertex = self.vertices(x)
-            convex = self.options.help is HelpMeasure.BALANCE
-            both = [
-                form.imbalance_at(vertex) if convex else form.help_at(vertex) for form in self.forms
-            ]
+            both = [form.help_at(vertex) for form in self.forms]
             size = float(np.sqrt(sum(value for value, _ in both)))
             gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
             self.known[key] = size, self.pulled_back(gradient)

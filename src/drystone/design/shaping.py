@@ -13,8 +13,8 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.design.changed import Changed
 from drystone.design.search import bracket
-from drystone.design.shape_options import ShapeAim, ShapeOptions
 from drystone.design.shape_search import ShapeSearch
+from drystone.design.shape_values import ShapeAim, ShapeOptions
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import vertices_of
 from drystone.io.opening import Given, How, as_model
@@ -80,7 +80,7 @@ def shape(
     """
     del executor  # one chain of rounds
     chosen = ShapeOptions.of(options)
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
     variables = moves(model) if callable(moves) else moves
     vertex = vertices_of(model.assembly)
@@ -90,7 +90,7 @@ def shape(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",
         )
-    search = ShapeSearch(model, variables, chosen, progress, clock.late)
+    search = ShapeSearch(model, variables, chosen, clock)
     shortest = search.shortest(vertex)
     if shortest < chosen.least_edge:
         raise InputError(
@@ -144,7 +144,7 @@ def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
     """A search for a shape that stands at a tilt [degrees]."""
     margin = replace(search.options.margin, tilt=tilt)
     options = replace(search.options, aim=ShapeAim.STAND, margin=margin)
-    return ShapeSearch(search.model, search.moves, options, search.progress, search.late)
+    return ShapeSearch(search.model, search.moves, options, search.clock)
 
 
 def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:

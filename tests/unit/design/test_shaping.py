@@ -1,7 +1,6 @@
 """Shape by gradient: true derivatives, known optima, and shapes checked again from their files."""
 
 import json
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -85,72 +84,6 @@ def together(vertex: Floats, rng: np.random.Generator) -> Floats:
     size = float(np.ptp(vertex, axis=0).max())
     place = np.unique(np.round(vertex / (1e-6 * size)), axis=0, return_inverse=True)[1]
     return rng.normal(size=vertex.shape)[place.ravel()]
-
-
-Place = tuple[Floats, Floats]
-"""Vertices, and a way on which they move."""
-
-
-def as_prisms(model: Model, rng: np.random.Generator) -> Place:
-    """A random way with which blocks stay prisms along y."""
-    moves = free_vertices(model, 0.1)
-    way = (moves.matrix_at(np.zeros(moves.count)) @ rng.normal(size=moves.count)).reshape(-1, 3)
-    return vertices_of(model.assembly), way
-
-
-def as_boxes(model: Model, rng: np.random.Generator) -> Place:
-    """Random ways along x, y and z of the planes of faces that are square to these axes."""
-    vertex = vertices_of(model.assembly)
-    way = np.zeros_like(vertex)
-    for axis in range(3):
-        level = np.unique(np.round(vertex[:, axis], 9), return_inverse=True)[1].ravel()
-        way[:, axis] = rng.normal(size=len(vertex))[level]
-    return vertex, way
-
-
-def anyhow(model: Model, rng: np.random.Generator) -> Place:
-    """A random way, from a place that is not symmetric."""
-    vertex = vertices_of(model.assembly)
-    return vertex + 0.004 * model.assembly.size[0] * together(vertex, rng), together(vertex, rng)
-
-
-@pytest.mark.parametrize(
-    ("model", "moved"),
-    [
-        (Model.of(arch(0.08, 8), friction=0.7), as_prisms),
-        (Model.of(arch(0.15, 9), friction=0.6).with_load((4.0, 0.0, -9.81)), as_prisms),
-        (Model.of(dome(slices=8, rings=4), friction=0.3).with_load((6.0, 1.0, -9.81)), anyhow),
-        (Model.of(shelf(), friction=0.3), anyhow),
-        (pushed_plank(), as_boxes),
-    ],
-    ids=["thin arch", "tilted arch", "dome", "shelf", "concave plank"],
-)
-def test_the_mechanism_is_the_gradient_of_the_convex_problem(
-    model: Model, moved: Callable[[Model, np.random.Generator], Place]
-) -> None:
-    """Where the forces that hold a structure are unique.
-
-    They are not where prisms are twisted, in a dome with its symmetry, or between parallel faces.
-    """
-    vertex, way = moved(model, np.random.default_rng(0))
-    form = Form.of(model)
-    value, gradient = form.imbalance_at(vertex)
-    assert value > 1e-6
-    step = 1e-6 * float(np.ptp(vertex, axis=0).max())
-    ahead, behind = (form.imbalance_at(vertex + s * step * way)[0] for s in (1.0, -1.0))
-    assert float((gradient * way).sum()) == pytest.approx((ahead - behind) / (2 * step), rel=1e-5)
-
-
-def test_the_convex_problem_shapes_to_balance_which_may_fall() -> None:
-    options = ShapeOptions(help="balance")
-    thin = Model.of(arch(0.09, 8), friction=0.8)
-    assert shape(thin, free_vertices(thin, 0.05, mirror="x"), options=options).stands
-    falls = flat_arch()
-    found = shape(falls, joint_moves(falls, 0.3, mirror="x"), options=options)
-    assert found.value < 1e-6
-    assert found.message.endswith("it does not stand")
-    with pytest.raises(InputError, match="contradict"):
-        ShapeOptions(aim="volume", help="balance")
 
 
 def test_an_arch_gets_as_thin_as_it_stands(tmp_path: Path) -> None:
