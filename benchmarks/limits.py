@@ -32,7 +32,7 @@ from drystone.limits import (
 )
 from drystone.model import Model
 from drystone.models import arch, buttressed_arch, dome, ferris_wall, incline, lune, tower
-from drystone.stability import FrictionCone
+from drystone.programs import FrictionCone
 
 PAGE = Path(__file__).parents[1] / "docs" / "limits.md"
 CPU_NOTE = "CPU seconds of one thread"

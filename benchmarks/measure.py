@@ -27,7 +27,8 @@ from drystone.checks import mechanism_defects, unbalanced_wrench
 from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_tilt
 from drystone.model import Model
-from drystone.stability import RBEOptions, check, solve_rbe
+from drystone.programs import RBEOptions, solve_rbe
+from drystone.stability import check
 
 RESIDUAL = 1e-8
 """Largest residual of forces and motion, dimensionless."""

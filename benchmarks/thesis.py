@@ -27,9 +27,10 @@ from benchmarks.studies import Study, studies
 from drystone import Assembly, CheckOptions, LoadCase, Verdict, models
 from drystone.detection import find_contacts
 from drystone.model import Model
+from drystone.programs import FrictionCone, RBEOptions, solve_cra, solve_rbe
 from drystone.reproduce import SECTIONS, reproduce
 from drystone.settlement import Carrier, Outcome, settle
-from drystone.stability import FrictionCone, RBEOptions, check, solve_cra, solve_rbe
+from drystone.stability import check
 
 PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
 

@@ -19,7 +19,7 @@ ROOMS = {
     "Model families": ("drystone.models",),
     "Contacts": ("drystone.detection",),
     "Answers": ("drystone.answer",),
-    "Analyses": ("drystone.stability", "drystone.results"),
+    "Analyses": ("drystone.stability", "drystone.programs", "drystone.results"),
     "Settlement and large displacement": ("drystone.settlement",),
     "Films of a fall": ("drystone.fall",),
     "Forces in joints": ("drystone.joints", "drystone.virtual"),

@@ -18,7 +18,15 @@ ROOT = Path(__file__).parents[1]
 FLOORS = {
     "Show": ("cli", "live", "mcp", "reproduce", "view"),
     "Design and plan": ("design", "compat", "sequence", "shells", "models"),
-    "Analyse": ("limits", "stability", "settlement", "fall", "formulations", "mechanics"),
+    "Analyse": (
+        "limits",
+        "programs",
+        "stability",
+        "settlement",
+        "fall",
+        "formulations",
+        "mechanics",
+    ),
     "Describe": (
         "io",
         "results",

@@ -37,6 +37,9 @@ if TYPE_CHECKING:
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
     from drystone.model import Model as Model
+    from drystone.programs import solve_cra as solve_cra
+    from drystone.programs import solve_cra_penalty as solve_cra_penalty
+    from drystone.programs import solve_rbe as solve_rbe
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
@@ -44,9 +47,6 @@ if TYPE_CHECKING:
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import check as check
     from drystone.stability import check_many as check_many
-    from drystone.stability import solve_cra as solve_cra
-    from drystone.stability import solve_cra_penalty as solve_cra_penalty
-    from drystone.stability import solve_rbe as solve_rbe
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
     from drystone.view import show as show
@@ -64,10 +64,11 @@ _NAMES = {
     "limits": "limit_friction limit_load limit_shrink limit_thickness limit_tilt",
     "loads": "LoadCase",
     "model": "Model",
+    "programs": "solve_cra solve_cra_penalty solve_rbe",
     "results": "Result Verdict",
     "sequence": "plan",
     "settlement": "settle",
-    "stability": "CheckOptions check check_many solve_cra solve_cra_penalty solve_rbe",
+    "stability": "CheckOptions check check_many",
     "view": "save_figure save_page show",
 }
 """The public names of each module."""

@@ -6,8 +6,8 @@ import pytest
 from drystone import Assembly, LoadCase, Model, Verdict, check, find_contacts, solve_rbe
 from drystone.checks import check_forces, mechanism_defects
 from drystone.models import box
+from drystone.programs import RBEOptions
 from drystone.settlement import Outcome
-from drystone.stability import RBEOptions
 
 BATCHES, PER_BATCH = 10, 30
 

@@ -23,11 +23,11 @@ from drystone import (
     Model,
     design,
     limits,
+    programs,
     reproduce,
     sequence,
     settlement,
     shells,
-    stability,
     view,
 )
 from drystone.base.display import Card, shortened
@@ -110,7 +110,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (pushed, pushed[-1])
     yield from (Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True), FallOptions())
     stack = Model.of(tower(3), friction=0.6)
-    yield drystone.stability.build_rbe(stack)
+    yield drystone.programs.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))
@@ -156,7 +156,7 @@ def values(folder: Path) -> Iterator[object]:
     yield force_network(stands.assembly, stands.contacts, stands.resultants)
     drystone.write(stands.model, folder / "vault.json")
     yield from (*FORMATS, read_file(folder / "vault.json"))
-    yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
+    yield from (programs.CRAOptions(), programs.PenaltyOptions(), sequence.PlanOptions())
     yield from (sequence.MarginOptions(), limits.LimitOptions(), limits.Imperfections())
     yield from (shells.ShellBody(), shells.Layout(), DetectionOptions())
 
@@ -304,7 +304,7 @@ def test_showing_a_value_loads_no_plotting() -> None:
         (drystone.CheckOptions(), "CheckOptions()"),
         (drystone.CheckOptions(samples=2), "CheckOptions(samples=2)"),
         (
-            drystone.stability.RBEOptions(objective="linear"),
+            drystone.programs.RBEOptions(objective="linear"),
             "RBEOptions(objective=Objective.LINEAR)",
         ),  # type: ignore[arg-type]
         (limits.LimitOptions(width=0.1), "LimitOptions(width=0.1)"),

@@ -21,14 +21,14 @@ from drystone import (
     find_contacts,
     limits,
     plan,
+    programs,
     sequence,
     solve_rbe,
-    stability,
 )
 from drystone.base.settings import Options
 from drystone.models import tower
+from drystone.programs import RBEOptions
 from drystone.shells import Layout, ShellBody
-from drystone.stability import RBEOptions
 
 TOWER = tower(2)
 MODEL = Model.of(TOWER)
@@ -145,8 +145,8 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: limits.LimitOptions(width="x"), "width is 'x', not a number"),
         (lambda: RBEOptions(objective="cubic"), "give one of 'quadratic', 'linear'"),
         (lambda: RBEOptions(cone=8), r"cone is 8; give FrictionCone\("),
-        (lambda: stability.Weights(tension=-1.0), "tension is -1; give 0 or more"),
-        (lambda: stability.FrictionCone(sides=2.5), "sides is 2.5; give a whole number"),
+        (lambda: programs.Weights(tension=-1.0), "tension is -1; give 0 or more"),
+        (lambda: programs.FrictionCone(sides=2.5), "sides is 2.5; give a whole number"),
         (lambda: limits.LimitOptions(scan=None), "scan is None; give a whole number"),
         (lambda: limits.Imperfections(friction=0.5), "friction must have shape"),
         (lambda: sequence.PlanOptions(width=0), "width is 0; give 1 or more"),
@@ -181,7 +181,7 @@ def test_any_field_of_another_type_is_refused_or_understood(kind: type) -> None:
 
 
 def test_an_option_of_a_closed_set_may_be_given_by_its_value() -> None:
-    assert RBEOptions(objective="linear").objective is stability.Objective.LINEAR  # type: ignore[arg-type]
+    assert RBEOptions(objective="linear").objective is programs.Objective.LINEAR  # type: ignore[arg-type]
     assert CheckOptions(samples=np.int64(3)).samples == 3  # type: ignore[arg-type]
     assert limits.LimitOptions(width=1).width == 1.0
 

@@ -32,7 +32,7 @@ from drystone.models import (
     lune,
     tower,
 )
-from drystone.stability import RBEOptions
+from drystone.programs import RBEOptions
 from drystone.virtual import shift, shrink, to_kern
 from tests.oracle import touching_faces
 

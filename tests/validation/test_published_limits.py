@@ -23,7 +23,7 @@ from drystone import (
     solve_rbe,
 )
 from drystone.checks import corner_motion
-from drystone.stability import FrictionCone, RBEOptions
+from drystone.programs import FrictionCone, RBEOptions
 
 Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)

@@ -10,9 +10,9 @@ import pytest
 
 from drystone import InputError, Model, Verdict, check, limit_tilt, plan, solve_cra
 from drystone.models import arch, bridge, shelf, snake
+from drystone.programs import CRAOptions
 from drystone.reproduce import SECTIONS, reproduce, save_case
 from drystone.sequence import PlanOptions
-from drystone.stability import CRAOptions
 from drystone.virtual import shrink
 
 THOROUGH = PlanOptions(patience=math.inf)

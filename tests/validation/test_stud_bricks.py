@@ -12,7 +12,7 @@ import drystone
 from benchmarks.field.stud_bricks import DESIGNS
 from drystone import FormatError, JointCapacity, Verdict, solve_rbe
 from drystone.joint_capacity import NO_LIMIT
-from drystone.stability import RBEOptions
+from drystone.programs import RBEOptions
 
 GRAVITY = 9.8 / 9.81
 """The data set uses 9.8 m/s2."""

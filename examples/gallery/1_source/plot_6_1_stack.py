@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 import drystone
 from drystone.limits import limit_friction
 from drystone.models import two_blocks_on_incline
-from drystone.stability import FrictionCone, Objective, RBEOptions, build_rbe, solve_rbe
+from drystone.programs import FrictionCone, Objective, RBEOptions, build_rbe, solve_rbe
 from drystone.view import Frame
 
 model = drystone.Model.of(two_blocks_on_incline(23.6), friction=0.5)

@@ -7,8 +7,8 @@ Five boxes stand on the deck of the bridge. They are 3.51 times as dense as its 
 
 import drystone
 from drystone.models import bridge
-from drystone.stability import solve_cra
-from drystone.stability.programs.cra import CRAOptions
+from drystone.programs import solve_cra
+from drystone.programs.cra import CRAOptions
 from drystone.view import Frame
 
 model = drystone.Model.of(bridge(load=True), friction=0.9)

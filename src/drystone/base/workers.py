@@ -122,7 +122,6 @@ class WorkerPool:
         *,
         ahead: int | None = None,
         failed: Callable[[Item], Found] | None = None,
-        parts: Callable[[Item], Iterable[Item]] | None = None,
     ) -> Iterator[Found]:
         """The answers of a task in the order of its items.
 
@@ -138,9 +137,6 @@ class WorkerPool:
             all when left out.
         failed
             The answer of an item that ended its worker twice; an error when left out.
-        parts
-            The items that an item consists of. After the death of a worker they are asked for one
-            by one.
 
         Raises
         ------
@@ -169,8 +165,6 @@ class WorkerPool:
                     answer = futures[0].result()
                 except LOST_WORKER as error:
                     again = list(taken)
-                    if parts is not None and not deaths.alone:
-                        again = [part for item in again for part in parts(item)]
                     taken.clear()
                     futures.clear()
                     if not self._revived(error):

@@ -25,8 +25,7 @@ from drystone.compat.cra_assembly import Taken, blocks_of, taken, write_back
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.results import Result
-from drystone.stability import (
+from drystone.programs import (
     CRAOptions,
     FrictionCone,
     RBEOptions,
@@ -34,6 +33,7 @@ from drystone.stability import (
     solve_cra_penalty,
     solve_rbe,
 )
+from drystone.results import Result
 
 _log = logging.getLogger(__name__)
 

@@ -16,12 +16,13 @@ from drystone.formulations.corner_forces import (
     add_corner_forces,
 )
 from drystone.model import Model
+from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
+from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
-from drystone.stability import PenaltyOptions, check, solve_cra_penalty, solve_rbe
+from drystone.stability import check
 from drystone.stability.problem import Problem
-from drystone.stability.programs.rbe import BALANCE_TOLERANCE
 from drystone.stability.proofs import FALLING_SHARE
 
 _AS_IT_LIES = PenaltyOptions(settle=False)

@@ -14,8 +14,8 @@ from drystone.design.joint_cut import recut
 from drystone.design.joint_plane import JointPlane, joint_plane
 from drystone.design.joint_surgery import wedge_cut
 from drystone.model import Model
+from drystone.programs.penalty import glued_state
 from drystone.stability.problem import Problem
-from drystone.stability.programs.penalty import glued_state
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -18,6 +19,7 @@ from scipy import sparse
 from drystone.base.arrays import Floats
 from drystone.base.settings import Options
 from drystone.formulations.corner_forces import (
+    CornerForces,
     FrictionCone,
     FrictionRule,
     add_contact_rows,
@@ -25,7 +27,10 @@ from drystone.formulations.corner_forces import (
 )
 from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
-from drystone.solvers.program import ConicProgram, ProgramBuilder
+from drystone.solvers.program import ConicProgram, ProgramBuilder, Term
+
+ANY_FORCES = 1e-3
+"""Gap to the least forces at which to stop where any forces will do."""
 
 
 class Objective(enum.Enum):
@@ -133,7 +138,19 @@ def build_equilibrium(
     if tension:
         pull = program.variable("tension", k, unit=unit, **price)
         unknowns = replace(unknowns, tension=pull, rule=rule)
-    program.equal("equilibrium", -statics.load.ravel(), *unknowns.wrench(statics))
+    return _balanced(program, statics, unknowns, cone)
+
+
+def _balanced(
+    program: ProgramBuilder,
+    statics: Statics,
+    unknowns: CornerForces,
+    cone: FrictionCone,
+    *more: Term,
+) -> ConicProgram:
+    """The program in which corner forces, and more terms, balance the loads within the cone."""
+    load = -statics.load.ravel()
+    program.equal("equilibrium", load, *unknowns.wrench(statics), *more)
     add_contact_rows(program, statics, cone, unknowns)
     return program.build()
 
@@ -141,43 +158,20 @@ def build_equilibrium(
 def solve_equilibrium(
     statics: Statics,
     *,
-    cone: FrictionCone,
-    objective: Objective = Objective.QUADRATIC,
-    weights: Weights | None = None,
-    tension: bool = False,
-    rule: FrictionRule = FrictionRule.PLUS,
     options: ConicOptions | None = None,
     stop: Callable[[], bool] | None = None,
+    **form: Any,
 ) -> EquilibriumSolution:
-    """Solve RBE: the program of :func:`build_equilibrium`.
+    """Solve RBE: the program of :func:`build_equilibrium`, which ``form`` is for.
 
     Parameters
     ----------
-    statics, cone, objective, weights, tension, rule
-        As for :func:`build_equilibrium`.
+    statics
     options
     stop
         Called at every step of the interior-point solver.
     """
-    program = build_equilibrium(
-        statics, cone=cone, objective=objective, weights=weights, tension=tension, rule=rule
-    )
-    return solved(program, options, stop=stop)
-
-
-def _build_load_factor(statics: Statics, live: Floats, *, cone: FrictionCone) -> ConicProgram:
-    """The program of :func:`solve_load_factor` in scaled numbers."""
-    program = ProgramBuilder()
-    unknowns = add_corner_forces(program, statics)
-    factor = program.variable("factor", 1, linear=-1.0)
-    program.equal(
-        "equilibrium",
-        -statics.load.ravel(),
-        *unknowns.wrench(statics),
-        (factor, sparse.csc_matrix(live.reshape(-1, 1))),
-    )
-    add_contact_rows(program, statics, cone, unknowns)
-    return program.build()
+    return solved(build_equilibrium(statics, **form), options, stop=stop)
 
 
 def solve_load_factor(
@@ -208,11 +202,13 @@ def solve_load_factor(
     The multiplier is a collapse mechanism on which the live load does unit work: the kinematic
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
-    program = _build_load_factor(statics, live, cone=cone)
-    state = solved(program, options, stop=stop)
+    builder = ProgramBuilder()
+    unknowns = add_corner_forces(builder, statics)
+    grown = builder.variable("factor", 1, linear=-1.0), sparse.csc_matrix(live.reshape(-1, 1))
+    state = solved(_balanced(builder, statics, unknowns, cone, grown), options, stop=stop)
     raw = state.raw
     factor = {
-        ConicStatus.SOLVED: float(raw.x[program.variables["factor"]][0]),
+        ConicStatus.SOLVED: float(raw.x[grown[0].place][0]),
         ConicStatus.UNBOUNDED: float("inf"),
         ConicStatus.INFEASIBLE: float("-inf"),
         ConicStatus.FAILED: float("nan"),
@@ -238,60 +234,7 @@ def solve_extreme_force(
     """
     program = ProgramBuilder()
     unknowns = add_corner_forces(program, statics, linear=price.ravel())
-    program.equal("equilibrium", -statics.load.ravel(), *unknowns.wrench(statics))
-    add_contact_rows(program, statics, cone, unknowns)
-    made = program.build()
-    return solved(made, options)
-
-
-def project_on_mechanisms(
-    statics: Statics, *, pull: float = 0.0, stop: Callable[[], bool] | None = None
-) -> EquilibriumSolution | None:
-    """The mechanism nearest to the loads; None if the solver fails.
-
-    It is for dry joints; None where there are others.
-
-    ::
-
-        minimise  1/2 |v - p|^2   subject to   dn >= mu |dt| at every corner,  (dn, dt) = A' v
-
-    It is zero where forces balance the loads. Otherwise it is a mechanism on which the loads do
-    the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
-    cones of mechanisms and of balanced loads are polar).
-
-    Parameters
-    ----------
-    statics
-    pull
-        Share of the opening dn with which joints pull, t = ``pull`` dn; ``pull/2 |dn|^2`` is added
-        to what is minimised. Then ``|v|^2 + |t|^2 / pull`` is the least of all props v and pulls t
-        with which forces f balance the loads, v = A (f - t) + p.
-    stop
-    """
-    if not statics.dry:
-        return None
-    k = statics.corner_count
-    scale = np.ones((k, 3))
-    scale[:, 1:] = statics.friction[:, None]
-    program = ProgramBuilder()
-    velocity = program.variable(
-        "velocity", 6 * statics.free_count, linear=-statics.load.ravel(), quadratic=1.0
-    )
-    if pull > 0.0:
-        apart = program.variable("apart", k, quadratic=pull)
-        normal = statics.matrix_transposed[::3]
-        program.equal("apart", np.zeros(k), (velocity, normal), (apart, -1.0))
-    opening = sparse.diags(scale.ravel()) @ statics.matrix_transposed
-    program.cone("opening", 3, np.zeros(3 * k), (velocity, -opening))
-    made = program.build()
-    raw = made.solve(ConicOptions(tolerance=1e-10), stop=stop)
-    if raw.status is not ConicStatus.SOLVED:
-        return None
-    force = scale * raw.z[made.rows["opening"]].reshape(-1, 3)
-    motion = raw.x[velocity.place].reshape(-1, 6)
-    tension = pull * np.maximum(0.0, statics.displacement(motion)[:, 0])
-    force[:, 0] -= tension
-    return EquilibriumSolution(force, tension, motion, raw)
+    return solved(_balanced(program, statics, unknowns, cone), options)
 
 
 def solved(

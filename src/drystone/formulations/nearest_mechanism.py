@@ -15,26 +15,26 @@ The primal-dual interior-point method with the scaling of Nesterov and Todd elim
 each corner. What is left is the tangent of blocks on springs, ``M + A D A'``, with the elimination
 order of :class:`drystone.mechanics.maps.SparseMaps`.
 
-Several models are taken side by side, as rows of the same arrays: for a small model each operation
-on arrays takes longer to start than to do. Only what is solved is solved model by model, and no
-number of one model depends on another.
-
 Sources: Moreau 1962 (decomposition by polar cones); Vandenberghe 2010 (the iteration).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import SolverError
-from drystone.base.ragged import Ragged
-from drystone.formulations.balancing import BALANCED, balancing_forces
 from drystone.mechanics.statics import Statics
 from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
+
+BALANCED = 1e-9
+"""Acceleration left, by that of free fall, at which forces balance the loads."""
+
+LIGHTER = 1e-9
+"""Share of the mass that holds motions which no force resists."""
 
 SOFTNESS = 1e-11
 """C by the size of the loads: corners close by this share of the acceleration of free fall."""
@@ -100,137 +100,90 @@ def nearest_mechanism(
     stop
         Called before every step; True ends the iteration with what it has found.
     """
-    return nearest_mechanisms([statics], stop=stop)[0]
-
-
-def nearest_mechanisms(
-    problems: Sequence[Statics], *, stop: Callable[[], bool] | None = None
-) -> list[NearestMechanism]:
-    """:func:`nearest_mechanism` of each of several models, side by side."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _Iteration(problems).run(stop)
+        return _Iteration(statics).run(stop)
 
 
 class _Iteration:
-    """The present points of the models that are not ended yet: rows of blocks and of corners."""
+    """The present point of the iteration."""
 
-    def __init__(self, problems: Sequence[Statics]) -> None:
-        self.problems = list(problems)
-        self.number = np.arange(len(problems))
-        self.ended: dict[int, NearestMechanism] = {}
-        self.found: dict[int, Floats] = {}
-        every = self.problems
-        self.blocks = Ragged.from_counts([one.free_count for one in every])
-        self.corners = Ragged.from_counts([one.corner_count for one in every])
-        self.mass = np.concatenate([one.mass_matrix for one in every])
-        self.load = np.concatenate([one.load for one in every])
-        self.scale = np.ones((self.corners.rows, 3))
-        self.scale[:, 1:] = np.concatenate([one.friction for one in every])[:, None]
-        size = np.concatenate([one.corner_load for one in every])
+    def __init__(self, statics: Statics) -> None:
+        self.statics = statics
+        self.mass, self.load = statics.mass_matrix, statics.load
+        self.scale = np.ones((statics.corner_count, 3))
+        self.scale[:, 1:] = statics.friction[:, None]
+        size = statics.corner_load
         self.softness = SOFTNESS / size
         axis = np.array([1.0, 0.0, 0.0])
         self.motion = np.zeros_like(self.load)
         self.force = size[:, None] * axis
         self.slack = np.full((len(size), 1), FIRST_SLACK) * axis
-        self.steps = 0
-        self.rows_known()
+        self.found: Floats | None = None
         self.unbalanced, self.apart = self.defects()
 
-    def rows_known(self) -> None:
-        """The rows of each model, as slices."""
-        self.of_block, self.of_corner = list(self.blocks), list(self.corners)
+    def run(self, stop: Callable[[], bool] | None) -> NearestMechanism:
+        """The mechanism where there is one; it is kept while the iteration improves it."""
+        steps = 0
+        while steps < STEP_LIMIT and not (stop is not None and stop()):
+            if (steps and self.done()) or self.balance():
+                break
+            steps += 1
+            if not self.step():
+                break
+        return NearestMechanism(self.found, self.scale * self.force, steps)
 
-    def run(self, stop: Callable[[], bool] | None) -> list[NearestMechanism]:
-        """The mechanism of each where there is one; it is kept while the iteration improves it."""
-        while len(self.number):
-            late = self.steps >= STEP_LIMIT or (stop is not None and stop())
-            self.end(np.full(len(self.number), late))
-            if len(self.number):
-                self.end(self.done())
-            if len(self.number):
-                self.end(self.balance())
-            if len(self.number):
-                self.end(self.step())
-        return [self.ended[number] for number in range(len(self.ended))]
-
-    def end(self, which: Bools) -> None:
-        """Keep the answers of some models (c,), and go on without them."""
-        if not which.any():
-            return
-        for i in np.flatnonzero(which).tolist():
-            rows = self.of_corner[i]
-            force = self.scale[rows] * self.force[rows]
-            motion = self.found.get(int(self.number[i]))
-            self.ended[int(self.number[i])] = NearestMechanism(motion, force, self.steps)
-        self.problems = [one for one, gone in zip(self.problems, which, strict=True) if not gone]
-        self.number = self.number[~which]
-        if not len(self.number):
-            return
-        self.blocks, blocks = self.blocks.take(~which)
-        self.corners, corners = self.corners.take(~which)
-        self.rows_known()
-        for name in ("mass", "load", "motion", "unbalanced"):
-            setattr(self, name, getattr(self, name)[blocks])
-        for name in ("scale", "softness", "force", "slack", "apart"):
-            setattr(self, name, getattr(self, name)[corners])
-
-    def done(self) -> Bools:
-        """(c,) the models whose iteration has come to its end; their mechanisms are kept."""
-        if not self.steps:
-            return np.zeros(len(self.number), dtype=bool)
+    def done(self) -> bool:
+        """Whether the iteration has come to its end; a mechanism is kept."""
         power = self.power(self.motion)
-        better = self.mechanisms(power > 0.0)
-        before = np.array([number in self.found for number in self.number.tolist()])
-        after = np.array([number in better for number in self.number.tolist()])
-        self.found |= better
-        known = before | after
-        gap = self.corners.sum((self.force * self.slack).sum(axis=1))
-        near = gap <= np.where(known, NEAR, EXACT) * power
-        done: Bools = near | (before & ~after) | ((self.left() <= BALANCED) & ~known)
-        return done
+        better = self.mechanism() if power > 0.0 else None
+        before = self.found is not None
+        if better is not None:
+            self.found = better
+        known = self.found is not None
+        gap = float((self.force * self.slack).sum())
+        near = gap <= (NEAR if known else EXACT) * power
+        return near or (before and better is None) or (not known and self.left() <= BALANCED)
 
-    def balance(self) -> Bools:
-        """(c,) the models whose forces balance the loads after a small change; they are kept so.
+    def balance(self) -> bool:
+        """Whether forces balance the loads after a small change; they are kept so.
 
         Of all changes the least one by the scaling of the iteration. Forces that it keeps in their
         cones are an answer steps before the iteration itself would come to rest.
         """
-        balances = np.zeros(len(self.number), dtype=bool)
-        near = self.left() <= NEARLY_BALANCED
-        near &= [number not in self.found for number in self.number.tolist()]
-        for i in np.flatnonzero(near).tolist():
-            corner = self.of_corner[i]
-            force, slack, softness = (
-                one[corner] for one in (self.force, self.slack, self.softness)
-            )
-            tangent = Scaling.of(force, slack).tangent(softness)
-            changed = balancing_forces(self.problems[i], self.scale[corner], force, tangent)
-            if changed is not None:
-                balances[i], self.force[corner] = True, changed
-        return balances
+        if self.found is not None or self.left() > NEARLY_BALANCED:
+            return False
+        tangent = Scaling.of(self.force, self.slack).tangent(self.softness)
+        try:
+            solve = self.factorised(tangent, LIGHTER * self.mass)
+        except SolverError:
+            return False
+        force = self.force
+        left = self.load + self.wrench(force)
+        for _ in range(2):  # the second time for what rounding left
+            force = force - (tangent @ self.displacement(solve(left))[:, :, None])[:, :, 0]
+            left = self.load + self.wrench(force)
+        balanced = np.abs(left / self.mass).max(initial=0.0) <= BALANCED
+        if not balanced or inner(force).min(initial=0.0) < 0.0:
+            return False
+        self.force = force
+        return True
 
-    def left(self) -> Floats:
-        """(c,) largest acceleration that the forces of each model leave, by that of free fall."""
+    def left(self) -> float:
+        """Largest acceleration that the forces leave, by that of free fall."""
         left = np.abs(self.unbalanced - self.mass * self.motion) / self.mass
-        return self.blocks.max(left.max(axis=1), empty=0.0)
+        return float(left.max(initial=0.0))
 
-    def power(self, motion: Floats) -> Floats:
-        """(c,) power of the loads of each model in a motion (n, 6)."""
-        power: Floats = self.blocks.sum((self.load * motion).sum(axis=1))
-        return power
+    def power(self, motion: Floats) -> float:
+        """Power of the loads in a motion (n, 6)."""
+        return float((self.load * motion).sum())
 
     def displacement(self, motion: Floats) -> Floats:
-        """``S A' v``: (k, 3) of all models."""
-        rows = zip(self.problems, self.of_block, strict=True)
-        return self.scale * np.concatenate(
-            [statics.displacement(motion[block]) for statics, block in rows]
-        )
+        """``S A' v``: (k, 3)."""
+        return self.scale * self.statics.displacement(motion)
 
     def wrench(self, force: Floats) -> Floats:
-        """``A S f``: (n, 6) of all models."""
-        scaled = self.scale * force
-        rows = zip(self.problems, self.of_corner, strict=True)
-        return np.concatenate([statics.wrench(scaled[corner]) for statics, corner in rows])
+        """``A S f``: (n, 6)."""
+        return self.statics.wrench(self.scale * force)
 
     def defects(self) -> tuple[Floats, Floats]:
         """``M v - p - A S f`` and ``s - S A' v - C f``."""
@@ -239,111 +192,71 @@ class _Iteration:
             self.slack - self.displacement(self.motion) - self.softness[:, None] * self.force,
         )
 
-    def mechanisms(self, asked: Bools) -> dict[int, Floats]:
-        """The motion of each model (c,) that is asked for, if it closes no corner.
+    def factorised(self, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
+        """The solution with ``mass + A S tangent S A'`` as a function of the right side."""
+        scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
+        return self.statics.maps.factorise(scaled, mass)
 
-        Or else without that of blocks that hardly move.
-        """
+    def mechanism(self) -> Floats | None:
+        """The motion, if it closes no corner; or else without that of blocks that hardly move."""
+        if self.opens(self.motion):
+            return self.motion
         speed = np.abs(self.motion).max(axis=1)
-        fastest = self.blocks.spread(self.blocks.max(speed, empty=0.0))
-        found: dict[int, Floats] = {}
-        for least in (0.0, STILL):
-            if not asked.any():
-                break
-            moving = speed > least * fastest
-            if least > 0.0:  # others would be the same motion again
-                asked = asked & self.blocks.any(~moving & (speed > 0.0))
-            motion = np.where(moving[:, None], self.motion, 0.0)
-            opens = asked & self.opens(motion)
-            for i in np.flatnonzero(opens).tolist():
-                found[int(self.number[i])] = motion[self.of_block[i]]
-            asked = asked & ~opens
-        return found
+        still = speed <= STILL * speed.max(initial=0.0)
+        if not (still & (speed > 0.0)).any():  # it would be the same motion again
+            return None
+        motion = np.where(still[:, None], 0.0, self.motion)
+        return motion if self.opens(motion) else None
 
-    def opens(self, motion: Floats) -> Bools:
-        """(c,) whether a motion (n, 6) closes no corner so far that forces could resist it."""
-        speed = np.abs(motion).max(axis=1)
-        fastest = self.corners.spread(self.blocks.max(speed, empty=0.0))
-        local = np.concatenate(
-            [
-                _of_corners(statics, speed[block])
-                for statics, block in zip(self.problems, self.of_block, strict=True)
-            ]
-        )
+    def opens(self, motion: Floats) -> bool:
+        """Whether a motion (n, 6) closes no corner so far that forces could resist it."""
+        statics = self.statics
+        speed = np.append(np.abs(motion).max(axis=1), 0.0)  # a fixed block has the number -1
+        local = np.maximum(speed[statics.block_a], speed[statics.block_b])
         closing = np.maximum(0.0, -inner(self.displacement(motion)))
-        closed = self.corners.any(closing > CLOSING * np.maximum(local, 1e-9 * fastest))
-        resisted = self.corners.sum(closing * np.linalg.norm(self.force, axis=1))
-        opens: Bools = ~closed & (resisted < RESISTED * self.power(motion))
-        return opens
+        if (closing > CLOSING * np.maximum(local, 1e-9 * speed.max())).any():
+            return False
+        resisted = float((closing * lengths(self.force)).sum())
+        return resisted < RESISTED * self.power(motion)
 
-    def step(self) -> Bools:
-        """One step by predictor and corrector; (c,) the models where it comes to nothing."""
-        self.steps += 1
-        unbalanced, apart = self.unbalanced, self.apart
+    def step(self) -> bool:
+        """One step by predictor and corrector; False where it comes to nothing."""
         scaling = Scaling.of(self.force, self.slack)
         both = scaling.apply(self.force)
         tangent = scaling.tangent(self.softness)
-        scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
-        solves: list[Callable[[Floats], Floats]] = []
-        for statics, block, corner in zip(
-            self.problems, self.of_block, self.of_corner, strict=True
-        ):
-            solves.append(_solution(statics, scaled[corner], self.mass[block]))
-        gap = self.corners.sum((self.force * self.slack).sum(axis=1))
+        try:
+            solve = self.factorised(tangent, self.mass)
+        except SolverError:
+            return False
+        gap = float((self.force * self.slack).sum())
 
         def direction(aim: Floats) -> tuple[Floats, Floats, Floats]:
-            wanted = scaling.apply(quotient(both, aim))
-            pushed = wanted + apart
+            pushed = scaling.apply(quotient(both, aim)) + self.apart
             local = (tangent @ pushed[:, :, None])[:, :, 0]
-            right = self.wrench(local) - unbalanced
-            rows = zip(solves, self.of_block, strict=True)
-            motion = np.concatenate([solve(right[block]) for solve, block in rows])
+            motion = solve(self.wrench(local) - self.unbalanced)
             moved = self.displacement(motion)
             force = (tangent @ (pushed - moved)[:, :, None])[:, :, 0]
-            return motion, force, moved + self.softness[:, None] * force - apart
+            return motion, force, moved + self.softness[:, None] * force - self.apart
 
         squared = product(both, both)
         _, force, slack = direction(-squared)
-        length = self.corners.spread(self.lengths(force, slack))[:, None]
+        length = self.length(force, slack)
         ahead = (self.force + length * force) * (self.slack + length * slack)
-        left = np.clip(self.corners.sum(ahead.sum(axis=1)) / gap, 0.0, 1.0)
+        left = min(max(float(ahead.sum() / gap), 0.0), 1.0)
         aim = -squared - product(scaling.apply(force), scaling.undo(slack))
-        aim[:, 0] += self.corners.spread(left**3 * gap / np.maximum(self.corners.counts, 1))
+        aim[:, 0] += left**3 * gap / max(len(aim), 1)
         motion, force, slack = direction(aim)
-        lengths = NEAR_BOUNDARY * self.lengths(force, slack)
-        finite = self.blocks.all(np.asarray(np.isfinite(motion).all(axis=1)))
-        works = finite & (lengths > 0.0)
-        lengths = np.where(works, lengths, 0.0)
-        by_block = self.blocks.spread(lengths)[:, None]
-        by_corner = self.corners.spread(lengths)[:, None]
-        # a model that ends keeps its point
-        self.motion = np.where(by_block > 0.0, self.motion + by_block * motion, self.motion)
-        self.force = np.where(by_corner > 0.0, self.force + by_corner * force, self.force)
-        self.slack = np.where(by_corner > 0.0, self.slack + by_corner * slack, self.slack)
+        length = NEAR_BOUNDARY * self.length(force, slack)
+        if not (np.isfinite(motion).all() and length > 0.0):
+            return False  # the point is kept
+        self.motion = self.motion + length * motion
+        self.force = self.force + length * force
+        self.slack = self.slack + length * slack
         self.unbalanced, self.apart = self.defects()
-        return ~works
+        return True
 
-    def lengths(self, force: Floats, slack: Floats) -> Floats:
-        """(c,) the longest step of each model that leaves no cone."""
+    def length(self, force: Floats, slack: Floats) -> float:
+        """The longest step that leaves no cone."""
         points = np.concatenate([self.force, self.slack])
-        both = step_lengths(points, np.concatenate([force, slack])).reshape(2, -1)
-        least: Floats = self.corners.min(both.min(axis=0), empty=1.0)
-        return least
-
-
-def _of_corners(statics: Statics, speed: Floats) -> Floats:
-    """Larger value (k,) of the two blocks of each corner, of values (n,) of the free blocks."""
-    of_block = np.append(speed, 0.0)  # a fixed block has the number -1
-    return np.maximum(of_block[statics.block_a], of_block[statics.block_b])
-
-
-def _solution(statics: Statics, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
-    """The factorised tangent."""
-    try:
-        return statics.maps.factorise(tangent, mass)
-    except SolverError:
-        return _no_solution
-
-
-def _no_solution(right: Floats) -> Floats:
-    return np.full_like(right, np.nan)
+        steps = step_lengths(points, np.concatenate([force, slack]))
+        return float(steps.min(initial=1.0))

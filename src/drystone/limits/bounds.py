@@ -15,15 +15,15 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
-from drystone.formulations.held_still import held_still
+from drystone.formulations.projection import held_still
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.loads import LoadCase
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
+from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
-from drystone.stability import RBEOptions, solve_rbe
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
 

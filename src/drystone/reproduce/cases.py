@@ -14,6 +14,8 @@ from drystone.design import CutOptions, cut_until_free
 from drystone.limits import Bracket, limit_friction, limit_tilt
 from drystone.loads import LoadCase
 from drystone.model import Model
+from drystone.programs import FrictionCone, RBEOptions, solve_cra, solve_rbe
+from drystone.programs.cra import CRAOptions
 from drystone.reproduce.published_case import Case, Line
 from drystone.results import Result, Verdict
 from drystone.sequence import (
@@ -37,8 +39,7 @@ from drystone.shells import (
 )
 from drystone.shells import dome as dome_shape
 from drystone.shells import tri_dome as tri_dome_shape
-from drystone.stability import FrictionCone, RBEOptions, check, solve_cra, solve_rbe
-from drystone.stability.programs.cra import CRAOptions
+from drystone.stability import check
 from drystone.virtual import shrink
 
 THOROUGH = PlanOptions(patience=math.inf)

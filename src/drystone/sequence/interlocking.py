@@ -30,11 +30,12 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
+from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Verdict
 from drystone.sequence.freedom import Joints, free_twists
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
-from drystone.stability import RBEOptions, check, solve_rbe
+from drystone.stability import check
 
 OPENS = 1e-6
 """Least mean of the opening speeds that counts as opening, with the largest speed 1; above the

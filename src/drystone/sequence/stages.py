@@ -15,9 +15,10 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.model import Model
+from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
 from drystone.settlement import SettlementOptions
-from drystone.stability import PATIENT, CheckOptions, RBEOptions, check, solve_rbe, try_rest
+from drystone.stability import PATIENT, CheckOptions, check, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
 from drystone.stability.screening import SLIP_LENGTH

@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress
 from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.equilibrium import ANY_FORCES, solve_equilibrium
 from drystone.formulations.nearest_mechanism import (
     NearestMechanism,
     nearest_mechanism,
@@ -28,7 +28,6 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
     FALLING_SHARE,
     balanced,

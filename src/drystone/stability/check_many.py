@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import csv
 import os
-import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from io import FileIO, StringIO
 from itertools import islice
 from pathlib import Path
@@ -20,7 +19,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.formulations.nearest_mechanism import nearest_mechanisms
+from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result
@@ -28,7 +27,7 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.verdict import check, decided
+from drystone.stability.verdict import decided
 
 COLUMNS: Mapping[str, Callable[[str], Any]] = {
     "number": int,
@@ -41,17 +40,12 @@ COLUMNS: Mapping[str, Callable[[str], Any]] = {
     "time_s": float,
 }
 Row: TypeAlias = list[Any]
-Task: TypeAlias = tuple[int, str, bytes]
-"""Number, name, and the model with its options, ready to travel."""
-
-SIDE_BY_SIDE = 32
-"""Models that are checked at once. Measured: with 16 or 96 they take as long, with 4 longer."""
-
-LIGHT = 200_000
-"""[bytes] of models that are checked at once, as they travel or as files: small ones only gain."""
+Task: TypeAlias = tuple[int, str, tuple[Any, ...]]
+"""Number, name, and the model with its options."""
 
 
 @checked_call
+@one_blas_thread()
 def check_many(
     models: Iterable[Given],
     *,
@@ -72,8 +66,7 @@ def check_many(
         Models, assemblies or files, such as ``sorted(Path("piles").glob("*.json"))``. They may come
         from a generator.
     out
-        A file of comma-separated values. Each answer is added as soon as it is known; small models
-        are answered in groups of up to 32, which takes half of the time. Where the
+        A file of comma-separated values. Each answer is added as soon as it is known. Where the
         file has answers already, those models are not checked again: work that was ended goes on
         when it is called again with the same models.
     options
@@ -117,20 +110,12 @@ def check_many(
         tasks = islice(
             _tasks(models, rows, (CheckOptions.of(options), each_s, how)), len(rows), None
         )
-        most = SIDE_BY_SIDE if each_s == float("inf") else 1
-        if executor is not None and total:  # every worker has something to do
-            workers = int(getattr(pool.executor, "_max_workers", None) or 1)
-            most = max(min(most, (total - len(rows)) // (2 * workers)), 1)
-        groups = _groups(tasks, most)
-        for found in pool.answers(_answers, groups, clock.late, failed=_failed, parts=_each):
-            for row in found:
-                rows.append(row)
-                if file is not None:
-                    _add(file, row)
-                if progress is not None:
-                    progress("checking models", len(rows), max(total, len(rows)))
-                if clock.late():
-                    break
+        for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
+            rows.append(row)
+            if file is not None:
+                _add(file, row)
+            if progress is not None:
+                progress("checking models", len(rows), max(total, len(rows)))
     columns = {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}
     return Table("verdicts", columns, {"time_s": "s"})
 
@@ -147,92 +132,28 @@ def _tasks(
                     f"model {number} of the file is '{earlier[number][1]}', not '{name}'",
                     remedy="give the same models in the same order, or another file",
                 )
-            yield number, name, b""
+            yield number, name, ()
         else:
-            yield number, name, pickle.dumps((given, *rest))
-
-
-def _groups(tasks: Iterable[Task], most: int) -> Iterator[tuple[Task, ...]]:
-    """Tasks that are answered at once: ``most`` of them, or fewer where they are heavy."""
-    group: list[Task] = []
-    weight = 0
-    for task in tasks:
-        _, name, payload = task
-        heavy = len(payload)
-        with suppress(OSError):
-            heavy += Path(name).stat().st_size if name else 0
-        if group and (len(group) >= most or weight + heavy > LIGHT):
-            yield tuple(group)
-            group, weight = [], 0
-        group.append(task)
-        weight += heavy
-    if group:
-        yield tuple(group)
-
-
-def _each(group: tuple[Task, ...]) -> Iterator[tuple[Task, ...]]:
-    """The tasks of a group one by one: which of them ended its worker?"""
-    return ((task,) for task in group)
-
-
-def _answers(group: tuple[Task, ...]) -> list[Row]:
-    """The rows of some models; what cannot be made into a model is refused in words."""
-    models: list[Model | DrystoneError] = []
-    options, each_s = CheckOptions(), float("inf")
-    for _, _, payload in group:
-        given, options, each_s, how = pickle.loads(payload)
-        try:
-            models.append(supported_model(given, **how))
-        except DrystoneError as error:
-            models.append(error)
-    ready = [one for one in models if isinstance(one, Model)]
-    answers: Iterator[Result | DrystoneError]
-    if each_s == float("inf"):
-        answers = iter(_side_by_side(ready, options))
-    else:
-        answers = (_checked(one, options, each_s) for one in ready)
-    rows = []
-    for (number, name, _), model in zip(group, models, strict=True):
-        found = next(answers) if isinstance(model, Model) else model
-        rows.append([number, name, *_told(found)])
-    return rows
+            yield number, name, (given, *rest)
 
 
 @one_blas_thread()
-def _side_by_side(models: Sequence[Model], options: CheckOptions) -> list[Result | DrystoneError]:
-    """The result of :func:`drystone.check` of each model, or why it has none.
+def _answered(task: Task) -> Row:
+    """The row of a model; what cannot be made into a model is refused in words.
 
-    Of small models with dry joints the mechanisms are looked for together, before all else.
+    Of small models with dry joints the mechanism is looked for first: of many models many fall.
     """
-    clock = Clock(float("inf"))
-    problems: list[Problem | DrystoneError] = []
-    for model in models:
-        try:
-            problems.append(Problem.build(model))
-        except DrystoneError as error:
-            problems.append(error)
-    built = [one for one in problems if isinstance(one, Problem)]
-    first = [one for one in built if one.statics.free_count and one.equilibrium_first]
-    known = nearest_mechanisms([one.statics for one in first]) if first else []
-    nearest = dict(zip(first, known, strict=True))
-    shared_s = clock.elapsed_s / max(len(models), 1)
-    found: list[Result | DrystoneError] = []
-    for problem in problems:
-        if isinstance(problem, Problem):
-            own = Clock(float("inf"))
-            own.began -= shared_s
-            asked = Asked(problem, options, own, None, nearest.get(problem))
-            found.append(decided(asked))
-        else:
-            found.append(problem)
-    return found
-
-
-def _checked(model: Model, options: CheckOptions, each_s: float) -> Result | DrystoneError:
+    number, name, (given, options, each_s, how) = task
+    found: Result | DrystoneError
     try:
-        return check(model, options=options, time_limit_s=each_s)
+        problem = Problem.build(supported_model(given, **how))
+        asked = Asked(problem, options, Clock(each_s))
+        if problem.statics.free_count and problem.equilibrium_first:
+            asked.nearest = nearest_mechanism(problem.statics)
+        found = decided(asked)
     except DrystoneError as error:
-        return error
+        found = error
+    return [number, name, *_told(found)]
 
 
 def _told(found: Result | DrystoneError) -> Row:
@@ -244,10 +165,9 @@ def _told(found: Result | DrystoneError) -> Row:
     return [found.verdict.value, *tried, falling, _line(found.message), sum(found.time_s.values())]
 
 
-def _failed(group: tuple[Task, ...]) -> list[Row]:
+def _failed(task: Task) -> Row:
     """The row of a model that ended its worker twice."""
-    ((number, name, _),) = group
-    return [[number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]]
+    return [*task[:2], "failed", 0, 0, "", "its worker was ended twice", 0.0]
 
 
 def _earlier(out: PathLike) -> list[Row]:

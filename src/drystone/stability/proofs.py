@@ -11,9 +11,8 @@ from drystone.base.arrays import Floats
 from drystone.checks import block_speed, check_forces, mechanism_defects
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
-    project_on_mechanisms,
 )
-from drystone.formulations.held_still import held_still
+from drystone.formulations.projection import held_still, project_on_mechanisms
 from drystone.mechanics.rest_state import RestState
 from drystone.stability.problem import Problem
 

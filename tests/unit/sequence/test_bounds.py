@@ -6,11 +6,11 @@ import pytest
 from drystone.assembly import Assembly
 from drystone.model import Model
 from drystone.models import arch, tower
+from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Verdict
 from drystone.sequence import Structure
 from drystone.sequence.local_balance import LocalBalance
 from drystone.sequence.stages import members
-from drystone.stability import RBEOptions, solve_rbe
 
 
 def local(assembly: Assembly, friction: float) -> LocalBalance:

@@ -7,12 +7,12 @@ import drystone
 from benchmarks.workloads import random_pile
 from drystone import InputError, Verdict
 from drystone.models import shelf, vault
-from drystone.stability import FrictionCone, FrictionRule, Objective, RBEOptions, Weights
+from drystone.programs import FrictionCone, FrictionRule, Objective, RBEOptions, Weights
 
 
 def test_its_solution_is_that_of_solve_rbe() -> None:
     model = drystone.Model.of(vault(), friction=0.6)
-    program, result = drystone.stability.build_rbe(model), drystone.solve_rbe(model)
+    program, result = drystone.programs.build_rbe(model), drystone.solve_rbe(model)
     assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
     x = program.solve(RBEOptions().conic).x
     assert result.force is not None
@@ -29,8 +29,8 @@ def test_its_penalised_form_is_what_solve_rbe_answers_with_where_nothing_balance
     result = drystone.solve_rbe(model)
     assert result.verdict is Verdict.UNSTABLE
     assert result.tension is not None
-    assert drystone.stability.build_rbe(model).solve().status.value == "infeasible"
-    program = drystone.stability.build_rbe_penalty(model)
+    assert drystone.programs.build_rbe(model).solve().status.value == "infeasible"
+    program = drystone.programs.build_rbe_penalty(model)
     x = program.solve(RBEOptions().conic).x
     largest = result.tension.max()
     assert largest > 0.0
@@ -42,7 +42,7 @@ def test_its_penalised_form_is_what_solve_rbe_answers_with_where_nothing_balance
 def test_rows_and_variables_have_names(cone: FrictionCone, rule: FrictionRule) -> None:
     weights = Weights(friction=1.0)
     options = RBEOptions(cone=cone, rule=rule, objective=Objective.LINEAR, weights=weights)
-    program = drystone.stability.build_rbe_penalty(vault(), friction=0.6, options=options)
+    program = drystone.programs.build_rbe_penalty(vault(), friction=0.6, options=options)
     assert list(program.variables) == ["force", "length", "tension"]
     assert set(program.rows) == {
         "equilibrium", "no pull", "tension", "length of friction", "friction",
@@ -53,7 +53,7 @@ def test_rows_and_variables_have_names(cone: FrictionCone, rule: FrictionRule) -
 
 def test_bad_input_is_refused_as_by_solve_rbe() -> None:
     with pytest.raises(InputError):
-        drystone.stability.build_rbe(3)  # type: ignore[arg-type]
+        drystone.programs.build_rbe(3)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -104,7 +104,7 @@ def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> N
 
 def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_path: Path) -> None:
     class Gone(ThreadPoolExecutor):
-        left = 1  # two models
+        left = 2
 
         def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
             self.left -= 1

@@ -7,7 +7,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Verdict, check, find_cont
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.models import box
-from drystone.stability import solve_cra, solve_cra_penalty, solve_rbe
+from drystone.programs import solve_cra, solve_cra_penalty, solve_rbe
 
 X = (1.0, 0.0, 0.0)
 

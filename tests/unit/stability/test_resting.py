@@ -21,17 +21,16 @@ from drystone.mechanics.law import uniform
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState
 from drystone.model import Model
-from drystone.solvers.conic import ConicSolution, ConicStatus
-from drystone.stability import (
+from drystone.programs import (
     CRAOptions,
     PenaltyOptions,
     RBEOptions,
-    check,
     solve_cra,
     solve_cra_penalty,
     solve_rbe,
-    try_rest,
 )
+from drystone.solvers.conic import ConicSolution, ConicStatus
+from drystone.stability import check, try_rest
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, first_motion
 from drystone.stability.resting import stands_for_all

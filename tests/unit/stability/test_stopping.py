@@ -12,16 +12,9 @@ from scipy import sparse
 from drystone import LoadCase, Result, Verdict, find_contacts, models
 from drystone.base.progress import Clock
 from drystone.model import Model
+from drystone.programs import RBEOptions, solve_cra, solve_cra_penalty, solve_rbe
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
-from drystone.stability import (
-    CheckOptions,
-    RBEOptions,
-    check,
-    solve_cra,
-    solve_cra_penalty,
-    solve_rbe,
-    try_rest,
-)
+from drystone.stability import CheckOptions, check, try_rest
 
 ARCH = models.arch(0.15)
 JOINTS = find_contacts(ARCH, friction=0.9).contacts

@@ -13,6 +13,7 @@ from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import (
+    ANY_FORCES,
     EquilibriumSolution,
     Objective,
     Weights,
@@ -35,16 +36,16 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
+from drystone.stability.verdict import UNBALANCED
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
 
+BALANCED = "some contact forces balance the loads"
+
 STEEP = 1e3
 """Friction coefficient above which forces are also sought in the cone of this one: far above that
 of any stone, and solved without loss of digits."""
-
-ANY_FORCES = 1e-3
-"""Gap to the least forces at which to stop where any forces will do."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ def build_rbe(
     --------
     >>> import drystone
     >>> from drystone.models import tower
-    >>> program = drystone.stability.build_rbe(tower(2), friction=0.6)
+    >>> program = drystone.programs.build_rbe(tower(2), friction=0.6)
     >>> program
     ConicProgram(12 unknowns, 18 rows, force)
     >>> program.matrix[program.rows["equilibrium"]].shape
@@ -243,7 +244,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
         force = problem.force(solution.force)
         residuals = check_forces(problem.model, force)
         if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
-            verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
+            verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     else:
         mechanism = found_mechanism(problem, solution, clock.late)
         exact = chosen.cone == FrictionCone.exact() and problem.statics.dry
@@ -254,7 +255,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
                 return replace(other, iterations=other.iterations + solution.raw.iterations)
             mechanism = None if other is None else other.mechanism
         if mechanism is not None:
-            verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
+            verdict, message = Verdict.UNSTABLE, UNBALANCED
         elif (problem.statics.friction > STEEP).any():
             message += f"; friction of {problem.statics.friction.max():.3g} strains the numbers"
         elif clock.late():
@@ -278,7 +279,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
         force=force,
         tension=tension,
         mechanism=mechanism,
-        falling=moving_blocks(problem.model.assembly, mechanism) if mechanism is not None else (),
+        falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),
         residuals=residuals,
         stopped=clock.reason,
         options=chosen,
@@ -310,9 +311,7 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
         method="rbe",
         verdict=Verdict.UNSTABLE if falls else Verdict.EQUILIBRIUM_EXISTS,
         model=problem.model,
-        message="no contact forces can balance the loads"
-        if falls
-        else "some contact forces balance the loads",
+        message=UNBALANCED if falls else BALANCED,
         force=force,
         mechanism=mechanism,
         falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),

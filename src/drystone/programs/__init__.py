@@ -1,0 +1,24 @@
+"""Analyses as mathematical programs, a page each: rigid-block equilibrium, penalty, coupled."""
+
+from drystone.formulations.corner_forces import FrictionCone, FrictionRule
+from drystone.formulations.equilibrium import Objective, Weights
+from drystone.programs.cra import CRAOptions, solve_cra
+from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
+from drystone.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
+from drystone.solvers.program import ConicProgram
+
+__all__ = [
+    "CRAOptions",
+    "ConicProgram",
+    "FrictionCone",
+    "FrictionRule",
+    "Objective",
+    "PenaltyOptions",
+    "RBEOptions",
+    "Weights",
+    "build_rbe",
+    "build_rbe_penalty",
+    "solve_cra",
+    "solve_cra_penalty",
+    "solve_rbe",
+]

@@ -1,1 +1,0 @@
-"""Analyses as mathematical programs: rigid-block equilibrium and coupled analysis."""
