@@ -33,8 +33,12 @@ _THIN = 0.25
 
 def now() -> str:
     """The time and the version of drystone."""
-    day = dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    return f"{day}, drystone {version()}"
+    return with_version(dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"))
+
+
+def with_version(when: str) -> str:
+    """A time, and the version of drystone."""
+    return f"{when}, drystone {version()}"
 
 
 def _round_up(value: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Collection
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,15 @@ import numpy as np
 from drystone.answer import Answer
 from drystone.answer.chart import Chart
 from drystone.answer.question import asked_line
-from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.answer.scene import (
+    Layer,
+    LayerKind,
+    MarkerShape,
+    Scene,
+    SceneStage,
+    State,
+    with_version,
+)
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
@@ -136,7 +145,7 @@ def save_figure(
         shown = subject.figure()
         if isinstance(shown, Chart):
             return save_chart(shown, path, title=Path(subject.asked.file).stem)
-        scene = scene_of(shown)
+        scene = replace(shown, made=with_version(subject.when))
     else:
         scene = scene_of(subject, contacts)
     if section is not None:

@@ -100,7 +100,10 @@ def _numbered_drawing(plan: Plan) -> str:
     bare = replace(summary_stage(plan), headline="", message="")
     scene = replace(plan.layers(), stages=(bare,), facts={}, still=0)
     figure = draw(scene, (9.0, 6.5), preset="stages")
+    from matplotlib import rc_context  # slow to import
+
     text = io.StringIO()
-    figure.savefig(text, format="svg")
+    with rc_context({"svg.hashsalt": "drystone"}):
+        figure.savefig(text, format="svg", metadata={"Date": None})
     drawn = text.getvalue()
     return drawn[drawn.index("<svg") :]

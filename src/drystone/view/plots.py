@@ -187,7 +187,8 @@ def _lambert(direction: Floats, sign: float) -> Floats:
     return out
 
 
-_SUFFIXES = ("png", "svg", "pdf")
+_UNDATED = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""What says when a file was made is left out by kind: the same input gives the same bytes."""
 
 
 def save_plot(
@@ -205,20 +206,22 @@ def save_plot(
     if path is None:
         return draw()
     kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in _SUFFIXES:
+    if kind not in _UNDATED:
         as_what = f"as '.{kind}'" if kind else "without a suffix"
         raise FormatError(
             f"a {what} cannot be written {as_what}",
             where=str(path),
             remedy="end the name in .png, .svg or .pdf",
         )
+    from matplotlib import rc_context  # slow to import
+
     drawing = draw()
 
     def fill(file: BinaryIO) -> None:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), rc_context({"svg.hashsalt": "drystone"}):
             # Characters that the font does not have are drawn as boxes; the figure is still valid.
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            drawing.savefig(file, format=kind, dpi=dpi)
+            drawing.savefig(file, format=kind, dpi=dpi, metadata=_UNDATED[kind])
 
     write_whole(path, fill)
     return drawing

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TypeAlias
 
 from drystone.answer import Answer
 from drystone.answer.drawing import bare_scene
-from drystone.answer.scene import Scene
+from drystone.answer.scene import Scene, with_version
 from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
@@ -42,7 +43,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
         case Scene():
             return subject
         case Answer():
-            return subject.layers()
+            return replace(subject.layers(), made=with_version(subject.when))
         case Model():
             return bare_scene(subject.assembly, subject.contacts, subject)
         case _:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import struct
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,19 @@ def test_an_svg_is_drawn_and_parsed_back(tmp_path: Path) -> None:
     root = ET.parse(path).getroot()
     assert root.tag == f"{SVG}svg"
     assert len(root.findall(f".//{SVG}path")) > 9
+
+
+@pytest.mark.parametrize("suffix", ["svg", "pdf", "png"])
+def test_the_same_answer_is_drawn_to_the_same_bytes(
+    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer = drystone.check(tower(2), friction=0.6)
+    paths = [tmp_path / f"{i}.{suffix}" for i in range(2)]
+    drystone.save_figure(answer, paths[0])
+    monkeypatch.setattr(time, "time", lambda: answer.made + 1e6)
+    monkeypatch.setattr("drystone.answer.scene.now", lambda: "later")
+    drystone.save_figure(answer, paths[1])
+    assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
 def test_pyplot_and_its_state_are_left_alone(tmp_path: Path) -> None:
