@@ -177,37 +177,26 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
     def joint(k: int) -> dict[str, Any]:
         return {"interface": k, "blocks": [names[contacts.block_a[k]], names[contacts.block_b[k]]]}
 
-    def pressed(force: Floats, point: Floats) -> dict[str, Any]:
-        return {"force": force.tolist(), "point": point.tolist()}
-
-    ballast, turn = needs.ballast, needs.turn
-    blocks = [names[i] for i in region.blocks]
+    ballast, turn, blocks = needs.ballast, needs.turn, [names[i] for i in region.blocks]
     return {
         "blocks": blocks,
         "neighbours": [names[i] for i in region.neighbours],
-        "verdict": region.verdict.value,
+        "verdict": region.verdict,
         "sentence": region.sentence,
         "joints": [
             {
-                "interface": j.interface,
-                "block": names[j.block],
-                "neighbour": names[j.neighbour],
-                "motion": j.motion.name.lower(),
-                "direction": j.direction.tolist(),
-                "edge": None if j.edge is None else j.edge.tolist(),
-                "normal": j.normal,
-                "friction_use": j.friction_use,
-                "idle": j.idle,
-                "friction_spent": j.spent,
-                "hinge": j.hinge,
+                **vars(one),
+                "block": names[one.block],
+                "neighbour": names[one.neighbour],
+                "motion": one.motion.name.lower(),
             }
-            for j in region.joints
+            for one in region.joints
         ],
         "needs": {
-            "prop": pressed(needs.force, needs.point),
-            "wrench": dict(zip(blocks, needs.wrench.tolist(), strict=True)),
+            "prop": {"force": needs.force, "point": needs.point},
+            "wrench": dict(zip(blocks, needs.wrench, strict=True)),
             "supports": [
-                {"block": names[one.block], **pressed(one.force, one.point)}
+                {"block": names[one.block], "force": one.force, "point": one.point}
                 for one in needs.props.props
             ],
             "friction": needs.friction,
@@ -217,14 +206,6 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
                 {"joints": [joint(k) for k in glue.at], "strength": glue.value}
                 for glue in needs.glue
             ],
-            "tension": [
-                {
-                    **joint(one.interface),
-                    "force": one.force,
-                    "point": one.point.tolist(),
-                    "stress": one.stress,
-                }
-                for one in needs.pulls
-            ],
+            "tension": [{**vars(one), **joint(one.interface)} for one in needs.pulls],
         },
     }

@@ -20,10 +20,15 @@ from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states
 from drystone.design.margin import QUICK, quickly_stands
-from drystone.design.missing_wrenches import solve_alone, with_wrenches
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
 from drystone.design.region_words import sentence
-from drystone.design.regions import interfaces_of, local_model, regions_of
+from drystone.design.regions import (
+    interfaces_of,
+    local_model,
+    regions_of,
+    solve_alone,
+    with_wrenches,
+)
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result

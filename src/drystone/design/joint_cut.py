@@ -72,62 +72,6 @@ class Cell(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class JointCut:
-    """The parts that two blocks exchange at a joint.
-
-    Attributes
-    ----------
-    joint
-    to_a, to_b
-        Cells of the parts; those of one block do not overlap.
-    walls_a, walls_b
-        How far the parts of block a, and of block b, reach to the sides; ``None`` where the block
-        ends at the joint.
-    """
-
-    joint: JointPlane
-    to_a: tuple[Cell, ...]
-    to_b: tuple[Cell, ...]
-    walls_a: Cell | None
-    walls_b: Cell | None
-
-    @classmethod
-    def of(
-        cls, joint: JointPlane, one: Piece, other: Piece, to_a: Sequence[Cell], to_b: Sequence[Cell]
-    ) -> JointCut:
-        """The cut of the bodies of block a and of block b, as they are before it."""
-        ends = covers_face(one, joint), covers_face(other, joint)
-        walls_a = None if ends[0] else _walls(joint, other if ends[1] else None)
-        walls_b = None if ends[1] else _walls(joint, one if ends[0] else None)
-        return cls(joint, tuple(to_a), tuple(to_b), walls_a, walls_b)
-
-    def from_a(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
-        """What block b takes of the pieces of block a, and what is left of them."""
-        return _taken(pieces, self.to_b, self.walls_a, self.joint, -1.0)
-
-    def from_b(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
-        """What block a takes of the pieces of block b, and what is left of them."""
-        return _taken(pieces, self.to_a, self.walls_b, self.joint, 1.0)
-
-    def refuse_swallowed(
-        self, one: Piece, other: Piece, taken: list[Piece], given: list[Piece], where: str
-    ) -> None:
-        """Refuse a cut that removes a whole face of one of the two bodies."""
-        for body, parts, cells in ((other, given, self.to_a), (one, taken, self.to_b)):
-            _refuse_swallowed(body, parts, cells, self.joint, where)
-
-
-def one_body(pieces: Sequence[Piece], where: str, name: str) -> Piece:
-    """The union of pieces, refused where it is not one body."""
-    bodies = glue(pieces)
-    if len(bodies) != 1:
-        raise InputError(
-            f"would cut '{name}' into {len(bodies)} parts", where=where, remedy="make it smaller"
-        )
-    return bodies[0]
-
-
-@dataclass(frozen=True, eq=False)
 class JointRecut(OneLine):
     """A new cut of one joint: parts of block b given to block a, and of block a to block b.
 
@@ -191,15 +135,56 @@ class _Exchange:
     recut: JointRecut = field(compare=False)
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What a block gives away at a joint: cells within walls, where they touch the joint.
+
+    Attributes
+    ----------
+    joint
+    cells
+        They do not overlap.
+    walls
+        How far they reach to the sides; ``None`` where the block ends at the joint.
+    onward
+        1 where the block lies along the normal of the joint, -1 against it.
+    """
+
+    joint: JointPlane
+    cells: tuple[Cell, ...]
+    walls: Cell | None
+    onward: float
+
+    def of(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """The part of the pieces of the block, and the rest."""
+        joint = self.joint
+        beyond = Cell.below(-self.onward * joint.normal[None], joint.centre[None])
+        if self.walls is not None:
+            beyond = beyond.within(self.walls)
+        taken: list[Piece] = []
+        kept: list[Piece] = list(pieces)
+        for cell in self.cells:
+            whole = cell.within(beyond)
+            inside, kept = cut_cell(kept, whole.normal, whole.offset)
+            for piece in inside:
+                (taken if _joint_faces_over(piece, joint) else kept).append(piece)
+        return taken, kept
+
+
 @lru_cache(_REMEMBERED)
-def _exchanged(asked: _Exchange) -> tuple[JointCut, list[Piece], list[Piece]]:
-    """The cut of one joint, and what block a and block b take at it from each other."""
-    new = asked.recut
-    one, other = (snapped(body_of(block), new.joint) for block in asked.blocks)
-    cut = JointCut.of(new.joint, one, other, new.to_a, new.to_b)
-    given, taken = cut.from_b([other])[0], cut.from_a([one])[0]
-    cut.refuse_swallowed(one, other, taken, given, asked.where)
-    return cut, given, taken
+def _exchanged(asked: _Exchange) -> tuple[tuple[_Part, list[Piece]], tuple[_Part, list[Piece]]]:
+    """Of block a and of block b at one joint: what it gives to the other one, and what it takes."""
+    new, joint = asked.recut, asked.recut.joint
+    one, other = (snapped(body_of(block), joint) for block in asked.blocks)
+    ends = covers_face(one, joint), covers_face(other, joint)
+    walls_a = None if ends[0] else _walls(joint, other if ends[1] else None)
+    walls_b = None if ends[1] else _walls(joint, one if ends[0] else None)
+    of_a = _Part(joint, new.to_b, walls_a, -1.0)
+    of_b = _Part(joint, new.to_a, walls_b, 1.0)
+    taken, given = of_a.of([one])[0], of_b.of([other])[0]
+    for body, parts, cells in ((other, given, new.to_a), (one, taken, new.to_b)):
+        _refuse_swallowed(body, parts, cells, joint, asked.where)
+    return (of_a, given), (of_b, taken)
 
 
 @lru_cache(_REMEMBERED)
@@ -208,15 +193,18 @@ def _made(block: Block, some: tuple[tuple[_Exchange, bool], ...]) -> tuple[Block
     body = body_of(block)
     for asked, _ in some:
         body = snapped(body, asked.recut.joint)
-    pieces = [body]
+    pieces, taken = [body], list[Piece]()
     for asked, is_a in some:
-        cut = _exchanged(asked)[0]
-        pieces = (cut.from_a if is_a else cut.from_b)(pieces)[1]
-    for asked, is_a in some:
-        _, given, taken = _exchanged(asked)
-        pieces += given if is_a else taken
-    whole = one_body(pieces, some[0][0].where, block.name)
-    return block_with(block, body), block_with(block, whole)
+        part, more = _exchanged(asked)[0 if is_a else 1]
+        pieces, taken = part.of(pieces)[1], [*taken, *more]
+    bodies = glue([*pieces, *taken])
+    if len(bodies) != 1:
+        raise InputError(
+            f"would cut '{block.name}' into {len(bodies)} parts",
+            where=some[0][0].where,
+            remedy="make it smaller",
+        )
+    return block_with(block, body), block_with(block, bodies[0])
 
 
 def _walls(joint: JointPlane, ending: Piece | None) -> Cell:
@@ -265,31 +253,6 @@ def _touches(corner: Floats, start: Floats, end: Floats, near: float) -> bool:
         if np.linalg.norm(middle - p - share * along) <= near:
             return True
     return False
-
-
-def _taken(
-    pieces: Sequence[Piece], cells: Sequence[Cell], walls: Cell | None, joint: JointPlane,
-    onward: float,
-) -> tuple[list[Piece], list[Piece]]:  # fmt: skip
-    """The parts of a body in cells that touch the joint, and the rest.
-
-    Parameters
-    ----------
-    pieces
-        Of the body.
-    cells, walls, joint
-    onward
-        1 where the body lies along n, -1 against it.
-    """
-    beyond = Cell.below(-onward * joint.normal[None], joint.centre[None])
-    taken: list[Piece] = []
-    kept: list[Piece] = list(pieces)
-    for cell in cells:
-        whole = cell.within(beyond) if walls is None else cell.within(beyond).within(walls)
-        inside, kept = cut_cell(kept, whole.normal, whole.offset)
-        for piece in inside:
-            (taken if _joint_faces_over(piece, joint) else kept).append(piece)
-    return taken, kept
 
 
 def _joint_faces_over(piece: Piece, joint: JointPlane) -> bool:

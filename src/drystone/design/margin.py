@@ -60,30 +60,15 @@ def rest_found(model: Model, stop: Callable[[], bool] | None = None) -> Result:
     return result
 
 
-def quickly_stands(
-    model: Model,
-    stop: Callable[[], bool] | None = None,
-    near: dict[int, Floats] | None = None,
-) -> bool:
+def quickly_stands(model: Model, stop: Callable[[], bool] | None = None) -> bool:
     """Whether :func:`quick_check` finds a model to stand; without the proof where it falls.
-
-    Parameters
-    ----------
-    model
-    stop
-    near
-        Rest states of the last model that stood, among models with the same blocks; changed. For
-        large models: from there rest is found in a tenth of the time, and more often.
 
     Raises
     ------
     Stopped
         As there.
     """
-    if near is None:
-        stands = stands_evenly(model, stop)
-    else:
-        stands = stands_near(model, near, samples=0, stop=stop)
+    stands = stands_evenly(model, stop)
     if not stands and stop is not None and stop():
         raise Stopped
     return stands
@@ -104,11 +89,13 @@ def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
 def stands_near(
     model: Model,
     near: dict[int, Floats],
-    *,
-    samples: int = SAMPLES,
+    samples: int,
     stop: Callable[[], bool] | None = None,
 ) -> bool:
-    """Whether a model stands for all contact stiffnesses, begun at a rest state that it updates."""
+    """Whether a model stands for all contact stiffnesses, begun at a rest state that it updates.
+
+    For large models: from there rest is found in a tenth of the time, and more often.
+    """
     options = CheckOptions(samples=samples, settle=False, uniform=True)
     result = check(model, options=options, start=near.get(0), stop=stop)
     stands = result.stable and result.samples.standing == result.samples.tried == samples + 1
@@ -207,16 +194,14 @@ class DesignMargin(Options):
             Asked often; once it is True, nothing is found to stand.
         near
             Rest states in each case of the last model that stood, among models with the same
-            blocks; changed. For large models, see ``quickly_stands``.
+            blocks; changed.
         """
         cases = (model, *self.cases(model))
         if near is not None and (quick or self.robust):
             near.extend({} for _ in cases[len(near) :])
             samples = 0 if quick else SAMPLES
-            return all(
-                stands_near(case, rests, samples=samples, stop=stop)
-                for case, rests in zip(cases, near, strict=True)
-            )
+            pairs = zip(cases, near, strict=True)
+            return all(stands_near(case, rests, samples, stop) for case, rests in pairs)
         if quick:
             return all(stands_evenly(case, stop) for case in cases)
         if self.robust:

@@ -24,8 +24,6 @@ from drystone.design.changes import (
 )
 from drystone.design.margin import SMALL_REGION
 from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props
-from drystone.geometry.solid import crossings
-from drystone.geometry.triangulate import triangulate
 from drystone.model import Model
 from drystone.results import Result
 
@@ -186,35 +184,11 @@ def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
 def one_force(model: Model, blocks: tuple[int, ...], wrench: Floats) -> tuple[Floats, Floats]:
     """The sum of wrenches on some blocks as one force (3,) [N], and its point of action (3,) [m].
 
-    The point is where the line of action enters the blocks, or the point of the line nearest to the
-    centroid if the line misses the blocks.
+    Of the points on the line of action it is the one nearest to the middle of the blocks.
     """
     centroid = model.assembly.centroid[list(blocks)]
-    middle = centroid.mean(axis=0)
+    middle: Floats = centroid.mean(axis=0)
     force: Floats = wrench[:, :3].sum(axis=0)
     moment = wrench[:, 3:].sum(axis=0) + np.cross(centroid - middle, wrench[:, :3]).sum(axis=0)
     square = float(force @ force)
-    if square == 0.0:
-        return force, middle
-    at = middle + np.cross(force, moment) / square
-    along = force / np.sqrt(square)
-    best = np.inf
-    for i in blocks:
-        body = model.assembly.blocks[i]
-        best = min(best, _entry(body.vertices, body.faces, at, along))
-    point: Floats = at + (best if np.isfinite(best) else 0.0) * along
-    return force, point
-
-
-def _entry(
-    vertices: Floats, faces: tuple[tuple[int, ...], ...], at: Floats, along: Floats
-) -> float:
-    """Position along a line at which it enters a body; infinite if it misses the body."""
-    reach = 2.0 * float(np.linalg.norm(vertices - at, axis=1).max())
-    loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
-    ends = np.cumsum([0, *(len(face) for face in faces)]).astype(np.intp)
-    corner = vertices[loop][triangulate(vertices[loop], ends)[0]]
-    start, end = at - reach * along, at + reach * along
-    shape = (len(corner), 3)
-    hit, share = crossings(np.broadcast_to(start, shape), np.broadcast_to(end, shape), corner)
-    return float((2.0 * share[hit].min() - 1.0) * reach) if hit.any() else np.inf
+    return force, middle + np.cross(force, moment) / square if square > 0.0 else middle

@@ -1,15 +1,37 @@
-"""Connected blocks that need help, and the model of each with its neighbours fixed."""
+"""Connected blocks that fall, the model of each such region, and the wrenches that it needs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Ints
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.design.margin import QUICK
+from drystone.formulations.corner_forces import (
+    FrictionCone,
+    add_contact_rows,
+    add_corner_forces,
+)
 from drystone.model import Model
+from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
+from drystone.programs.rbe import BALANCE_TOLERANCE
+from drystone.results import Result
+from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ProgramBuilder
+from drystone.stability import check
+from drystone.stability.problem import Problem
+from drystone.stability.proofs import FALLING_SHARE
+
+_AS_IT_LIES = PenaltyOptions(settle=False)
+"""Joints are as stiff as they are: what shims could hold needs help all the same."""
+
+_UNIQUE = 1e-8
+"""Cost of the forces of the joints, by that of the wrenches: of many that balance the load it takes
+those spread evenly, and changes the wrenches by less than the tolerance of a balance."""
 
 
 def regions_of(model: Model, needy: Sequence[int]) -> list[tuple[int, ...]]:
@@ -62,3 +84,91 @@ def interfaces_of(model: Model, region: Sequence[int]) -> Bools:
     inside[list(region)] = True
     touched: Bools = inside[model.contacts.block_a] | inside[model.contacts.block_b]
     return touched & model.active
+
+
+def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.inf) -> Result:
+    """The result of a check, with the blocks that fall and the wrench that each of them needs.
+
+    Where the check has found none, they are those of the penalty form. It is for dry joints only;
+    for others they are the least wrenches that balance the load together with forces that the
+    joints can carry.
+
+    Parameters
+    ----------
+    answer
+        Of a model that does not stand.
+    stop
+    left_s : [s]
+        Time limit.
+    """
+    if answer.prop is not None and answer.falling:
+        return answer
+    model = answer.model
+    if model.contacts.dry.all():
+        return solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
+    found = _least_wrenches(model, stop)
+    if found is None:
+        return answer
+    prop, force = found
+    share = np.linalg.norm(prop[:, :3], axis=1) + np.linalg.norm(prop[:, 3:], axis=1) / (
+        model.assembly.size
+    )
+    load = float(np.linalg.norm(model.load.wrench[model.assembly.free, :3], axis=1).max())
+    if share.max() <= BALANCE_TOLERANCE * load:
+        return answer
+    needy = np.flatnonzero(share > FALLING_SHARE * share.max())
+    falling = tuple(needy.tolist())
+    return replace(answer, prop=prop, force_with_props=force, falling=falling)
+
+
+def _least_wrenches(
+    model: Model, stop: Callable[[], bool] | None = None
+) -> tuple[Floats, Floats] | None:
+    """The least wrenches on free blocks with which joints of any capacity balance the load.
+
+    ::
+
+        minimise  1/2 |w|^2   subject to   A f + p + w = 0,  friction and capacity of the joints
+
+    They are zero where forces of the joints balance the load, else they act against a mechanism.
+    Moments are divided by the sizes of the blocks.
+
+    Returns
+    -------
+    wrench : (n, 6) [N, N m]
+    force : (k, 3) [N], local n, u, v
+        With which they balance the load. ``None`` in place of both if the solver fails.
+    """
+    problem = Problem.build(model)
+    statics = problem.statics
+    count = 6 * statics.free_count
+    program = ProgramBuilder()
+    forces = add_corner_forces(program, statics, quadratic=_UNIQUE)
+    held = program.variable("wrench", count, quadratic=1.0)
+    program.equal(
+        "equilibrium",
+        -statics.load.ravel(),
+        *forces.wrench(statics),
+        (held, sparse.identity(count, format="csc")),
+    )
+    add_contact_rows(program, statics, FrictionCone.exact(), forces)
+    made = program.build()
+    raw = made.solve(stop=stop)
+    if raw.status is not ConicStatus.SOLVED:
+        return None
+    wrench = problem.wrench(made.value(raw.x, "wrench").reshape(-1, 6))
+    return wrench, problem.force(raw.x[made.variables["force"]].reshape(-1, 3))
+
+
+def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
+    """The local model of a region: its verdict, the wrenches that it needs and the tension.
+
+    The tension is that of its joints if they were glued: of the penalty form, or for joints that
+    already pull or cohere that of RBE beyond what they carry.
+    """
+    if local.contacts.dry.all():
+        return solve_cra_penalty(local, options=_AS_IT_LIES, stop=stop)
+    answer = check(local, options=QUICK, stop=stop)
+    if answer.stable or stop():
+        return answer
+    return replace(with_wrenches(answer, stop), tension=solve_rbe(local, stop=stop).tension)

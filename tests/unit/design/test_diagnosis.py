@@ -12,9 +12,8 @@ from drystone import Assembly, InputError, Model, Verdict, check
 from drystone.checks import check_forces
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
-from drystone.design.missing_wrenches import with_wrenches
 from drystone.design.props import find_props, with_props
-from drystone.design.regions import regions_of
+from drystone.design.regions import regions_of, with_wrenches
 from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, prism, shelf, tower
 
