@@ -41,15 +41,24 @@ class Source:
     layer: Annotated[
         tuple[str, ...],
         Option(
-            "Layer of a 3dm file to read, hidden or not. Can be given several times.",
+            "Layer of a 3dm or DXF file to read, hidden or not. Can be given several times.",
             MODEL,
             metavar="NAME",
             expert=True,
         ),
     ] = ()
     hidden: Annotated[
-        bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
+        bool, Option("Read hidden layers and objects of a 3dm or DXF file too.", MODEL, expert=True)
     ] = False
+    thickness: Annotated[
+        str | None,
+        Option(
+            "Thickness of the blocks of a section in a DXF file, such as 450mm (1 m).",
+            MODEL,
+            metavar="LENGTH",
+            expert=True,
+        ),
+    ] = None
     max_size: Annotated[
         float | None,
         Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
@@ -63,6 +72,7 @@ class Source:
             "repair": self.repair,
             "layers": self.layer,
             "hidden": self.hidden,
+            "thickness": self.thickness,
             "max_size": self.max_size,
         }
 

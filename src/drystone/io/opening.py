@@ -49,11 +49,13 @@ class How(TypedDict, total=False):
     skip_defects: bool
     layers: Sequence[str]
     hidden: bool
+    thickness: float | str | None
     max_size: float | None
 
 
 _FILE_ONLY = (
-    "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden", "max_size"
+    "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden",
+    "thickness", "max_size",
 )  # fmt: skip
 """Arguments of :func:`drystone.read` that only a file has."""
 
@@ -76,6 +78,7 @@ def read(
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    thickness: float | str | None = None,
     max_size: float | None = None,
     progress: Progress | None = None,
 ) -> Model:
@@ -116,10 +119,12 @@ def read(
     skip_defects
         Leave out blocks that cannot be used, with a note.
     layers
-        Names of the layers to read, including hidden ones; 3dm only. When left out: all visible
-        layers.
+        Names of the layers to read, including hidden ones; 3dm and DXF only. When left out: all
+        visible layers.
     hidden
-        Read hidden layers and objects too; 3dm only.
+        Read hidden layers and objects too; 3dm and DXF only.
+    thickness
+        Of the blocks of a section in a DXF file: metres, or a length such as ``450mm`` (1 m).
     max_size : [MiB]
         Refuse larger files, before they are read; 64 when left out.
     progress
@@ -158,6 +163,7 @@ def read(
         skip_defects=skip_defects,
         layers=layers,
         hidden=hidden,
+        thickness=thickness,
         max_size=max_size,
         supports=supports if isinstance(supports, str) else None,
     )
@@ -214,7 +220,7 @@ def read(
         "units": units, "up": None if up == "z" else up, "supports": asked,
         "friction": friction, "density": density, "split": split, "repair": repair,
         "search": search, "anyway": anyway, "skip_defects": skip_defects, "layers": layers,
-        "hidden": hidden,
+        "hidden": hidden, "thickness": thickness,
         **({} if detection is None else differing(detection)),
     }  # fmt: skip
     chosen = {name: one for name, one in given.items() if one is not None and one is not False}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -13,7 +13,7 @@ from drystone.base.arrays import number, of_type
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors
 from drystone.base.files import PathLike, as_path, read_bytes
-from drystone.base.units import scale_of
+from drystone.base.units import length, scale_of
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Contents, Draft
 from drystone.io.several import Paths, files_of, place_of, together
@@ -43,8 +43,8 @@ class Format(OneLine):
         The parts of a model that the format cannot hold, as text; empty if it holds everything.
     axes_unknown
         Whether files do not define the vertical axis.
-    layers
-        Whether it has layers; ``read`` then takes ``layers`` and ``hidden`` too.
+    options
+        What ``read`` takes further: ``layers`` and ``hidden``, or ``thickness`` and ``units``.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Format(OneLine):
     writer: str = ""
     loses: str = ""
     axes_unknown: bool = False
-    layers: bool = False
+    options: tuple[str, ...] = ()
 
     @property
     def read(self) -> Callable[..., Draft]:
@@ -72,6 +72,7 @@ def _function(place: str, usual: str) -> Callable[..., Any]:
     return getattr(import_module(f"drystone.io.{module}"), function or usual)
 
 
+_LAYERED = ("layers", "hidden")
 _LOADS = "loads and results"
 _CONTACTS = f"contacts, {_LOADS}"
 _MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
@@ -105,7 +106,8 @@ FORMATS: tuple[Format, ...] = (
     Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, axes_unknown=True),
     Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", axes_unknown=True),
     Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, axes_unknown=True),
-    Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, layers=True),
+    Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, options=_LAYERED),
+    Format("dxf", "DXF", (".dxf",), "dxf", options=(*_LAYERED, "thickness", "units")),
     Format("bricks", "stud-and-tube bricks", (".bricks", ".txt"), "brick_list"),
     Format("ldraw", "LDraw", (".ldr", ".mpd"), "ldraw"),
     Format(
@@ -169,6 +171,7 @@ def read_file(
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    thickness: float | str | None = None,
     max_size: float | None = None,
     supports: str | None = None,
     repair: bool = False,
@@ -180,7 +183,7 @@ def read_file(
     path
         Its suffix determines the format. A folder, a pattern such as ``parts/*.obj`` or a list of
         files is one model, each file with one block or more that are named by it.
-    units, split, skip_defects, layers, hidden
+    units, split, skip_defects, layers, hidden, thickness
         As in :func:`drystone.read`.
     max_size : [MiB]
         Refuse larger files, before they are read; 64 when left out.
@@ -211,7 +214,7 @@ def read_file(
     """
     with one_line_errors():
         files = files_at(path)
-        draft = _draft(files, units, layers, hidden, max_size)
+        draft = _draft(files, units, max_size, layers, hidden, thickness)
         return build(
             draft,
             place_of(path),
@@ -230,6 +233,7 @@ def inspect(
     split: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    thickness: float | str | None = None,
     max_size: float | None = None,
     supports: str | None = None,
     repair: bool = False,
@@ -237,7 +241,7 @@ def inspect(
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         files = files_at(path)
-        draft = _draft(files, units, layers, hidden, max_size)
+        draft = _draft(files, units, max_size, layers, hidden, thickness)
         return try_blocks(
             draft,
             place_of(path),
@@ -251,36 +255,41 @@ def inspect(
 def _draft(
     files: Sequence[Path],
     units: str | None,
+    max_size: float | None,
     layers: Sequence[str],
     hidden: bool,
-    max_size: float | None = None,
+    thickness: float | str | None,
 ) -> Draft:
     """The draft of a file, or of several together."""
-    drafts = [(file, _draft_of(file, units, layers, hidden, max_size)) for file in files]
+    if units is not None:
+        scale_of(units)
+    named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
+    asked: dict[str, Any] = {"layers": named, "hidden": of_type(hidden, bool, "hidden")}
+    if thickness is not None:
+        told = length(thickness, "thickness") if isinstance(thickness, str) else thickness
+        asked["thickness"] = number(told, "thickness")
+        if not asked["thickness"] > 0.0:
+            raise InputError(f"a thickness of {thickness} m", remedy="give metres above zero")
+    asked = {name: one for name, one in asked.items() if one}
+    drafts = [(file, _draft_of(file, units, max_size, asked)) for file in files]
     return drafts[0][1] if len(drafts) == 1 else together(drafts, units)
 
 
 def _draft_of(
-    path: Path,
-    units: str | None,
-    layers: Sequence[str],
-    hidden: bool,
-    max_size: float | None = None,
+    path: Path, units: str | None, max_size: float | None, asked: Mapping[str, Any]
 ) -> Draft:
-    if units is not None:
-        scale_of(units)
     chosen = format_of(path)
     if not chosen.reader:
         raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
-    named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
-    hidden = of_type(hidden, bool, "hidden")
-    layered = {"layers": named, "hidden": hidden} if named or hidden else {}
-    if layered and not chosen.layers:
-        raise FormatError(f"{chosen.title} has no layers", where=str(path), remedy="leave them out")
+    for name in asked:
+        if name not in chosen.options:
+            what = "no thickness to choose" if name == "thickness" else "no layers"
+            raise FormatError(f"{chosen.title} has {what}", where=str(path), remedy="leave it out")
+    options = {**asked, **({"units": units} if "units" in chosen.options else {})}
     largest = None if max_size is None else int(2**20 * number(max_size, "max_size"))
     data = read_bytes(path, largest)
     try:
-        draft = chosen.read(data, Path(path), **layered)
+        draft = chosen.read(data, Path(path), **options)
     except (RecursionError, MemoryError) as error:
         raise FormatError(
             "reading the file would take more memory than any model needs", where=str(path)

@@ -1,8 +1,8 @@
 """Rhino 3dm: meshes, extrusions and planar Breps; names, layers, user text and units.
 
 User text of an object: ``support`` (true or false), ``density`` [kg/m3], ``friction``. Objects on a
-layer called ``supports`` are fixed. For a curved Brep the render mesh in the file is read, if there
-is one, with a note. Needs rhino3dm (extra ``cad``).
+layer called ``supports``, ``fixed`` or ``ground`` are fixed. For a curved Brep the render mesh in
+the file is read, if there is one, with a note. Needs rhino3dm (extra ``cad``).
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError, MissingDependency, counted
+from drystone.base.errors import FormatError, MissingDependency
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
+from drystone.io.layers import hidden_notes, holds, require_blocks
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
-_SUPPORT_LAYERS = ("support", "supports")
 YES, NO = ("true", "yes", "1"), ("false", "no", "0")
 TEXT = "drystone"
 """User text for data that a mesh of Rhino cannot hold."""
@@ -48,10 +48,7 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     units = UNITS.get(top["units"].text())
     notes = [f"{count.integer()} x {kind} left out" for kind, count in top["skipped"].items()]
     unread = {layer: count.integer() for layer, count in top["hidden"].items()}
-    notes += [
-        f"{counted(count, 'hidden object')} left out on layer '{layer}'"
-        for layer, count in unread.items()
-    ]
+    notes += hidden_notes(unread)
     if units is None:
         notes.append(f"its unit, {top['units'].text()}, is not known; metres assumed")
     shapes: list[DraftBlock] = []
@@ -59,21 +56,8 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
         made, remarks = _shapes(item, number, path)
         shapes += made
         notes += remarks
-    if not shapes and layers:
-        known = ", ".join(f"'{one.text()}'" for one in top["layers"].elements())
-        wanted = ", ".join(f"'{one}'" for one in layers)
-        raise FormatError(
-            f"holds no block on layer {wanted}",
-            where=str(path),
-            remedy=f"its layers are {known or 'none'}",
-        )
-    if not shapes and unread:
-        total = counted(sum(unread.values()), "object")
-        raise FormatError(
-            f"holds no visible block; {total} hidden on layers {', '.join(map(repr, unread))}",
-            where=str(path),
-            remedy="read them with --layer NAME or --hidden, or show them in Rhino",
-        )
+    known = [one.text() for one in top["layers"].elements()]
+    require_blocks(shapes, layers, known, unread, path)
     shapes, renamed = named_apart(shapes)
     return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
 
@@ -148,7 +132,7 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
         )
         if kind == "drawn":
             notes.append(f"'{name}' is curved: its render mesh was read")
-    fixed = layer.lower() in _SUPPORT_LAYERS if told.fixed is None else told.fixed
+    fixed = holds(layer) if told.fixed is None else told.fixed
     placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
     metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
     shapes = []

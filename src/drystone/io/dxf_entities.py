@@ -1,0 +1,218 @@
+"""The entities of a DXF file, with its layers and units, each moved to where it is inserted.
+
+Source: Autodesk, DXF Reference (2018): pairs of a group code and a value, a line each. A flat
+entity lies in a plane; its normal is given by codes 210 to 230, and its axes follow from that by
+the arbitrary axis algorithm.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise, product
+from pathlib import Path
+
+import numpy as np
+
+from drystone.base.arrays import FARTHEST, Floats
+from drystone.base.errors import FormatError
+from drystone.base.files import lines_of
+
+_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
+"""By the value of $INSUNITS."""
+_CODE = re.compile(r"-?\d{1,4}", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
+_UPRIGHT = 1.0 / 64.0
+"""Below it both x and y of a normal count as zero, in the arbitrary axis algorithm."""
+_DEEPEST, _MOST = 16, 100_000
+"""Blocks in each other, and entities in all: a small file can unfold to very many. Chosen."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entity:
+    """An entity with its tags; a polyline with its vertices; a block with its entities.
+
+    Attributes
+    ----------
+    kind
+    tags
+        Group codes with their texts.
+    inner
+    """
+
+    kind: str
+    tags: list[tuple[int, str]] = field(default_factory=list)
+    inner: list[Entity] = field(default_factory=list)
+
+    def text(self, code: int) -> str:
+        """The first text of a code, or nothing."""
+        return next((text for key, text in self.tags if key == code), "")
+
+    def number(self, code: int, default: float = 0.0) -> float:
+        """The first number of a code."""
+        return float(self.text(code) or default)
+
+    def numbers(self, code: int) -> list[float]:
+        """All numbers of a code."""
+        return [float(text) for key, text in self.tags if key == code]
+
+    @property
+    def flags(self) -> int:
+        """Bits of code 70."""
+        return int(self.number(70))
+
+    def point(self, code: int = 10) -> Floats:
+        """The point (3,) of a code and those 10 and 20 above it."""
+        return np.array([self.number(code + step) for step in (0, 10, 20)])
+
+    def frame(self) -> Floats:
+        """Axes (3, 3) of its plane, in columns."""
+        normal = self.point(210)
+        size = float(np.linalg.norm(normal))
+        normal = normal / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+        upright = np.abs(normal[:2]).max() < _UPRIGHT
+        x = np.cross([0.0, 1.0, 0.0] if upright else [0.0, 0.0, 1.0], normal)
+        x /= np.linalg.norm(x)
+        return np.stack([x, np.cross(normal, x), normal], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What a file holds.
+
+    Attributes
+    ----------
+    units
+        ``None`` if it has none, or none that is known.
+    visible
+        By layer.
+    entities
+        Each with the matrix (4, 4) that moves it to its place, and its layer.
+    """
+
+    units: str | None
+    visible: dict[str, bool]
+    entities: list[tuple[Entity, Floats, str]]
+
+
+def drawing(data: bytes, path: Path) -> Drawing:
+    """The drawing in the bytes of a file.
+
+    Raises
+    ------
+    FormatError
+        No DXF, binary, cut off, with a number that is none, or with too many entities.
+    """
+    if data.startswith(b"AutoCAD Binary DXF"):
+        raise FormatError(
+            "is a binary DXF", where=str(path), remedy="save it as a text (ASCII) DXF"
+        )
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:  # before 2007; only names have other letters than ASCII
+        text = data.decode("latin-1")
+    units = None
+    visible: dict[str, bool] = {}
+    blocks: dict[str, Entity] = {}
+    entities: list[Entity] = []
+    section = ""
+    target: list[Entity] = []
+    for entity in _entities(text, path):
+        if entity.kind == "SECTION":
+            section = entity.text(2)
+            target = entities if section == "ENTITIES" else []
+            units = _units(entity) if section == "HEADER" else units
+        elif entity.kind == "BLOCK":
+            target = blocks.setdefault(entity.text(2).lower(), entity).inner
+        elif entity.kind == "LAYER" and section == "TABLES":
+            frozen = entity.flags & 1 or entity.number(62) < 0
+            visible[entity.text(2)] = not frozen
+        elif entity.kind == "VERTEX" and target and target[-1].kind == "POLYLINE":
+            target[-1].inner.append(entity)
+        elif entity.kind in ("ENDSEC", "ENDBLK"):
+            target = []
+        elif entity.kind != "SEQEND" and not entity.number(67):  # else it is of the paper
+            target.append(entity)
+    return Drawing(units, visible, [*_placed(entities, blocks, path)])
+
+
+def _entities(text: str, path: Path) -> Iterator[Entity]:
+    """Entities in the order of the file, each until the next code 0."""
+    lines = [*lines_of(text)]
+    while lines and not lines[-1].strip():
+        lines.pop()
+    entity: Entity | None = None
+    for at in range(0, len(lines) - 1, 2):
+        code, value = lines[at].strip(), lines[at + 1].strip()
+        if not _CODE.fullmatch(code):
+            raise FormatError(
+                f"'{code[:40]}' is no group code of DXF",
+                where=f"{path}, line {at + 1}",
+                remedy="save it again as DXF",
+            )
+        key = int(code)
+        if key == 0:
+            if entity is not None:
+                yield entity
+            entity = Entity(value)
+        elif entity is not None:
+            if 10 <= key < 100 or 210 <= key < 240:
+                _require_number(value, f"{path}, line {at + 2}")
+            entity.tags.append((key, value))
+    if entity is None or entity.kind != "EOF":
+        raise FormatError("ends too early", where=str(path), remedy="save it again as DXF")
+
+
+def _require_number(value: str, where: str) -> None:
+    if not _NUMBER.fullmatch(value) or not abs(float(value)) <= FARTHEST:
+        raise FormatError(
+            f"'{value[:40]}' is no number", where=where, remedy="save it again as DXF"
+        )
+
+
+def _units(header: Entity) -> str | None:
+    tags = header.tags
+    for (_, name), (_, value) in pairwise(tags):
+        if name == "$INSUNITS":
+            return _UNITS.get(int(float(value)) if _NUMBER.fullmatch(value) else 0)
+    return None
+
+
+def _placed(
+    entities: list[Entity], blocks: dict[str, Entity], path: Path
+) -> Iterator[tuple[Entity, Floats, str]]:
+    """Entities with their matrices and layers, those of inserted blocks at each of their places."""
+    waiting = [(one, np.eye(4), "0", 1) for one in entities][::-1]
+    for _ in range(_MOST):
+        if not waiting:
+            return
+        entity, matrix, above, depth = waiting.pop()
+        layer = entity.text(8) if entity.text(8) not in ("", "0") else above
+        block = blocks.get(entity.text(2).lower()) if entity.kind == "INSERT" else None
+        if block is None:
+            yield entity, matrix, layer
+            continue
+        if depth == _DEEPEST:
+            raise FormatError(f"block '{entity.text(2)[:40]}' is in itself", where=str(path))
+        grid = int(entity.number(70, 1)), int(entity.number(71, 1))
+        if len(waiting) + grid[0] * grid[1] * len(block.inner) > _MOST:
+            break
+        with np.errstate(all="ignore"):  # overflow is found with the points
+            at = [matrix @ place for place in _places(entity, block, grid)]
+        waiting += [(one, own, layer, depth + 1) for own in at for one in block.inner][::-1]
+    raise FormatError(
+        f"has more than {_MOST:,} entities", where=str(path), remedy="save less of it"
+    )
+
+
+def _places(insert: Entity, block: Entity, grid: tuple[int, int]) -> Iterator[Floats]:
+    """Matrices (4, 4) of a block at an insertion, in columns and rows."""
+    turn, grow = np.deg2rad(insert.number(50)), [insert.number(code, 1.0) for code in (41, 42, 43)]
+    spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    for i, j in product(range(grid[0]), range(grid[1])):
+        step = spin @ [i * insert.number(44), j * insert.number(45), 0.0]
+        place = np.eye(4)
+        place[:3, :3] = insert.frame() @ spin @ np.diag(grow)
+        place[:3, 3] = insert.frame() @ (insert.point() + step) - place[:3, :3] @ block.point()
+        yield place
