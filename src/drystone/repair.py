@@ -12,8 +12,7 @@ from drystone.base.errors import InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.backing import backed
 from drystone.geometry.closing import plane_lids, separate_parts, with_joints, without_membranes
-from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.polyhedron import Loop, enclosed_volume
 from drystone.geometry.soup import pulled_apart
 from drystone.geometry.surface import edge_defects, orient
 
@@ -134,7 +133,7 @@ def _mended(
     points, loops, notes = _welded(vertices, faces, name, merge, sided=sided)
     used = points[sorted({i for loop in loops for i in loop})]
     size = float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
-    before = _volume(points, [tuple(map(int, face)) for face in faces])
+    before = enclosed_volume(points, [tuple(map(int, face)) for face in faces])
 
     def done(number: int, one: str, many: str, what: str) -> None:
         if number:
@@ -202,13 +201,6 @@ def _welded(
     if again:
         notes.append(f"{counted(again, 'face')} that occurred twice dropped")
     return points, kept, notes
-
-
-def _volume(vertices: Floats, faces: Sequence[Loop]) -> float:
-    """Signed volume [m3] that faces go around, seen from the middle of the vertices."""
-    local = vertices - vertices.mean(axis=0)
-    corners = [local[list(face)] for face in faces if len(face) > 2]
-    return sum(float(area_vector(at) @ at.mean(axis=0)) for at in corners) / 3.0
 
 
 def support_from_surface(

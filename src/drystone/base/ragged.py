@@ -226,6 +226,21 @@ def expand(first: Ints, count: Ints) -> tuple[Ints, Ints]:
     return source, value.astype(np.intp)
 
 
+def linked(one: Ints, other: Ints, count: int) -> Ints:
+    """Group (count,) of each of ``count`` items, where those of each pair (p,) belong together.
+
+    Examples
+    --------
+    >>> linked(np.array([0, 3]), np.array([2, 2]), 4).tolist()
+    [0, 1, 0, 0]
+    """
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(one)), (one, other)), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.intp)
+
+
 def sum_by_owner(values: Floats, owner: Ints, count: int) -> Floats:
     """Sums (count, d) of the rows (r, d) of each of ``count`` owners (r,), in any order."""
     columns = [np.bincount(owner, column, minlength=count) for column in values.T]

@@ -45,7 +45,7 @@ def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSo
 
 
 def project_on_mechanisms(
-    statics: Statics, *, pull: float = 0.0, stop: Callable[[], bool] | None = None
+    statics: Statics, *, stop: Callable[[], bool] | None = None
 ) -> EquilibriumSolution | None:
     """The mechanism nearest to the loads; None if the solver fails.
 
@@ -62,10 +62,6 @@ def project_on_mechanisms(
     Parameters
     ----------
     statics
-    pull
-        Share of the opening dn with which joints pull, t = ``pull`` dn; ``pull/2 |dn|^2`` is added
-        to what is minimised. Then ``|v|^2 + |t|^2 / pull`` is the least of all props v and pulls t
-        with which forces f balance the loads, v = A (f - t) + p.
     stop
     """
     if not statics.dry:
@@ -77,10 +73,6 @@ def project_on_mechanisms(
     velocity = program.variable(
         "velocity", 6 * statics.free_count, linear=-statics.load.ravel(), quadratic=1.0
     )
-    if pull > 0.0:
-        apart = program.variable("apart", k, quadratic=pull)
-        normal = statics.matrix_transposed[::3]
-        program.equal("apart", np.zeros(k), (velocity, normal), (apart, -1.0))
     opening = sparse.diags(scale.ravel()) @ statics.matrix_transposed
     program.cone("opening", 3, np.zeros(3 * k), (velocity, -opening))
     made = program.build()
@@ -89,6 +81,4 @@ def project_on_mechanisms(
         return None
     force = scale * raw.z[made.rows["opening"]].reshape(-1, 3)
     motion = raw.x[velocity.place].reshape(-1, 6)
-    tension = pull * np.maximum(0.0, statics.displacement(motion)[:, 0])
-    force[:, 0] -= tension
-    return EquilibriumSolution(force, tension, motion, raw)
+    return EquilibriumSolution(force, np.zeros(k), motion, raw)

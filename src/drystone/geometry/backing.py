@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,10 +10,17 @@ from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.polygon import area_vector
-from drystone.geometry.polyhedron import Loop, loop_edges
+from drystone.geometry.polyhedron import (
+    Loop,
+    enclosed_volume,
+    fan_triangles,
+    loop_edges,
+    rings,
+    stack_faces,
+)
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.solid import winding_number
-from drystone.geometry.surface import face_components, orient
+from drystone.geometry.surface import edge_uses, face_components, orient
 
 _SLOPE = 0.1
 """A surface is a field of heights when the sine of the slope of each face is above this. Chosen."""
@@ -66,7 +72,7 @@ def backed(
     done: list[str] = []
     for part in face_components(loops):
         body, how = _closed([loops[i] for i in part], vertices, beside, thickness)
-        offset, step = sum(map(len, points)), -1 if _volume(body) < 0.0 else 1
+        offset, step = sum(map(len, points)), -1 if enclosed_volume(*body) < 0.0 else 1
         points.append(body[0])
         every += [tuple(i + offset for i in loop)[::step] for loop in body[1]]
         done.append(how)
@@ -95,7 +101,7 @@ def _closed(
         back = points - front * thickness * across
         return _sheet(points, back, loops, border), f"an open surface backed by {thickness:.3g} m"
     filled = _filled(points, loops, border)
-    inside_out = _volume(filled) < 0.0
+    inside_out = enclosed_volume(*filled) < 0.0
     if (front < 0.0) == inside_out and _sound(filled):
         return filled, "the holes of a surface closed"
     at_vertex = np.zeros(points.shape)
@@ -112,21 +118,16 @@ def _closed(
 
 def _border(loops: Sequence[Loop]) -> list[tuple[int, int]]:
     """Edges of one face only, as that face runs them."""
-    uses: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-    for loop in loops:
-        for a, b in loop_edges(loop):
-            uses[min(a, b), max(a, b)].append((a, b))
-    if any(len(runs) > 2 for runs in uses.values()):
+    uses = edge_uses(loops).values()
+    if any(len(runs) > 2 for runs in uses):
         raise InputError("more than two faces meet at an edge of its open surface")
-    return [runs[0] for runs in uses.values() if len(runs) == 1]
+    return [runs[0][1] for runs in uses if len(runs) == 1]
 
 
 def _front(points: Floats, loops: Sequence[Loop], beside: Floats) -> float:
     """1 where what is beside a surface sees its front, the side of its normals, else -1."""
-    fans = [
-        (points[a], points[b], points[list(f)].mean(0)) for f in loops for a, b in loop_edges(f)
-    ]
-    behind = winding_number(beside, np.array(fans)).sum()
+    fans = fan_triangles(stack_faces([points], [loops]))[0]
+    behind = winding_number(beside, fans).sum()
     return -1.0 if behind > 0.0 else 1.0
 
 
@@ -142,30 +143,17 @@ def _sheet(
 
 def _filled(points: Floats, loops: Sequence[Loop], border: Sequence[tuple[int, int]]) -> Body:
     """The surface with a fan of triangles over each hole."""
-    after = {b: a for a, b in border}
-    left, fans, middles = dict(after), list[Loop](), list[Floats]()
-    while left:
-        start, here = left.popitem()
-        ring = [start]
-        while here != start and here in left:
-            ring.append(here)
-            here = left.pop(here)
+    fans, middles = list[Loop](), list[Floats]()
+    for ring in rings({b: a for a, b in border}):
         apex = len(points) + len(middles)
         middles.append(points[ring].mean(axis=0))
         fans += [(a, b, apex) for a, b in loop_edges(tuple(ring))]
     return np.concatenate([points, np.array(middles)]), [*loops, *fans]
 
 
-def _volume(body: Body) -> float:
-    """Six times the volume [m3] that the surface goes around."""
-    points, loops = body
-    local = points - points.mean(axis=0)
-    return sum(float(area_vector(local[list(f)]) @ local[list(f)].mean(axis=0)) for f in loops)
-
-
 def _sound(body: Body) -> bool:
     """Whether a closed body has a volume and does not touch itself."""
     points, loops = body
-    if abs(_volume(body)) < 1e-3 * float(np.linalg.norm(np.ptp(points, axis=0))) ** 3:
+    if abs(enclosed_volume(*body)) < 3e-4 * float(np.linalg.norm(np.ptp(points, axis=0))) ** 3:
         return False
     return not self_contacts([points], [loops])

@@ -2,40 +2,30 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.base.arrays import Floats, unit
+from drystone.base.arrays import Floats, Ints, unit
 from drystone.geometry import boxes
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import (
-    Edge,
     Loop,
     fan_triangles,
     loop_edges,
     mass_properties,
+    rings,
     stack_faces,
 )
 from drystone.geometry.solid import winding_number
-from drystone.geometry.surface import face_components
+from drystone.geometry.surface import edge_uses, face_components
 
 _INSIDE = 0.75
 """A face lies inside when the rest of the surface goes around both of its sides by more: around a
 side of any other face it goes half."""
 _BESIDE = 1e-4
 """Distance of the points on both sides, relative to the size of the face."""
-
-
-def edge_uses(faces: Sequence[Loop]) -> dict[Edge, list[tuple[int, Edge]]]:
-    """The faces at each edge, and how each runs along it."""
-    uses: dict[Edge, list[tuple[int, Edge]]] = defaultdict(list)
-    for f, loop in enumerate(faces):
-        for a, b in loop_edges(loop):
-            uses[min(a, b), max(a, b)].append((f, (a, b)))
-    return uses
 
 
 def with_joints(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[list[Loop], int]:
@@ -57,28 +47,42 @@ def with_joints(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[l
     if not edges:
         return list(faces), 0
     ends = np.array([run for _, run in edges], dtype=np.intp)
-    point = np.unique(ends)
-    start, along = vertices[ends[:, 0]], vertices[ends[:, 1]] - vertices[ends[:, 0]]
-    low, high = np.minimum(start, start + along) - near, np.maximum(start, start + along) + near
-    between: dict[tuple[int, Edge], list[tuple[float, int]]] = defaultdict(list)
-    for i, j in boxes.batches(low, high, vertices[point], vertices[point]):
-        away = vertices[point[j]] - start[i]
-        square = (along[i] ** 2).sum(axis=1)
-        share = (away * along[i]).sum(axis=1) / np.where(square > 0.0, square, 1.0)
-        off = np.linalg.norm(away - share[:, None] * along[i], axis=1)
-        margin = near / np.sqrt(np.where(square > 0.0, square, 1.0))
-        on = (off <= near) & (share > margin) & (share < 1.0 - margin)
-        for edge, own, vertex in zip(i[on], share[on], point[j[on]], strict=True):
-            face, run = edges[int(edge)]
-            if int(vertex) not in faces[face]:
-                between[face, run].append((float(own), int(vertex)))
+    inside = points_between(vertices, ends, np.unique(ends), near)
+    between = {edge: own for edge, own in zip(edges, inside, strict=True) if own}
     made: list[Loop] = []
     for f, loop in enumerate(faces):
         corners: list[int] = []
         for run in loop_edges(loop):
-            corners += [run[0], *(vertex for _, vertex in sorted(between.get((f, run), [])))]
+            own = between.get((f, run), [])
+            corners += [run[0], *(vertex for vertex in own if vertex not in loop)]
         made.append(tuple(corners) if len(set(corners)) == len(corners) else loop)
     return made, sum(len(new) - len(old) for new, old in zip(made, faces, strict=True))
+
+
+def points_between(vertices: Floats, ends: Ints, point: Ints, near: float) -> list[list[int]]:
+    """The points that lie on each of some edges, between its ends, in their order along it.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    ends : (e, 2)
+    point : (p,) vertices that are looked at
+    near : [m]
+    """
+    start, along = vertices[ends[:, 0]], vertices[ends[:, 1]] - vertices[ends[:, 0]]
+    square = (along**2).sum(axis=1)
+    square = np.where(square > 0.0, square, 1.0)
+    margin = near / np.sqrt(square)
+    low, high = np.minimum(start, start + along) - near, np.maximum(start, start + along) + near
+    found: list[list[tuple[float, int]]] = [[] for _ in ends]
+    for i, j in boxes.batches(low, high, vertices[point], vertices[point]):
+        away = vertices[point[j]] - start[i]
+        share = (away * along[i]).sum(axis=1) / square[i]
+        off = np.linalg.norm(away - share[:, None] * along[i], axis=1)
+        on = (off <= near) & (share > margin[i]) & (share < 1.0 - margin[i])
+        for edge, own, vertex in zip(i[on], share[on], point[j[on]], strict=True):
+            found[int(edge)].append((float(own), int(vertex)))
+    return [[vertex for _, vertex in sorted(own)] for own in found]
 
 
 def without_membranes(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[Loop], int]:
@@ -93,19 +97,12 @@ def without_membranes(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[Loo
         normal, area = unit(area_vector(corner)[None])
         step = _BESIDE * float(np.sqrt(area[0])) * normal[0]
         sides = np.array([corner.mean(axis=0) + step, corner.mean(axis=0) - step])
-        if np.abs(winding_number(sides, _fans(vertices, rest))).min() > _INSIDE:
+        if (
+            np.abs(winding_number(sides, fan_triangles(stack_faces([vertices], [rest]))[0])).min()
+            > _INSIDE
+        ):
             inside.add(f)
     return [face for f, face in enumerate(faces) if f not in inside], len(inside)
-
-
-def _fans(vertices: Floats, faces: Sequence[Loop]) -> Floats:
-    """Triangles (t, 3, 3) of faces about the means of their corners."""
-    fans = [
-        (vertices[a], vertices[b], vertices[list(face)].mean(axis=0))
-        for face in faces
-        for a, b in loop_edges(face)
-    ]
-    return np.array(fans).reshape(-1, 3, 3)
 
 
 def plane_lids(vertices: Floats, faces: Sequence[Loop], near: float) -> tuple[list[Loop], int]:
@@ -158,16 +155,11 @@ def _rims(faces: Sequence[Loop]) -> list[Loop]:
             if b in after:
                 forked.add(b)
             after[b] = a
-    rims: list[Loop] = []
-    while after:
-        start, here = after.popitem()
-        rim = [start]
-        while here != start and here in after:
-            rim.append(here)
-            here = after.pop(here)
-        if here == start and len(rim) > 2 and not forked & set(rim):
-            rims.append(tuple(rim))
-    return rims
+    return [
+        tuple(rim)
+        for rim in rings(after)
+        if after.get(rim[-1]) == rim[0] and len(rim) > 2 and not forked & set(rim)
+    ]
 
 
 def _off_plane(corner: Floats) -> float:

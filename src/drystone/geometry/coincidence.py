@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import Ragged, linked
 from drystone.geometry.polyhedron import Loop
 
 _PAIRED = 48
@@ -79,9 +79,6 @@ def distinct(points: Floats, distance: float) -> tuple[Ints, Ints]:
 
 def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
     """For each distinct point the first point that it coincides with."""
-    from scipy.sparse import coo_array  # slow to import, and few models need it
-    from scipy.sparse.csgraph import connected_components
-
     count = len(points)
     low = np.full((int(owner.max()) + 1, 3), np.inf)
     np.minimum.at(low, owner, points)
@@ -97,9 +94,8 @@ def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
         return here
     source = np.concatenate([here[move] for move in moved])
     target = np.concatenate([link[move] for link, move in zip(links, moved, strict=True)])
-    graph = coo_array((np.ones(len(source)), (source, target)), shape=(count, count))
-    parts, label = connected_components(graph, directed=False)
-    first_of = np.full(parts, count, dtype=np.intp)
+    label = linked(source, target, count)
+    first_of = np.full(int(label.max()) + 1, count, dtype=np.intp)
     np.minimum.at(first_of, label, here)
     return first_of[label]
 

@@ -9,6 +9,7 @@ import shapely
 
 from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
+from drystone.geometry.closing import points_between
 from drystone.geometry.coincidence import distinct
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.halfedge import merge_coplanar
@@ -22,9 +23,6 @@ from drystone.geometry.surface import edge_defects
 _TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times
 the difference between pieces of one cut."""
-
-AT_ONCE = 100_000
-"""Pairs of edges and vertices that are compared at once: a few megabytes."""
 
 
 def glue(pieces: Sequence[Piece]) -> list[Piece]:
@@ -282,24 +280,10 @@ def _with_points_between(
     faces: Sequence[Loop], vertices: Floats, near: float
 ) -> list[tuple[int, ...]]:
     """The loops with every vertex that lies on one of their edges."""
+    ends = np.array([edge for face in faces for edge in loop_edges(face)], dtype=np.intp)
     if not faces:
         return []
-    first = np.concatenate([np.array(face) for face in faces])
-    last = np.concatenate([np.roll(face, -1) for face in faces])
-    between: list[list[int]] = []
-    for some in np.array_split(np.arange(len(first)), len(first) * len(vertices) // AT_ONCE + 1):
-        start = vertices[first[some]]
-        along = vertices[last[some]] - start
-        square = (along**2).sum(axis=1)[:, None]
-        away = vertices - start[:, None]
-        share = np.einsum("evi,ei->ev", away, along) / square
-        off = np.linalg.norm(away - share[:, :, None] * along[:, None], axis=2)
-        margin = near / np.sqrt(square)
-        on = (off <= near) & (share > margin) & (share < 1.0 - margin)
-        for row, own in zip(on, share, strict=True):
-            inside = np.flatnonzero(row)
-            between.append(inside[np.argsort(own[inside])].tolist())
-    found = iter(between)
+    found = iter(points_between(vertices, ends, np.arange(len(vertices)), near))
     return [tuple(v for a in face for v in (a, *next(found))) for face in faces]
 
 

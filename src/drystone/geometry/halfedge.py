@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, unit
-from drystone.base.ragged import sum_by_owner
-from drystone.geometry.polyhedron import Faces, Loop, stack_faces
+from drystone.base.ragged import linked, sum_by_owner
+from drystone.geometry.polyhedron import Faces, Loop, rings, stack_faces
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,8 @@ def turn_angles(faces: Faces, edges: HalfEdges, normal: Floats) -> Floats:
 
 def joined_faces(edges: HalfEdges, join: Bools, count: int) -> Ints:
     """Group (f,) of each of ``count`` faces when they are joined across the chosen half-edges."""
-    from scipy.sparse import coo_array  # slow to import, and few models need it
-    from scipy.sparse.csgraph import connected_components
-
     chosen = np.flatnonzero(join)
-    one, other = edges.face[chosen], edges.face[edges.twin[chosen]]
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.intp)
+    return linked(edges.face[chosen], edges.face[edges.twin[chosen]], count)
 
 
 def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, Ints]:
@@ -97,17 +92,11 @@ def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
         step[turning] = edges.after[edges.twin[step[turning]]]
         turning = turning[inner[step[turning]]]
     successor = dict(zip(border.tolist(), step.tolist(), strict=True))
-    chain: list[int] = []
-    start = [0]
-    while successor:
-        first, place = successor.popitem()
-        chain.append(first)
-        while place != first:
-            chain.append(place)
-            place = successor.pop(place)
-        start.append(len(chain))
+    walks = list(rings(successor))
+    chain = [place for walk in walks for place in walk]
+    start = np.cumsum([0, *map(len, walks)])
     picked = np.array(chain, dtype=np.intp)
-    begin = np.array(start, dtype=np.intp)
+    begin = start.astype(np.intp)
     return faces.loop[picked], begin, of_edge[picked[begin[:-1]]]
 
 
@@ -116,18 +105,8 @@ SMOOTH = 1e-6
 between them (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a curve)."""
 
 
-def face_normals(faces: Faces) -> Floats:
-    """Outward unit normals (f, 3); zero for a face without area."""
-    return unit(faces.area_vectors)[0]
-
-
-def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:
+def sharp_edges(faces: Faces) -> tuple[Ints, Ints, Bools]:
     """Edges between faces, without those between coplanar faces.
-
-    Parameters
-    ----------
-    faces
-    normal : (f, 3)
 
     Returns
     -------
@@ -136,18 +115,13 @@ def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:
     drawn : (l,)
         Whether the edge from each loop corner to the next one is among them.
     """
-    a = faces.loop
-    b = faces.loop[faces.corners.following]
-    face = np.repeat(np.arange(faces.count), np.diff(faces.start))
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    order = np.lexsort((high, low))
-    first, second = order[0::2], order[1::2]
-    flat = (normal[face[first]] * normal[face[second]]).sum(axis=1) > 1.0 - SMOOTH
-    drawn = np.ones(len(a), dtype=bool)
-    drawn[first[flat]] = False
-    drawn[second[flat]] = False
-    kept = first[~flat]
-    return np.stack([low[kept], high[kept]], axis=1), faces.owner[face[kept]], drawn
+    edges, normal = half_edges(faces), faces.normals
+    drawn = dot(normal[edges.face], normal[edges.face[edges.twin]]) <= 1.0 - SMOOTH
+    tail, head = faces.loop, faces.loop[edges.after]
+    once = np.flatnonzero(drawn & (tail < head))
+    once = once[np.lexsort((head[once], tail[once]))]
+    edge = np.stack([tail[once], head[once]], axis=1)
+    return edge, faces.owner[edges.face[once]], drawn
 
 
 _TURN = 1e-3
@@ -184,11 +158,11 @@ def merge_coplanar(
     if len(vertices) == 0:
         return []
     stacked = stack_faces(vertices, faces)
-    vectors = stacked.area_vectors
-    normal, length = unit(vectors)
+    vectors, normal = stacked.area_vectors, stacked.normals
     edges = half_edges(stacked)
     flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < _TURN)
-    flat &= (length > 0.0)[edges.face] & (length > 0.0)[edges.face[edges.twin]]
+    has_area: Bools = np.asarray(normal.any(axis=1))
+    flat &= has_area[edges.face] & has_area[edges.face[edges.twin]]
     group = joined_faces(edges, flat, stacked.count)
     count = np.array([len(v) for v in vertices])
     first = np.cumsum(count) - count

@@ -7,17 +7,20 @@ depend on where the loop starts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import TypeVar
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.arrays import Floats, Ints, frozen, unit
 from drystone.base.display import OneLine
 from drystone.base.ragged import Ragged
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.polygon import area_vector, area_vectors
+
+T = TypeVar("T")
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]
@@ -57,6 +60,16 @@ class Faces(OneLine):
         """Area vectors (f, 3) [m2] of the faces."""
         return frozen(area_vectors(self.point[self.loop], self.start))
 
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals (f, 3) of the faces; zero for a face without area."""
+        return frozen(unit(self.area_vectors)[0])
+
+    @cached_property
+    def middles(self) -> Floats:
+        """Mean corner (f, 3) [m] of each face."""
+        return frozen(self.corners.mean(self.point[self.loop]))
+
 
 def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Faces:
     """Flat arrays of the faces of several polyhedra.
@@ -91,7 +104,7 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
 def fan_triangles(faces: Faces) -> tuple[Floats, Ints]:
     """Triangles (t, 3, 3) of every face's fan about its mean corner, and their face (t,)."""
     here, corners = faces.point[faces.loop], faces.corners
-    middle = corners.spread(corners.mean(here))
+    middle = corners.spread(faces.middles)
     return np.stack([middle, here, here[corners.following]], axis=1), corners.owner
 
 
@@ -198,6 +211,31 @@ def loop_edges(loop: Sequence[int]) -> list[Edge]:
     [(4, 7), (7, 5), (5, 4)]
     """
     return list(zip(loop, (*loop[1:], *loop[:1]), strict=True))
+
+
+def rings(after: Mapping[T, T]) -> Iterator[list[T]]:
+    """Walks from each key to its value, until they return or find no way on.
+
+    Examples
+    --------
+    >>> list(rings({1: 2, 2: 3, 3: 1, 7: 8}))
+    [[7], [3, 1, 2]]
+    """
+    left = dict(after)
+    while left:
+        first, at = left.popitem()
+        ring = [first]
+        while at != first and at in left:
+            ring.append(at)
+            at = left.pop(at)
+        yield ring
+
+
+def enclosed_volume(vertices: Floats, faces: Sequence[Loop]) -> float:
+    """Volume [m3] that faces go around, seen from the middle of the vertices; some may be open."""
+    local = vertices - vertices.mean(axis=0)
+    corners = [local[list(face)] for face in faces if len(face) > 2]
+    return sum(float(area_vector(at) @ at.mean(axis=0)) for at in corners) / 3.0
 
 
 def edges_of(faces: Sequence[Loop]) -> Ints:

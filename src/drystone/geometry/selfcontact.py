@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.base.arrays import Bools, Floats, Ints, unit
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.geometry import boxes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
@@ -104,7 +104,7 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
         low, high = points.min(axis=0), points.max(axis=0)
         placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
     stacked = stack_faces(placed, faces)
-    normal, middle = planes(stacked)
+    normal, middle = stacked.normals, stacked.middles
     face = stacked.corners.owner
     local = stacked.point[stacked.loop] - middle[face]
     height = np.abs((local * normal[face]).sum(axis=1))
@@ -295,7 +295,7 @@ def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
 def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
     placed = [(v - v[0]) / np.linalg.norm(v.max(axis=0) - v.min(axis=0)) for v in vertices]
     stacked = stack_faces(placed, faces)
-    normal, middle = planes(stacked)
+    normal, middle = stacked.normals, stacked.middles
     count = np.array([len(v) for v in vertices])
     first = np.cumsum(count) - count
     face, vertex = expand(first[stacked.owner], count[stacked.owner])
@@ -303,8 +303,3 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     highest = np.zeros(len(vertices))
     np.maximum.at(highest, stacked.owner[face], height)
     return highest <= _CONVEX
-
-
-def planes(faces: Faces) -> tuple[Floats, Floats]:
-    """Unit normal (zero for a face without area) and mean corner of each face."""
-    return unit(faces.area_vectors)[0], faces.corners.mean(faces.point[faces.loop])

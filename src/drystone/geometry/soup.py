@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, unit
-from drystone.base.ragged import Ragged, sum_by_owner
+from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import Faces, Loop, fan_triangles, loop_edges, mass_properties
 from drystone.geometry.solid import winding_number
@@ -155,9 +155,6 @@ def pulled_apart(
     >>> len(kept), len(points), parted
     (14, 16, 0)
     """
-    from scipy.sparse import coo_array  # slow to import, and few models need it
-    from scipy.sparse.csgraph import connected_components
-
     stacked = _of_shells(vertices, faces, [range(len(faces))])
     outwards = np.where(mass_properties(stacked, 1)[0] < 0.0, -1.0, 1.0)[stacked.owner]
     half, twin = _neighbours(stacked, outwards)
@@ -165,9 +162,7 @@ def pulled_apart(
     turned = loop[half] == loop[after[twin]]
     one = np.concatenate([half, after[half]])
     first, last = np.where(turned, after[twin], twin), np.where(turned, twin, after[twin])
-    other = np.concatenate([first, last])
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(len(loop), len(loop)))
-    corner = connected_components(graph, directed=False)[1].astype(np.intp)
+    corner = linked(one, np.concatenate([first, last]), len(loop))
     fan, at = np.unique(corner, return_index=True)
     of_vertex = loop[at]
     loops = [tuple(part.tolist()) for part in stacked.corners.split(corner)]
@@ -186,14 +181,9 @@ def pulled_apart(
 
 def _components(faces: Faces, outwards: Floats) -> Ints:
     """Component (f,) of each face, joined across edges; ``outwards`` is -1 in soups inside out."""
-    from scipy.sparse import coo_array  # slow to import, and few models need it
-    from scipy.sparse.csgraph import connected_components
-
     half, twin = _neighbours(faces, outwards)
     face = faces.corners.owner
-    one, other = face[half], face[twin]
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(faces.count, faces.count))
-    return connected_components(graph, directed=False)[1].astype(np.intp)
+    return linked(face[half], face[twin], faces.count)
 
 
 def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:

@@ -152,6 +152,15 @@ def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     return named([f"{number[a]}-{number[b]}" for a, b in edges], _SHOWN)
 
 
+def edge_uses(faces: Sequence[Loop]) -> dict[Edge, list[tuple[int, Edge]]]:
+    """The faces at each edge, and how each runs along it."""
+    uses: dict[Edge, list[tuple[int, Edge]]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in loop_edges(loop):
+            uses[min(a, b), max(a, b)].append((f, (a, b)))
+    return uses
+
+
 def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:
     """Edges that keep a face list from being a closed 2-manifold.
 
@@ -193,18 +202,12 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
     At an edge of one face, or of more than two, nothing is compared. A surface that cannot be
     oriented keeps inconsistent edges: :func:`edge_defects` of the result finds them.
     """
-    users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
-    for f, loop in enumerate(faces):
-        for a, b in loop_edges(loop):
-            users[min(a, b), max(a, b)].append((f, a < b))
     neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
-    for pair in users.values():
-        if len(pair) != 2:
-            continue
-        (f, forward_f), (g, forward_g) = pair
-        agree = forward_f != forward_g
-        neighbours[f].append((g, agree))
-        neighbours[g].append((f, agree))
+    for runs in edge_uses(faces).values():
+        if len(runs) == 2:
+            (f, one), (g, other) = runs
+            neighbours[f].append((g, one != other))
+            neighbours[g].append((f, one != other))
     turn: dict[int, bool] = {}
     for seed in range(len(faces)):
         if seed in turn:
@@ -223,11 +226,7 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
 
 def open_faces(faces: Sequence[Loop]) -> list[int]:
     """Faces with an edge that no other face uses."""
-    users: dict[Edge, list[int]] = defaultdict(list)
-    for f, loop in enumerate(faces):
-        for a, b in loop_edges(loop):
-            users[min(a, b), max(a, b)].append(f)
-    return sorted({used[0] for used in users.values() if len(used) == 1})
+    return sorted({runs[0][0] for runs in edge_uses(faces).values() if len(runs) == 1})
 
 
 def face_components(faces: Sequence[Loop]) -> list[list[int]]:

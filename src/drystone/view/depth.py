@@ -21,7 +21,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.halfedge import face_normals, sharp_edges
+from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.triangulate import triangulate
 from drystone.view.separation import (
     SeparationData,
@@ -68,9 +68,9 @@ def ordered_patches(
     paper : (2, 3) unit, to the right and up on the paper
     """
     faces = assembly.faces
-    normal = face_normals(faces)
+    normal = faces.normals
     front = normal @ toward > _EDGE_ON
-    _, _, drawn = sharp_edges(faces, normal)
+    _, _, drawn = sharp_edges(faces)
     bodies = SeparationData.of(assembly, normal)
     before, after = _block_constraints(bodies, contacts, toward, paper)
     n = len(assembly)

@@ -50,7 +50,7 @@ from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.halfedge import face_normals, sharp_edges
+from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.kern import kern
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
@@ -233,7 +233,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: _Blobs) -> dict[str, Any]:
     points = np.array([len(block.vertices) for block in assembly.blocks])
     first_point = Ragged.from_counts(points).start
     corner_owner = np.repeat(faces.owner, np.diff(faces.start))
-    edge, edge_owner, _ = sharp_edges(faces, face_normals(faces))
+    edge, edge_owner, _ = sharp_edges(faces)
     by_block = np.argsort(edge_owner, kind="stable")
     edge, edge_owner = edge[by_block], edge_owner[by_block]
     return {

@@ -15,7 +15,7 @@ from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneSta
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.halfedge import face_normals, sharp_edges
+from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.triangulate import triangulate
 from drystone.view.depth import SortedPolygons, ordered_patches
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, ramp_colours, rgb
@@ -183,7 +183,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
     corners = faces.point[faces.loop]
     flat = sheet.project(corners)
     height = None if sheet.plane is None else sheet.plane.heights(corners)
-    normal = face_normals(faces)[patches.face]
+    normal = faces.normals[patches.face]
     light = 0.72 * sheet.eye + 0.42 * paper[1] - 0.55 * paper[0]
     shade = 0.58 + 0.36 * np.maximum(normal @ light, 0.0) + 0.08 * normal[:, 2]
     state = stage.state[present][faces.owner[patches.face]]
@@ -325,7 +325,7 @@ def draw_motion(sheet: Sheet) -> None:
     assembly = sheet.scene.assembly.subset(moving)
     motion = stage.motion[moving]
     faces = assembly.faces
-    edge, owner, _ = sharp_edges(faces, face_normals(faces))
+    edge, owner, _ = sharp_edges(faces)
     turn = Rotation.from_rotvec(np.repeat(motion[owner, 3:], 2, axis=0))
     centroid = np.repeat(assembly.centroid[owner], 2, axis=0)
     arm = turn.apply(faces.point[edge.ravel()] - centroid)

@@ -10,7 +10,7 @@ from drystone.answer.scene import Layer, LayerKind, Scene
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
-from drystone.geometry.polyhedron import Faces
+from drystone.geometry.polyhedron import Faces, rings
 
 AXES = "xyz"
 _NEAR = 1e-3
@@ -246,12 +246,4 @@ def cut_faces(faces: Faces, normal: Floats, offset: float) -> list[tuple[int, Fl
         along = np.cross(normal, area[face])  # the body lies to the left
         crossed.sort(key=lambda edge: float(place[edge] @ along))
         follows.update(zip(crossed[::2], crossed[1::2], strict=True))
-    rings = []
-    while follows:
-        first, at = follows.popitem()
-        ring = [first]
-        while at != first and at in follows:
-            ring.append(at)
-            at = follows.pop(at)
-        rings.append((body[first], np.array([place[one] for one in ring])))
-    return rings
+    return [(body[ring[0]], np.array([place[one] for one in ring])) for ring in rings(follows)]
