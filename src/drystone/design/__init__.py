@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from drystone.design.diagnosed import Region as Region
     from drystone.design.diagnosis import DiagnosisOptions as DiagnosisOptions
     from drystone.design.diagnosis import diagnose as diagnose
-    from drystone.design.free_moves import Moves as Moves
     from drystone.design.free_moves import block_moves as block_moves
     from drystone.design.free_moves import free_vertices as free_vertices
     from drystone.design.free_moves import joint_moves as joint_moves
@@ -57,7 +56,7 @@ if TYPE_CHECKING:
     from drystone.design.shape_values import ShapeOptions as ShapeOptions
     from drystone.design.shape_variables import FamilyMoves as FamilyMoves
     from drystone.design.shaping import shape as shape
-    from drystone.design.shared_planes import PlaneMoves as PlaneMoves
+    from drystone.design.shared_planes import Moves as Moves
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
     from drystone.design.sharpening import sharpen as sharpen
     from drystone.design.tuned_values import Parameter as Parameter
@@ -84,10 +83,10 @@ _NAMES = {
     "margin": "DesignMargin",
     "mending": "mend",
     "mends": "MendOptions Mends find_mends",
-    "free_moves": "Moves block_moves free_vertices joint_moves thickening",
+    "free_moves": "block_moves free_vertices joint_moves thickening",
     "shape_values": "ShapeAim ShapeOptions",
     "shaping": "shape",
-    "shared_planes": "PlaneMoves",
+    "shared_planes": "Moves",
     "shape_variables": "FamilyMoves",
     "tuned_values": "Parameter TuneTrial Tuned",
     "tuning": "TuneOptions tune",

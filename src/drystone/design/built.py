@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drystone.answer import Answer, Role, Scene, Sentence
-from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
-from drystone.design.changed import Kept
+from drystone.design.changed import Kept, table_of
 from drystone.model import Model
 from drystone.sequence import Plan
 from drystone.shells import Layout
@@ -121,14 +120,7 @@ class Buildable(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The changes that were kept."""
-        some = self.changes
-        columns = {
-            "kind": [one.kind for one in some],
-            "blocks": [named(one.blocks) for one in some],
-            "value": [one.value for one in some],
-            "description": [one.description for one in some],
-        }
-        return [Table("changes", columns)]
+        return [table_of(self.changes)]
 
     def layers(self) -> Scene:
         """The plan."""

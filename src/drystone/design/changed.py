@@ -65,6 +65,16 @@ class Kept(OneLine):
         return f"'{self.description}', cost {self.cost:.3g}"
 
 
+def table_of(changes: Sequence[Kept]) -> Table:
+    """A row for each change that was kept."""
+    columns: dict[str, list[Any]] = {
+        name: [getattr(one, name) for one in changes]
+        for name in ("kind", "blocks", "value", "cost", "description")
+    }
+    columns["blocks"] = [named(blocks) for blocks in columns["blocks"]]
+    return Table("changes", columns)
+
+
 @dataclass(frozen=True, eq=False)
 class Changed(Answer):
     """A structure that was changed, with its check; pictures show the edges of what it was.
@@ -138,15 +148,7 @@ class Changed(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The changes, and what the check has."""
-        some = self.changes
-        columns = {
-            "kind": [one.kind for one in some],
-            "blocks": [named(one.blocks) for one in some],
-            "value": [one.value for one in some],
-            "cost": [one.cost for one in some],
-            "description": [one.description for one in some],
-        }
-        own = [Table("changes", columns)] if some else []
+        own = [table_of(self.changes)] if self.changes else []
         return [*own, *self.result.tables()]
 
     def numbers(self) -> Mapping[str, Any]:

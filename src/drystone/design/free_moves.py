@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, number
-from drystone.base.display import OneLine
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.design.block_sides import on_side, slides
 from drystone.design.mends import kept_blocks
-from drystone.design.shared_planes import PlaneMoves, SharedPlanes
+from drystone.design.shared_planes import Moves, SharedPlanes
 from drystone.design.vertex_measures import owners_of, vertices_of
 from drystone.design.vertex_places import (
     AXES,
@@ -24,55 +22,11 @@ from drystone.design.vertex_places import (
     places_of,
     require_prisms,
 )
+from drystone.geometry.frames import unit
 from drystone.model import Model
 
 _LISTED = 6
 """Blocks that a message names."""
-
-
-@dataclass(frozen=True, eq=False)
-class Moves(OneLine):
-    """The variables of a shape: ``vertex = as given + matrix @ x``.
-
-    Attributes
-    ----------
-    matrix : (3 v, p)
-        Moves of the vertices of all blocks, one after the other, by each variable [m].
-    most : (p,) [m]
-        Largest size of each variable.
-    """
-
-    matrix: sparse.csr_matrix
-    most: Floats
-
-    def _summary(self) -> str:
-        return f"{self.matrix.shape[1]} variables of {self.matrix.shape[0] // 3} vertices"
-
-    @property
-    def count(self) -> int:
-        """Number of variables, p."""
-        return int(self.matrix.shape[1])
-
-    def moved(self, vertex: Floats, x: Floats) -> Floats:
-        """The vertices (v, 3) moved by variables (p,).
-
-        Raises
-        ------
-        InputError
-            The moves are those of a model with other vertices.
-        """
-        if self.matrix.shape[0] != vertex.size:
-            raise InputError(
-                f"the moves are of {self.matrix.shape[0] // 3} vertices, the model has "
-                f"{len(vertex)}",
-                remedy="make the moves of this model",
-            )
-        out: Floats = vertex + (self.matrix @ x).reshape(-1, 3)
-        return out
-
-    def matrix_at(self, x: Floats) -> sparse.csr_matrix:  # noqa: ARG002
-        """Derivative (3 v, p) of the vertices by the variables: the same everywhere."""
-        return self.matrix
 
 
 def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> str | None:
@@ -94,11 +48,11 @@ def free_vertices(
     keep: Sequence[int | str] = (),
     keep_side: str | None = None,
     sectors: int = 1,
-) -> Moves | PlaneMoves:
+) -> Moves:
     """Vertices that move freely; those at one place move together, so that joints stay shared.
 
     Joints stay plane: where a move would bend a joint, other vertices of the joint follow it
-    (:class:`PlaneMoves`). Faces that no joint covers may be warped; a warped face is its fan about
+    (:class:`Moves`). Faces that no joint covers may be warped; a warped face is its fan about
     the mean of its corners.
 
     Parameters
@@ -153,7 +107,7 @@ def joint_moves(
     along: str | None = "y",
     mirror: str | None = None,
     keep: Sequence[int | str] = (),
-) -> Moves | PlaneMoves:
+) -> Moves:
     """Joint planes that turn and move: the ends of each joint slide along the sides of its blocks.
 
     At each end a joint slides along the mean direction of the two sides that meet there: along the
@@ -190,7 +144,7 @@ def _moves(
     kept: Bools,
     most: float,
     still: Bools,
-) -> Moves | PlaneMoves:
+) -> Moves:
     """The moves of places along ways (w, 3) each; blocks (n,), or vertices (v,), may stay."""
     matrix = places.matrix(ways, still)
     if not matrix.shape[1]:
@@ -201,10 +155,7 @@ def _moves(
             f"no vertex may move{stay}{more}",
             remedy="keep fewer blocks, or allow more directions",
         )
-    moves = Moves(matrix, _largest(most, matrix.shape[1]))
-    planes, vertex = SharedPlanes.of(model, still), vertices_of(model.assembly)
-    plane = PlaneMoves.of(moves.matrix, moves.most, planes, vertex)
-    return plane if plane.bending.shape[1] else moves
+    return Moves.of(matrix, most, vertices_of(model.assembly), SharedPlanes.of(model, still))
 
 
 def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
@@ -229,26 +180,15 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
     mean = 0.5 * (radius[free].min() + radius[free].max())
     side = np.where(takes_part, np.where(radius > mean, 0.5, -0.5), 0.0)
     step = away * (side / np.where(takes_part, radius, 1.0))[:, None]
-    return Moves(sparse.csr_matrix(step.reshape(-1, 1)), _largest(most, 1))
+    return Moves.of(sparse.csr_matrix(step.reshape(-1, 1)), most, vertex, None)
 
 
 def block_moves(
     model: Model, blocks: Sequence[int | str], direction: Sequence[float], most: float
 ) -> Moves:
     """One variable for each block, which moves as a whole along a direction (3,)."""
+    along = unit(np.asarray(direction, dtype=np.float64), "the direction")
     owner = owners_of(model.assembly)
-    unit = np.asarray(direction, dtype=np.float64)
-    size = float(np.linalg.norm(unit))
-    if not 0.0 < size < np.inf:
-        raise InputError("the direction has no length", remedy="give three numbers, not all zero")
-    columns = []
-    for i in model.assembly.indices(list(blocks)).tolist():
-        columns.append(((owner == i)[:, None] * unit / size).reshape(-1, 1))
-    return Moves(sparse.csr_matrix(np.hstack(columns)), _largest(most, len(columns)))
-
-
-def _largest(most: float, count: int) -> Floats:
-    """The largest move of each variable (p,) [m]."""
-    if not 0.0 < number(most, "the largest move") < np.inf:
-        raise InputError(f"the largest move is {most} m", remedy="give metres above zero")
-    return np.full(count, float(most))
+    some = model.assembly.indices(list(blocks))
+    matrix = ((owner[:, None] == some)[:, None, :] * along[:, None]).reshape(-1, len(some))
+    return Moves.of(sparse.csr_matrix(matrix), most, vertices_of(model.assembly), None)

@@ -21,6 +21,7 @@ where dA and dp are the changes of the equilibrium matrix and of the load with t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -65,11 +66,6 @@ class Form:
     springs
     ground
         Stiffness of the ground, scaled.
-    density : (n,) [kg/m3]
-    acceleration : (3,) [m/s2]
-        Of all masses.
-    extra : (n, 6) [N, N m]
-        Load that is no weight, about the centroids of the model as given.
     each
         Whether the prop of each block counts by its own load.
     """
@@ -80,9 +76,6 @@ class Form:
     statics: Statics
     springs: Compliance
     ground: float
-    density: Floats
-    acceleration: Floats
-    extra: Floats
     each: bool = True
 
     @classmethod
@@ -101,9 +94,6 @@ class Form:
         )  # fmt: skip
         statics = Problem.build(model).statics
         bodies = BlockVertices.of(model.assembly)
-        acceleration = acceleration_of(model)
-        extra = np.array(model.load.wrench)
-        extra[:, :3] -= model.assembly.mass[:, None] * acceleration
         return cls(
             model,
             bodies,
@@ -111,11 +101,25 @@ class Form:
             statics,
             uniform(statics, slip=1.0, glue=glue * ground),
             ground,
-            model.assembly.mass / model.assembly.volume,
-            acceleration,
-            extra,
             each,
         )
+
+    @cached_property
+    def density(self) -> Floats:
+        """(n,) [kg/m3]."""
+        return self.model.assembly.mass / self.model.assembly.volume
+
+    @cached_property
+    def acceleration(self) -> Floats:
+        """Of all masses (3,) [m/s2]."""
+        return acceleration_of(self.model)
+
+    @cached_property
+    def extra(self) -> Floats:
+        """Load (n, 6) [N, N m] that is no weight, about the centroids of the model as given."""
+        extra = np.array(self.model.load.wrench)
+        extra[:, :3] -= self.model.assembly.mass[:, None] * self.acceleration
+        return extra
 
     def statics_at(self, vertex: Floats) -> Statics:
         """The statics with vertices (v, 3) elsewhere, in the scales of the model as given."""

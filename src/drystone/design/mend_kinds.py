@@ -142,14 +142,12 @@ def _support(asked: KnownNeeds) -> _Proposals:
     """A block below that fits between a block of the region and another one."""
     bench, changes = asked.bench, []
     for i, whole in enumerate(bench.region):
-        for strut in struts(bench.model, whole, bench.motion[i])[:_FIRST]:
-            on, held = (names_of(bench.model, [i]) for i in (strut.on, whole))
-            size = f"a block of {strut.body.volume:.3g} m3, {strut.length:.3g} m long,"
-            words = f"{size} between {on} and {held}"
-            make = block_added(strut.body)
-            change = Change.single("support", make, words, strut.length, added=1)
-            beyond = () if strut.on in bench.blocks else (strut.on,)
-            changes.append(replace(change, beyond=beyond))
+        for length, on, body in struts(bench.model, whole, bench.motion[i])[:_FIRST]:
+            size = f"a block of {body.volume:.3g} m3, {length:.3g} m long,"
+            ends = " and ".join(names_of(bench.model, [end]) for end in (on, whole))
+            words = f"{size} between {ends}"
+            change = Change.single("support", block_added(body), words, length, added=1)
+            changes.append(replace(change, beyond=() if on in bench.blocks else (on,)))
     why = f"{len(changes)} blocks that fit were tried, the shortest first"
     yield _Tries(changes, why, _Take.FIRST)
 

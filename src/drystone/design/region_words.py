@@ -15,6 +15,7 @@ from drystone.design.words import (
     friction_words,
     glue_words,
     joint_name,
+    listed,
     names_of,
     newtons,
     place,
@@ -36,39 +37,37 @@ def sentence(
     return "; ".join(part for part in (*parts, _remedy(model, blocks, needs)) if part)
 
 
+_ALONE = {
+    JointMotion.SLIDES: "slide along each other",
+    JointMotion.HINGES: "turn about the edges of their joints",
+}
+"""What blocks of a region do at the joints between them."""
+
+
 def _motion(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
-    one = len(blocks) == 1
     said: list[str] = []
     for kind in (JointMotion.SLIDES, JointMotion.HINGES, JointMotion.DROPS, JointMotion.LIFTS):
         mine = [j for j in joints if j.motion is kind]
-        outer = [j for j in mine if j.neighbour not in blocks]
+        others = list(dict.fromkeys(j.neighbour for j in mine if j.neighbour not in blocks))
         if not mine or (kind is JointMotion.LIFTS and said):
             continue
-        verb = kind.value if one else _plural(kind)
-        if kind is JointMotion.SLIDES:
-            vertical = float(np.mean([j.direction[2] for j in mine]))
-            way = "down " if vertical < -_STEEP else "up " if vertical > _STEEP else ""
-            verb = verb.replace(" along", f" {way}along")
-        others = list(dict.fromkeys(j.neighbour for j in outer))
-        if len(others) > 1:
-            verb = verb.replace("an edge", "edges")
         if others:
+            verb = _verb(kind, mine, len(blocks) > 1, len(others) > 1)
             said.append(f"{verb} {names_of(model, others)}")
-        elif not one:
-            said.append(
-                {
-                    JointMotion.SLIDES: "slide along each other",
-                    JointMotion.HINGES: "turn about the edges of their joints",
-                }.get(kind, "part from each other")
-            )
-    if not said:
-        said = ["falls" if one else "fall"]
-    return " and ".join([", ".join(said[:-1]), said[-1]] if len(said) > 1 else said)
+        elif len(blocks) > 1:
+            said.append(_ALONE.get(kind, "part from each other"))
+    return listed(said or ["falls" if len(blocks) == 1 else "fall"])
 
 
-def _plural(kind: JointMotion) -> str:
+def _verb(kind: JointMotion, mine: Sequence[JointState], several: bool, edges: bool) -> str:
+    """The motion of one block or of several, along one other block or about edges of several."""
     first, _, rest = kind.value.partition(" ")
-    return f"{first.removesuffix('s')} {rest}"
+    if kind is JointMotion.SLIDES:
+        vertical = float(np.mean([j.direction[2] for j in mine]))
+        way = "down " if vertical < -_STEEP else "up " if vertical > _STEEP else ""
+        rest = f"{way}{rest}"
+    rest = rest.replace("an edge", "edges") if edges else rest
+    return f"{first.removesuffix('s') if several else first} {rest}"
 
 
 def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:

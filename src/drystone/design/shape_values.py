@@ -18,6 +18,7 @@ from drystone.design.help_needed import GROUND, Form
 from drystone.design.margin import DesignMargin
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import BlockVertices
+from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
@@ -167,7 +168,8 @@ class ShapeValues:
             return float(volume.sum()), self.pulled_back(by_vertex)
         block = int(self.model.assembly.indices([self.options.block])[0])
         own = self.bodies.owner == block
-        by_vertex = np.where(own[:, None], -self.direction / own.sum(), 0.0)
+        along = unit(np.asarray(self.options.reach, dtype=np.float64), "the reach")
+        by_vertex = np.where(own[:, None], -along / own.sum(), 0.0)
         return float((by_vertex * vertex).sum()), self.pulled_back(by_vertex)
 
     def pulled_back(self, by_vertex: Floats) -> Floats:
@@ -184,10 +186,10 @@ class ShapeValues:
         vertex, (i, j) = self.vertices(x), self.moving.T
         along = self.here[i] - self.here[j]
         along = along / np.linalg.norm(along, axis=1, keepdims=True)
-        slope = np.zeros((len(i), len(x)))
-        for axis in range(3):
-            both = self.matrix[3 * i + axis] - self.matrix[3 * j + axis]
-            slope += along[:, axis, None] * both.toarray()
+        slope = sum(
+            along[:, axis, None] * (self.matrix[3 * i + axis] - self.matrix[3 * j + axis]).toarray()
+            for axis in range(3)
+        )
         length = ((vertex[i] - vertex[j]) * along).sum(axis=1)
         return length / self.least_edge - 1.0, slope / self.least_edge
 
@@ -211,15 +213,6 @@ class ShapeValues:
             both = matrix[3 * edges[:, 0] + axis] - matrix[3 * edges[:, 1] + axis]
             changes |= abs(both).max(axis=1).toarray().ravel() > 0.0
         return edges[changes]
-
-    @property
-    def direction(self) -> Floats:
-        """Of the farthest reach (3,), unit."""
-        given = np.asarray(self.options.reach, dtype=np.float64)
-        size = float(np.linalg.norm(given))
-        if not 0.0 < size < np.inf:
-            raise InputError("the direction of the reach has no length", remedy="give X,Y,Z")
-        return given / size
 
     def help_at(self, x: Floats) -> tuple[float, Floats]:
         """Share of the load on the ground, over all cases, and its derivative (p,)."""

@@ -115,8 +115,7 @@ class FamilyMoves(OneLine):
         InputError
             The blocks are others than those of the model as given.
         """
-        made = self.build(**self.values(x))
-        found = vertices_of(made.assembly if isinstance(made, Model) else made)
+        found = self._vertices(x)
         if found.shape != vertex.shape:
             raise InputError(
                 f"the family has {len(found)} vertices here, and {len(vertex)} as given",
@@ -126,13 +125,11 @@ class FamilyMoves(OneLine):
 
     def matrix_at(self, x: Floats) -> sparse.csr_matrix:
         """Derivative (3 v, p) of the vertices by the variables, from central differences."""
-        columns = []
-        for i, size in enumerate(STEP * self.most):
-            step = np.zeros(len(x))
-            step[i] = size
-            pair = [self.build(**self.values(x + sign * step)) for sign in (1.0, -1.0)]
-            ahead, behind = (
-                vertices_of(one.assembly if isinstance(one, Model) else one) for one in pair
-            )
-            columns.append(((ahead - behind) / (2.0 * size)).reshape(-1, 1))
-        return sparse.csr_matrix(np.hstack(columns))
+        steps = STEP * np.diag(self.most)
+        columns = [(self._vertices(x + step) - self._vertices(x - step)).ravel() for step in steps]
+        return sparse.csr_matrix(np.stack(columns, axis=1) / (2.0 * STEP * self.most))
+
+    def _vertices(self, x: Floats) -> Floats:
+        """The vertices of what is built of variables (p,)."""
+        made = self.build(**self.values(x))
+        return vertices_of(made.assembly if isinstance(made, Model) else made)

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices
@@ -108,56 +108,64 @@ class SharedPlanes(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneMoves(OneLine):
-    """Variables of a shape whose joints stay plane and shared.
+class Moves(OneLine):
+    """The variables of a shape, whose joints stay plane and shared.
 
-    Each variable moves vertices as it does in :class:`Moves`. Vertices of the same joints follow as
-    far as that takes. Faces that no joint covers may be warped.
+    Each variable moves vertices along directions of their own. Where that would bend a joint,
+    vertices of the same joint follow as far as that takes. Faces without a joint may be warped.
 
     Attributes
     ----------
     matrix : (3 v, p)
-        Moves of the vertices before joints are made plane [m].
+        Moves of the vertices of all blocks by each variable, before joints are made plane [m].
     most : (p,) [m]
         Largest size of each variable.
-    planes
     vertex : (v, 3) [m]
         Of the model as given.
+    planes
+        ``None`` where no move bends a joint.
     bending : (p, r)
         Orthonormal moves that would bend a joint, N.
     """
 
     matrix: sparse.csr_matrix
     most: Floats
-    planes: SharedPlanes
     vertex: Floats
-    bending: Floats
+    planes: SharedPlanes | None = None
+    bending: Floats | None = None
 
     @classmethod
     def of(
-        cls, matrix: sparse.csr_matrix, most: Floats, planes: SharedPlanes, vertex: Floats
-    ) -> PlaneMoves:
-        """The moves, with those that would bend a joint found.
+        cls, matrix: sparse.csr_matrix, most: float, vertex: Floats, planes: SharedPlanes | None
+    ) -> Moves:
+        """The moves, each of them at most so large, with those that would bend a joint found.
 
         Raises
         ------
         InputError
-            Every move would bend a joint. Or joints stay plane for small moves only to the first
-            order, as in rings of an even number of equal blocks.
+            The largest move is not above zero, or every move would bend a joint. Or joints stay
+            plane for small moves only to the first order, as in rings of an even number of equal
+            blocks.
         """
+        if not 0.0 < number(most, "the largest move") < np.inf:
+            raise InputError(f"the largest move is {most} m", remedy="give metres above zero")
+        each = np.full(matrix.shape[1], float(most))
+        if planes is None:
+            return cls(matrix, each, vertex)
         slope = planes.slopes(vertex, matrix)
         size, way = np.linalg.svd(slope, full_matrices=False)[1:]
         bending = way[size > _RANK * size.max(initial=1.0)].T
-        if bending.shape[1] == len(most):
+        if not bending.shape[1]:
+            return cls(matrix, each, vertex)
+        if bending.shape[1] == len(each):
             raise InputError(
                 "every move would bend a joint",
                 remedy="keep fewer blocks, or allow more directions",
             )
-        made = cls(matrix, most, planes, vertex, bending)
+        made = cls(matrix, each, vertex, planes, bending)
+        some = np.random.default_rng(0).uniform(-1.0, 1.0, len(each))
         try:
-            made.moved(
-                vertex, _TRIAL * most * np.random.default_rng(0).uniform(-1.0, 1.0, len(most))
-            )
+            made.moved(vertex, _TRIAL * most * some)
         except InputError as error:
             raise InputError(
                 "joints do not stay plane when vertices move freely",
@@ -166,12 +174,13 @@ class PlaneMoves(OneLine):
         return made
 
     def _summary(self) -> str:
-        return f"{self.count} variables, {self.bending.shape[1]} of which keep joints plane"
+        kept = "" if self.bending is None else f", {self.bending.shape[1]} of which follow"
+        return f"{self.count} variables of {len(self.vertex)} vertices{kept}"
 
     @property
     def count(self) -> int:
         """Number of variables, p."""
-        return int(self.matrix.shape[1])
+        return len(self.most)
 
     def moved(self, vertex: Floats, x: Floats) -> Floats:
         """The vertices (v, 3) with variables (p,).
@@ -187,36 +196,37 @@ class PlaneMoves(OneLine):
                 f"the moves are of {len(self.vertex)} vertices, the model has {len(vertex)}",
                 remedy="make the moves of this model",
             )
-        out: Floats = vertex + (self.matrix @ self._plane(x)).reshape(-1, 3)
-        return out
+        return vertex + self._step(self._plane(x))
 
     def matrix_at(self, x: Floats) -> sparse.csr_matrix:
         """Derivative (3 v, p) of the vertices by the variables."""
-        slope = self._slope(self._plane(x))
+        if self.planes is None or self.bending is None:
+            return self.matrix
+        slope = self.planes.slopes(self.vertex + self._step(self._plane(x)), self.matrix)
         follow = self.bending @ np.linalg.lstsq(slope @ self.bending, slope, rcond=_RANK)[0]
         return sparse.csr_matrix(self.matrix - sparse.csr_matrix(self.matrix @ follow))
 
     def _plane(self, x: Floats) -> Floats:
         """The moves u (p,) that keep joints plane, for variables (p,)."""
         moves = np.array(x, dtype=np.float64)
+        if self.planes is None or self.bending is None:
+            return moves
         goal = self.planes.distances(self.vertex)
         close = _CLOSE * float(np.ptp(self.vertex, axis=0).max())
         for _ in range(_STEPS):
-            off = self.planes.distances(self._vertices(moves)) - goal
+            here = self.vertex + self._step(moves)
+            off = self.planes.distances(here) - goal
             if float(np.abs(off).max(initial=0.0)) <= close:
                 return moves
-            step = np.linalg.lstsq(self._slope(moves) @ self.bending, off, rcond=_RANK)[0]
-            moves = moves - self.bending @ step
+            slope = self.planes.slopes(here, self.matrix) @ self.bending
+            moves = moves - self.bending @ np.linalg.lstsq(slope, off, rcond=_RANK)[0]
         raise InputError(
             "joints do not stay plane with moves of this size", remedy="allow smaller moves"
         )
 
-    def _vertices(self, moves: Floats) -> Floats:
-        out: Floats = self.vertex + (self.matrix @ moves).reshape(-1, 3)
+    def _step(self, moves: Floats) -> Floats:
+        out: Floats = (self.matrix @ moves).reshape(-1, 3)
         return out
-
-    def _slope(self, moves: Floats) -> Floats:
-        return self.planes.slopes(self._vertices(moves), self.matrix)
 
 
 def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import fresh_name, usual_friction
 from drystone.design.props import HEAD, seats
@@ -33,31 +32,11 @@ _LONGEST = 2.0
 _PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
 
 
-@dataclass(frozen=True, eq=False)
-class _StrutBlock(OneLine):
-    """A block that supports another one.
+def struts(model: Model, block: int, motion: Floats) -> list[tuple[float, int, Block]]:
+    """Struts that fit against a block: lengths [m], the blocks that they stand on, and the struts.
 
-    Attributes
-    ----------
-    block
-        What it supports.
-    on
-        What it stands on.
-    body
-    length : [m]
-    """
-
-    block: int
-    on: int
-    body: Block
-    length: float
-
-
-def struts(model: Model, block: int, motion: Floats) -> list[_StrutBlock]:
-    """Struts that fit against a block, the shortest first.
-
-    A strut goes from a free face that moves forward to the next block, with an inclination below
-    the friction angle at both ends, and through no other block.
+    The shortest one is the first. A strut goes from a free face that moves forward to the next
+    block, with an inclination below the friction angle at both ends, and through no other block.
 
     Parameters
     ----------
@@ -66,28 +45,26 @@ def struts(model: Model, block: int, motion: Floats) -> list[_StrutBlock]:
     motion : (6,)
         How the block begins to move.
     """
-    found = [strut for strut in _all(model, block, motion) if strut is not None]
-    return sorted(found, key=lambda strut: strut.length)
+    return sorted(_all(model, block, motion), key=lambda strut: strut[0])
 
 
-def _all(model: Model, block: int, motion: Floats) -> Iterator[_StrutBlock | None]:
+def _all(model: Model, block: int, motion: Floats) -> Iterator[tuple[float, int, Block]]:
     limit = _WITHIN * np.arctan(usual_friction(model))
     body = model.assembly.blocks[block]
     triangles, owner = _triangles(model)
-    for seat in seats(model, block, motion, _PLACES):
+    for seat, lean in product(seats(model, block, motion, _PLACES), _LEANS):
+        if abs(np.deg2rad(lean)) > limit:
+            continue
         frame = frames_from_normals(-np.asarray(seat.normal)[None])[0]
-        point = seat.outline.mean(axis=0)
-        for lean in _LEANS:
-            if abs(np.deg2rad(lean)) > limit:
-                continue
-            along = rotation_about(frame[1], lean) @ frame[0]
-            hit = _first_hit(triangles, owner, block, point, along, _LONGEST * body.size)
-            if hit is None:
-                continue
-            on, length, normal = hit
-            if -normal @ along < np.cos(limit):
-                continue
-            yield _fitted(model, block, on, point, along, length, -seat.normal, normal)
+        point, along = seat.outline.mean(axis=0), rotation_about(frame[1], lean) @ frame[0]
+        hit = _first_hit(triangles, owner, block, point, along, _LONGEST * body.size)
+        if hit is None:
+            continue
+        on, length, normal = hit
+        if -normal @ along >= np.cos(limit):
+            strut = _fitted(model, block, point, along, length, -seat.normal, normal)
+            if strut is not None:
+                yield length, on, strut
 
 
 def _triangles(model: Model) -> tuple[Floats, Ints]:
@@ -119,18 +96,17 @@ def _first_hit(
 def _fitted(
     model: Model,
     block: int,
-    on: int,
     point: Floats,
     along: Floats,
     length: float,
     seat: Floats,
     landing: Floats,
-) -> _StrutBlock | None:
+) -> Block | None:
     """A bar between two faces, cut to them; ``None`` if another block is between them.
 
     Parameters
     ----------
-    model, block, on, point, along, length
+    model, block, point, along, length
     seat, landing : (3,) unit
         Outward normals of the face of the block, and of the face that the strut stands on.
     """
@@ -162,7 +138,7 @@ def _fitted(
         made = Block(piece[0], tuple(piece[1]), fresh_name(model, "strut"), body.density)
     except (InputError, ValueError):
         return None
-    return None if _in_the_way(model, made) else _StrutBlock(block, on, made, length)
+    return None if _in_the_way(model, made) else made
 
 
 def _in_the_way(model: Model, body: Block) -> bool:

@@ -86,7 +86,19 @@ def names_of(model: Model, blocks: Sequence[int]) -> str:
     named = [f"'{model.assembly.names[i]}'" for i in blocks]
     if len(named) > NAMED:
         named = [*named[: NAMED - 1], f"{len(named) - NAMED + 1} more"]
-    return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
+    return listed(named)
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Parts of a sentence, one after the other.
+
+    Examples
+    --------
+    >>> listed(["a"]), listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
