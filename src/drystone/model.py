@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block, Blocks
-from drystone.base.arrays import FARTHEST, Bools, Floats, of_type
+from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
 from drystone.base.display import Card, OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
@@ -329,7 +329,7 @@ class Model(Card):
 def up_of_load(load: Any) -> tuple[float, float, float]:
     """The axis (3,) that points up under a load; z unless it is an acceleration."""
     if isinstance(load, Sequence | np.ndarray) and np.shape(load) == (3,) and np.any(load):
-        return up_of([float(x) for x in load])
+        return up_of(frozen_floats(load, (3,), "the load").tolist())
     return UP
 
 

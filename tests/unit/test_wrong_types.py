@@ -33,7 +33,10 @@ from drystone.shells import Layout, ShellBody
 TOWER = tower(2)
 MODEL = Model.of(TOWER)
 CONTACTS = MODEL.contacts
-WRONG = [42, 2.5, True, "x", None, [1, 2], {"a": 1}, object(), np.zeros(3), TOWER, CONTACTS, MODEL]
+WRONG = [
+    42, 2.5, True, "x", None, [1, 2], {"a": 1}, object(), np.zeros(3), TOWER, CONTACTS, MODEL,
+    1j, np.array([1.0, 2j, 0.0]), np.array(["a", "b"]), b"\0", float("nan"), -1e400, {1, 2},
+]  # fmt: skip
 ALL = tuple(getattr(CONTACTS, name) for name in Contacts.__dataclass_fields__)
 
 CALLS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {

@@ -42,7 +42,10 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
     try:
         if isinstance(values, str | bytes):  # numpy would read "0.6" as a number
             raise TypeError
-        array = np.array(values, dtype=np.float64, order="C", copy=True)
+        given = np.asarray(values)
+        if np.iscomplexobj(given):
+            raise TypeError
+        array = np.array(given, dtype=np.float64, order="C", copy=True)
     except (TypeError, ValueError) as error:
         got = f"got {type(values).__name__}"
         raise InputError(f"{what} must be numbers", remedy=got) from error
@@ -112,7 +115,7 @@ def number(value: Any, what: str, *, finite: bool = True) -> float:
         It is none (truth values and text are none), or not finite where it must be.
     """
     try:
-        if isinstance(value, str | bytes | bool | np.bool_):
+        if isinstance(value, str | bytes | bool | np.bool_ | np.complexfloating):
             raise TypeError
         given = float(value)
     except (TypeError, ValueError) as error:
@@ -132,7 +135,7 @@ def one_or_each(values: Any, count: int, what: str) -> Floats:
     """
     try:
         given = np.asarray(values)
-        if given.dtype.kind in "USb":
+        if given.dtype.kind in "USbc":
             raise TypeError
         return np.broadcast_to(given.astype(np.float64), (count,)).copy()
     except (TypeError, ValueError) as error:

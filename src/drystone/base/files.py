@@ -25,6 +25,8 @@ LARGEST_FILE = 2**26
 """[bytes], chosen: 64 MiB holds about a million faces in any of the formats; any content is read or
 refused within some ten seconds."""
 
+_LITTLE = 2**16
+"""[bytes] of space that is left on a full disk at most."""
 _HIDDEN = ".drystone-"
 _LEFT_S = 3600.0
 """[s] after which a hidden folder is one that was left; chosen: no file takes that long."""
@@ -183,6 +185,8 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
     try:
         with _beside(target) as temporary:
             if not save(str(temporary)):
+                if shutil.disk_usage(target.parent).free < _LITTLE:  # the library does not say why
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
                 raise OSError("the file could not be made")
             temporary.chmod(_mode(target))
             temporary.replace(target)

@@ -1,7 +1,9 @@
 import errno
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import BinaryIO
 
 import pytest
@@ -162,3 +164,13 @@ def test_a_name_may_be_as_long_as_the_disk_allows(tmp_path: Path) -> None:
     assert path.read_bytes() == b"1"
     with pytest.raises(FormatError, match="File name too long; choose a shorter name"):
         files.write_bytes(tmp_path / (252 * "a" + ".csv"), b"1")
+
+
+def test_a_library_that_does_not_say_why_is_asked_for_space(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(FormatError, match="the file could not be made; choose a folder"):
+        files.write_through(tmp_path / "a.3dm", lambda _: False)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=4096))
+    with pytest.raises(FormatError, match="No space left on device; free some space"):
+        files.write_through(tmp_path / "a.3dm", lambda _: False)
