@@ -16,10 +16,10 @@ from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.margins import in_turn
 from drystone.sequence.order_search import overloads
-from drystone.sequence.plan_steps import checked_step, falling_words, without_help
-from drystone.sequence.plans import Plan, placed_before
+from drystone.sequence.plans import Plan
 from drystone.sequence.rules import strength
 from drystone.sequence.stages import mask_of
+from drystone.sequence.step_checks import checked_step, falling_words, without_help
 
 PlanAt: TypeAlias = Callable[[Model], Plan]
 """The planner with all arguments except the model."""
@@ -149,7 +149,7 @@ def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
     limit = strength(plan.rules, other.model)[2]
     with Evaluator(other.model) as evaluator:
         for number, old in enumerate(plan.steps):
-            before = placed_before(plan, number)
+            before = plan.before(number)
             standing = mask_of(plan.steps[number - 1].props if number else ())
             step = checked_step(evaluator, before, old.blocks, old.motion, standing, old.props)
             bad = next((one for one in (*step.during, step.answer) if not one.stands), None)

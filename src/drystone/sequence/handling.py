@@ -27,7 +27,7 @@ from drystone.base.workers import WorkerPool
 from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
 from drystone.sequence.path_search import PathFinder
-from drystone.sequence.plans import Plan, placed_before
+from drystone.sequence.plans import Plan
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stages import members
@@ -261,7 +261,7 @@ def _in_order(plan: Plan) -> Iterator[tuple[int, int, Bools]]:
     for number, step in enumerate(plan.steps):
         here = np.array(plan.model.assembly.fixed)
         here[list(plan.impossible)] = True
-        here[list(members(placed_before(plan, number)))] = True
+        here[list(members(plan.before(number)))] = True
         for block in step.blocks:
             here[block] = True
             yield number, block, here.copy()

@@ -1,24 +1,19 @@
-"""The parts of a plan: its steps and their checks, the status of every block, the props."""
+"""The steps of a plan, and what follows from them: order, status of every block, props."""
 
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.stages import Stage, StageAnswer, mask_of
-
-CHECKED = 1000
-"""Most corners of a connected part with which every stage of a plan is checked, also where a quick
-look shows that it stands, and with which the complete structure may stand after settling."""
-LISTED = 6
-"""Number of falling blocks named in a message."""
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.stages import StageAnswer, mask_of
+from drystone.sequence.structure import Structure
 
 
 class Status(enum.Enum):
@@ -102,79 +97,123 @@ class Prop(OneLine):
         return float(np.linalg.norm(self.wrench[:3]))
 
 
-def checked_step(
-    evaluator: Evaluator,
-    before: int,
-    blocks: tuple[int, ...],
-    motion: Floats,
-    standing: int,
-    props: tuple[int, ...],
-    near: tuple[int, int] | None = None,
-) -> Step:
-    """A step, with the answers of its stages.
+@dataclass(frozen=True, eq=False)
+class PlannedSteps:
+    """Steps from the supports to the complete structure.
 
-    Parameters
+    Attributes
     ----------
-    evaluator
-    before
-        Blocks in place before it, as bits.
-    blocks
-        In the order of placement.
-    motion : (b, 3) unit
-    standing
-        Blocks that are propped before it, as bits.
-    props
-        Blocks that are propped after it.
-    near
-        Blocks in place and held blocks of a similar stage that was checked.
+    model
+    steps
+        Empty if there is no plan.
+    impossible
+        Blocks that cannot be inserted, and why; they count as in place from the beginning.
     """
-    checked = evaluator.model.largest[1] <= CHECKED
 
-    sure = partial(evaluator.answer, forces=True, checked=checked)
-    after = Stage(before | mask_of(blocks), mask_of(props), False, near)
-    answer = sure(after)
-    during = []
-    placed, propped = before, standing | mask_of(props)
-    for number, block in enumerate(blocks[:-1]):
-        placed |= 1 << block
-        held = mask_of(blocks[: number + 1]) | propped & placed
-        stage = Stage(placed, held, False, (after.placed, after.held))
-        during.append(sure(stage))
-    return Step(blocks, motion, props, after.placed, answer, tuple(during))
+    model: Structure
+    steps: tuple[Step, ...]
+    impossible: Mapping[int, str]
 
+    @cached_property
+    def order(self) -> tuple[str, ...]:
+        """Names in the order of assembly."""
+        names = self.model.assembly.names
+        return tuple(names[b] for step in self.steps for b in step.blocks)
 
-def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
-    """The result of a step without its hands and without its new props, as text.
+    @cached_property
+    def step_of(self) -> Mapping[int, int]:
+        """Step that places each block."""
+        return {b: i for i, step in enumerate(self.steps) for b in step.blocks}
 
-    Parameters
-    ----------
-    evaluator
-    step
-    standing
-        Blocks that are propped before it, as bits.
-    """
-    props = mask_of(step.props)
-    alone, near = [], (step.placed, props)
-    if len(step.blocks) > 1:
-        first = step.placed & ~mask_of(step.blocks[1:])
-        alone.append(Stage(first, (props | standing) & first, False, near))
-    if props & ~standing:
-        alone.append(Stage(step.placed, props & standing, False, near))
-    found = (evaluator.answer(stage) for stage in alone)
-    names = evaluator.model.assembly.names
-    return "; ".join(
-        "without help: " + falling_words(one, names) + one.message
-        for one in found
-        if not one.stands
-    )
+    @cached_property
+    def props(self) -> tuple[Prop, ...]:
+        """All props, in the order in which they are needed."""
+        out = []
+        for block in dict.fromkeys(b for step in self.steps for b in step.props):
+            when = [i for i, step in enumerate(self.steps) if block in step.props]
+            found = [
+                answer.reaction[block]
+                for i in when
+                for answer in (*self.steps[i].during, self.steps[i].answer)
+                if block in answer.reaction
+            ]
+            size = [float(np.linalg.norm(one[:3])) for one in found]
+            out.append(Prop(block, when[0], when[-1], found[int(np.argmax(size))]))
+        return tuple(out)
 
+    @cached_property
+    def status(self) -> tuple[Status, ...]:
+        """(n,) of each block."""
+        fixed = self.model.assembly.fixed
+        propped = {prop.block for prop in self.props}
+        held = {b for step in self.steps if len(step.blocks) > 1 for b in step.blocks}
 
-def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:
-    """The blocks that fall, followed by a semicolon; empty if unknown."""
-    falling = answer.falling
-    if not falling:
-        return ""
-    if len(falling) == 1:
-        return f"{names[falling[0]]} falls; "
-    more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
-    return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
+        def of(block: int) -> Status:
+            if block in self.impossible:
+                return Status.IMPOSSIBLE
+            if fixed[block] or block not in self.step_of:  # in place from the beginning
+                return Status.SUPPORT
+            if block in propped:
+                return Status.PROPPED
+            return Status.HELD if block in held else Status.FREE
+
+        return tuple(of(block) for block in range(len(fixed)))
+
+    @property
+    def help(self) -> tuple[int, int, int]:
+        """Number of propped blocks, of held blocks, and of simultaneous placements.
+
+        Simultaneous placements are the blocks of each step, without the last.
+        """
+        held = sum(one is Status.HELD for one in self.status)
+        return len(self.props), held, sum(len(step.blocks) - 1 for step in self.steps)
+
+    def partners(self, block: int) -> tuple[int, ...]:
+        """Blocks that are placed together with this one."""
+        step = self.step_of.get(block)
+        together = () if step is None else self.steps[step].blocks
+        return tuple(b for b in together if b != block)
+
+    def directions(self, number: int) -> tuple[Floats, ...]:
+        """Generators (g, 3), unit, of the directions in which each block of a step can be inserted.
+
+        Sums with non-negative factors are free. The joints with the blocks in place block every
+        other translation.
+        """
+        removal = RemovalTest(self.model)
+        placed = self.before(number)
+        out = []
+        for block in self.steps[number].blocks:
+            out.append(0.0 - removal.freedom(block, placed).generators)
+            placed |= 1 << block
+        return tuple(out)
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Number of blocks of each status, without blocks that were not planned."""
+        known = self.status if self.steps or self.impossible else ()
+        return {one.value: sum(s is one for s in known) for one in Status}
+
+    @property
+    def drop(self) -> float:
+        """[m], sum of the descents from one placement to the next."""
+        height = self.model.height[[b for step in self.steps for b in step.blocks]]
+        return float(np.maximum(0.0, -np.diff(height)).sum())
+
+    def before(self, number: int) -> int:
+        """Blocks in place before a step begins, as bits."""
+        return self.steps[number].placed & ~mask_of(self.steps[number].blocks)
+
+    @cached_property
+    def numbers_of(self) -> dict[int, int]:
+        """The number of each planned block, from 1 in the order of assembly."""
+        order = (block for step in self.steps for block in step.blocks)
+        return {block: number for number, block in enumerate(order, 1)}
+
+    @property
+    def told(self) -> str:
+        """The number of steps, and of blocks of each status."""
+        counts = self.counts
+        kinds = ("free", "held", "propped", "impossible")
+        said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")
+        return f"{len(self.steps)} steps: {said}"

@@ -19,7 +19,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.order_search import NO_HELP, Node, OrderSearch
-from drystone.sequence.plan_steps import CHECKED, Step, checked_step, falling_words, without_help
+from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
@@ -32,7 +32,8 @@ from drystone.sequence.stages import (
     check_thoroughly,
     members,
 )
-from drystone.sequence.structure import Structure
+from drystone.sequence.step_checks import checked_step, falling_words, without_help
+from drystone.sequence.structure import CHECKED, Structure
 from drystone.stability.screening import stage_screening
 
 EFFORT, LARGE = 1600.0, 50.0
@@ -138,29 +139,24 @@ def plan(
     clock = Clock(time_limit_s, stop)
     with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
-        settles = check is None and model.largest[1] <= CHECKED
-        if settles and not complete.stands:
+        if check is None and model.small and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
         if not complete.stands and not chosen.anyway:
-            return Plan(
-                model,
-                complete,
-                message=_refusal(complete, model.assembly.names),
-                solved=evaluator.solved,
-                solve_s=evaluator.solve_s,
-            )
+            return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
         planner = _Planner(evaluator, bound, chosen, progress)
         try:
             return planner.run(complete)
         except Stopped:
-            return Plan(
-                model,
-                complete,
-                message=f"{clock.reason} before an order was found",
-                solved=evaluator.solved,
-                solve_s=evaluator.solve_s,
-                stopped=clock.reason,
-            )
+            message = f"{clock.reason} before an order was found"
+            return _no_plan(evaluator, complete, message, clock.reason)
+
+
+def _no_plan(evaluator: Evaluator, complete: StageAnswer, message: str, stopped: str = "") -> Plan:
+    """A plan without steps."""
+    return Plan(
+        evaluator.model, (), {}, complete=complete, message=message, stopped=stopped,
+        solved=evaluator.solved, solve_s=evaluator.solve_s,
+    )  # fmt: skip
 
 
 class _Planner:
@@ -191,29 +187,18 @@ class _Planner:
         return self.describe(complete, order, self.imposed_order(complete, order))
 
     def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
-        """The order with the least help that is found; searched again while help is spared.
+        """The order with the least help that is found.
 
         In models of few blocks less help is searched below it, except where the order is given.
         """
-        best = None
-        while True:
-            search = OrderSearch(
-                self.evaluator,
-                bound,
-                self.patience,
-                self.options.width,
-                progress=self.progress,
-                scaffold=self.scaffold,
-            )
-            root = Node(self.model.everything, 0)
-            if not complete.stands:
-                root = replace(search.prop(root, complete), cost=NO_HELP)
-            order = trimmed(search.run(root), search)
-            if best is not None and order.cost >= best.cost:
-                break
-            best = order
-            if not order.spared:
-                break
+        search = OrderSearch(
+            self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
+            scaffold=self.scaffold,
+        )  # fmt: skip
+        root = Node(self.model.everything, 0)
+        if not complete.stands:
+            root = replace(search.prop(root, complete), cost=NO_HELP)
+        best = trimmed(search.run(root), search)
         known = best.cost == NO_HELP or best.proved or math.isinf(self.patience)
         if known or not search.few or not isinstance(self.bound.rules.order, Order):
             return best
@@ -272,30 +257,20 @@ class _Planner:
                 self.progress("verifying stages", len(steps), len(path) - 1)
         steps.reverse()
         impossible = dict(self.bound.reasons)
-        screened = self.model.quick is not None and self.model.largest[1] > CHECKED
         return Plan(
-            self.model,
-            complete,
-            tuple(steps),
-            impossible,
-            "; ".join([self.message(complete, steps, impossible, screened=screened), *own]),
-            self.proves(complete, order.proved, steps),
-            self.evaluator.solved,
-            self.evaluator.solve_s,
-            rules=self.bound.rules,
-        )
+            self.model, tuple(steps), impossible, complete=complete,
+            message="; ".join([self.message(complete, steps, impossible), *own]),
+            proved=self.proves(complete, order.proved, steps), solved=self.evaluator.solved,
+            solve_s=self.evaluator.solve_s, rules=self.bound.rules,
+        )  # fmt: skip
 
     def message(
-        self,
-        complete: StageAnswer,
-        steps: Sequence[Step],
-        impossible: dict[int, str],
-        *,
-        screened: bool,
+        self, complete: StageAnswer, steps: Sequence[Step], impossible: dict[int, str]
     ) -> str:
-        """How a plan ended; ``screened`` stages were not checked in full."""
+        """How a plan ended."""
         if not steps:
             return "no block can be removed" if impossible else "there is no block to place"
+        screened = self.model.quick is not None and not self.model.small
         unsure = [step for step in steps if not step.answer.stands]
         stands = f"every stage stands{' with uniform contact stiffness' if screened else ''}"
         settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
@@ -318,8 +293,8 @@ class _Planner:
         words = words or [stands]
         if screened:
             words.append(
-                f"above {CHECKED} corners other stiffnesses were not tried (--thorough, or "
-                "check=check_both in Python, tries them)"
+                f"above {CHECKED} corners a stage is only looked at, and not followed (--thorough, "
+                "or check=check_both in Python, checks it)"
             )
         return "; ".join(words)
 

@@ -1,37 +1,38 @@
-"""A plan: the steps of an assembly, the status of every block, the props and their forces."""
+"""A plan: what it says of itself."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.answer import Answer, Question, Role, Scene, Sentence
+from drystone.base.display import differing
 from drystone.base.errors import counted
+from drystone.base.table import Table
 from drystone.results import Verdict
-from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.plan_answer import PlanAnswer
-from drystone.sequence.plan_steps import Prop, Status, Step
+from drystone.sequence.plan_layers import step_stages, summary_stage
+from drystone.sequence.plan_steps import PlannedSteps, Status, Step
 from drystone.sequence.rules import Rules
 from drystone.sequence.stages import StageAnswer
-from drystone.sequence.structure import Structure
+
+_REASONS = 3
+"""PlannedSteps whose need of help is explained in sentences; the numbers have all."""
 
 
 @dataclass(frozen=True, eq=False)
-class Plan(PlanAnswer):
+class Plan(PlannedSteps, Answer):
     """An order of assembly.
 
     Attributes
     ----------
-    model
+    model, steps, impossible
+        See :class:`drystone.sequence.plan_steps.PlannedSteps`.
     complete
         Answer of the complete structure, without props.
-    steps
-        Empty if there is no plan.
-    impossible
-        Blocks that cannot be inserted, and why; they count as in place from the beginning.
     message
         Text for the user.
     proved
@@ -46,10 +47,7 @@ class Plan(PlanAnswer):
         Of the search.
     """
 
-    model: Structure
-    complete: StageAnswer
-    steps: tuple[Step, ...] = ()
-    impossible: Mapping[int, str] = field(default_factory=dict)
+    complete: StageAnswer = field(kw_only=True)
     message: str = ""
     proved: bool = False
     solved: int = 0
@@ -89,102 +87,140 @@ class Plan(PlanAnswer):
         return self.verdict is Verdict.STABLE
 
     @cached_property
-    def order(self) -> tuple[str, ...]:
-        """Names in the order of assembly."""
+    def asked(self) -> Question:
+        """What was asked."""
+        return Question.of(self.model.model, self.rules, self.when)
+
+    @property
+    def title(self) -> str:
+        """Whether it can be assembled, and with which help."""
+        counts = self.counts
+        if not self.steps:
+            return "No plan"
+        if counts["impossible"]:
+            return f"No way in was found for {counted(counts['impossible'], 'block')}"
+        if self.verdict is not Verdict.STABLE:
+            return "Not every stage is known to stand"
+        kinds = [kind for kind in ("propped", "held") if counts[kind]]
+        said = " and ".join(f"{counted(counts[kind], 'block')} {kind}" for kind in kinds)
+        return f"Can be assembled {f'with {said}' if said else 'without help'}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """PlannedSteps and counts, why there is no plan, and why steps need help."""
+        lost = [
+            Sentence(f"impossible: {self.model.assembly.names[block]}: {why}", Role.REMARK)
+            for block, why in self.impossible.items()
+        ]
+        if not self.steps:
+            return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
+        helped = self.counts["propped"] + self.counts["impossible"]
+        role = Role.UNSURE if helped or self.verdict is not Verdict.STABLE else Role.GOOD
+        said = [Sentence(self.told, role), Sentence(self.message)]
+        if any(self.help) and not self.proved:
+            more = "another order may need less help; --best searches all, which may take long"
+            said.append(Sentence(more))
+        why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
+        said += [Sentence(one) for one in why[:_REASONS]]
+        if len(why) > _REASONS:
+            said.append(Sentence(f"and {counted(len(why) - _REASONS, 'more step')} with help"))
+        return [*said, *lost]
+
+    def tables(self) -> Sequence[Table]:
+        """The blocks in the order of assembly."""
+        return [self.table()] if self.steps else []
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Plain values: counts, order, steps, blocks, props."""
         names = self.model.assembly.names
-        return tuple(names[b] for step in self.steps for b in step.blocks)
+        return {
+            "verdict": self.verdict,
+            "complete": self.complete.verdict,
+            "message": self.message,
+            "proved": self.proved,
+            "counts": self.counts,
+            "drop_m": self.drop,
+            "order": self.order,
+            "steps": [self._step(i) for i in range(len(self.steps))],
+            "blocks": [
+                {
+                    "block": names[b],
+                    "status": self.status[b].value,
+                    "step": self.step_of.get(b),
+                    "partners": [names[p] for p in self.partners(b)],
+                    "why": self._why(b),
+                }
+                for b in range(len(names))
+                if self.steps or b in self.impossible
+            ],
+            "props": [
+                {
+                    "block": names[prop.block],
+                    "first_step": prop.first,
+                    "last_step": prop.last,
+                    "stages": prop.stages,
+                    "at": self.model.assembly.centroid[prop.block],
+                    "force": prop.wrench[:3],
+                    "moment": prop.wrench[3:],
+                }
+                for prop in self.props
+            ],
+            "stopped": self.stopped,
+            "rules": differing(self.rules),
+            "checks": self.solved,
+            "solve_s": self.solve_s,
+        }
 
-    @cached_property
-    def step_of(self) -> Mapping[int, int]:
-        """Step that places each block."""
-        return {b: i for i, step in enumerate(self.steps) for b in step.blocks}
-
-    @cached_property
-    def props(self) -> tuple[Prop, ...]:
-        """All props, in the order in which they are needed."""
-        out = []
-        for block in dict.fromkeys(b for step in self.steps for b in step.props):
-            when = [i for i, step in enumerate(self.steps) if block in step.props]
-            found = [
-                answer.reaction[block]
-                for i in when
-                for answer in (*self.steps[i].during, self.steps[i].answer)
-                if block in answer.reaction
-            ]
-            out.append(Prop(block, when[0], when[-1], max(found, key=_size)))
-        return tuple(out)
-
-    @cached_property
-    def status(self) -> tuple[Status, ...]:
-        """(n,) of each block."""
-        fixed = self.model.assembly.fixed
-        propped = {prop.block for prop in self.props}
-        held = {b for step in self.steps if len(step.blocks) > 1 for b in step.blocks}
-
-        def of(block: int) -> Status:
-            if block in self.impossible:
-                return Status.IMPOSSIBLE
-            if fixed[block] or block not in self.step_of:  # in place from the beginning
-                return Status.SUPPORT
-            if block in propped:
-                return Status.PROPPED
-            return Status.HELD if block in held else Status.FREE
-
-        return tuple(of(block) for block in range(len(fixed)))
-
-    @property
-    def help(self) -> tuple[int, int, int]:
-        """Number of propped blocks, of held blocks, and of simultaneous placements.
-
-        Simultaneous placements are the blocks of each step, without the last.
-        """
-        held = sum(one is Status.HELD for one in self.status)
-        return len(self.props), held, sum(len(step.blocks) - 1 for step in self.steps)
-
-    def partners(self, block: int) -> tuple[int, ...]:
-        """Blocks that are placed together with this one."""
+    def _why(self, block: int) -> str:
+        """Why a block cannot be inserted, or needs help."""
+        if block in self.impossible:
+            return self.impossible[block]
         step = self.step_of.get(block)
-        together = () if step is None else self.steps[step].blocks
-        return tuple(b for b in together if b != block)
+        return "" if step is None or self.status[block] is Status.FREE else self.steps[step].why
 
-    def directions(self, number: int) -> tuple[Floats, ...]:
-        """Generators (g, 3), unit, of the directions in which each block of a step can be inserted.
+    def _step(self, number: int) -> dict[str, Any]:
+        step = self.steps[number]
+        names = self.model.assembly.names
+        return {
+            "step": number,
+            "blocks": [names[b] for b in step.blocks],
+            "status": [self.status[b].value for b in step.blocks],
+            "motion": step.motion,
+            "directions": self.directions(number),
+            "propped": [names[b] for b in step.props],
+            "verdict": step.answer.verdict,
+            "settled": step.answer.settled,
+            "why": step.why,
+            "friction_used": step.answer.used,
+        }
 
-        Sums with non-negative factors are free. The joints with the blocks in place block every
-        other translation.
+    def table(self) -> Table:
+        """A row per block in the order of assembly: stage, status, partners, prop, friction."""
+        names = self.model.assembly.names
+        prop = {one.block: one for one in self.props}
+        placed = [(i, step, b) for i, step in enumerate(self.steps) for b in step.blocks]
+        columns = {
+            "stage": [number + 1 for number, _, _ in placed],
+            "block": [names[b] for *_, b in placed],
+            "status": [self.status[b].value for *_, b in placed],
+            "with": [" ".join(names[p] for p in self.partners(b)) for *_, b in placed],
+            "prop_force": [prop[b].force if b in prop else 0.0 for *_, b in placed],
+            "prop_stages": [prop[b].stages if b in prop else 0 for *_, b in placed],
+            "propped_now": [len(step.props) for _, step, _ in placed],
+            "friction_used": [step.answer.used for _, step, _ in placed],
+        }
+        return Table("assembly plan", columns, {"prop_force": "N"})
+
+    def layers(self) -> Scene:
+        """A stage for every block that is placed; the last shows the status of all.
+
+        A page opens with the last one, whose headline is the answer of the whole plan.
         """
-        removal = RemovalTest(self.model)
-        placed = placed_before(self, number)
-        out = []
-        for block in self.steps[number].blocks:
-            out.append(0.0 - removal.freedom(block, placed).generators)
-            placed |= 1 << block
-        return tuple(out)
-
-    @cached_property
-    def counts(self) -> dict[str, int]:
-        """Number of blocks of each status, without blocks that were not planned."""
-        known = self.status if self.steps or self.impossible else ()
-        return {one.value: sum(s is one for s in known) for one in Status}
-
-    @property
-    def drop(self) -> float:
-        """[m], sum of the descents from one placement to the next."""
-        return _drop_of(self.model, [b for step in self.steps for b in step.blocks])
-
-
-def _drop_of(model: Structure, order: Sequence[int]) -> float:
-    """[m], sum of the descents from one placement to the next in an order."""
-    height = model.height[list(order)]
-    return float(np.maximum(0.0, -np.diff(height)).sum()) if len(height) > 1 else 0.0
-
-
-def placed_before(plan: Plan, number: int) -> int:
-    """Blocks in place before a step begins, as bits."""
-    if number > 0:
-        return plan.steps[number - 1].placed
-    return plan.steps[0].placed & ~sum(1 << b for b in plan.steps[0].blocks)
-
-
-def _size(wrench: Floats) -> float:
-    return float(np.linalg.norm(wrench[:3]))
+        model, number = self.model, np.zeros(len(self.model.assembly), dtype=np.intp)
+        number[list(self.numbers_of)] = list(self.numbers_of.values())
+        last = summary_stage(self, self.title, self.message, self.verdict)
+        stages = (*step_stages(self), last)
+        return Scene(
+            model.assembly, model.contacts, stages, f"drystone plan: {self.told}",
+            {**self.asked.facts(), "Plan": self.told}, number, still=-1, opens=-1,
+            preset="stages" if len(stages) > 1 else "solid",
+        )  # fmt: skip

@@ -20,6 +20,10 @@ from drystone.model import Model, OfModel
 from drystone.sequence.stages import Check, Stage, check_both, mask_of, members
 from drystone.stability import Screening
 
+CHECKED = 1000
+"""Most corners of a connected part with which every stage of a plan is checked, also where a quick
+look shows that it stands, and with which the complete structure may stand after settling."""
+
 
 @dataclass(frozen=True, eq=False)
 class Structure(OfModel, OneLine):
@@ -116,6 +120,11 @@ class Structure(OfModel, OneLine):
         corners = joined[self.contacts.interface]
         blocks, points = np.bincount(part[part >= 0]), np.bincount(corners[corners >= 0])
         return int(blocks.max(initial=0)), int(points.max(initial=0))
+
+    @property
+    def small(self) -> bool:
+        """Whether every stage of a plan is checked."""
+        return self.largest[1] <= CHECKED
 
     def floating(self, placed: int) -> int:
         """Blocks in place that are not connected to a support through blocks in place."""

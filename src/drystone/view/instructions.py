@@ -10,7 +10,6 @@ from os import PathLike
 import numpy as np
 
 from drystone.base.files import write_bytes
-from drystone.sequence.plan_answer import block_numbers, counts_text, summary_stage
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.view.figure import draw
@@ -61,7 +60,7 @@ def instructions_text(plan: Plan) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>Assembly plan</title><style>{_INSTRUCTIONS_STYLE}</style></head><body>"
         f"<h1>Assembly plan</h1>"
-        f"<p>{html.escape(counts_text(plan))}; {html.escape(plan.message)}.</p>"
+        f"<p>{html.escape(plan.told)}; {html.escape(plan.message)}.</p>"
         f"{_numbered_drawing(plan)}"
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
         "</div></body></html>\n"
@@ -70,7 +69,7 @@ def instructions_text(plan: Plan) -> str:
 
 def _row(plan: Plan, step: Step) -> str:
     names = plan.model.assembly.names
-    numbers = block_numbers(plan)
+    numbers = plan.numbers_of
     prop = {one.block: one for one in plan.props}
     rows = []
     for block, motion in zip(step.blocks, step.motion, strict=True):
@@ -97,8 +96,9 @@ def _row(plan: Plan, step: Step) -> str:
 def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
     # the summary is above the drawing
-    bare = replace(summary_stage(plan), headline="", message="")
-    scene = replace(plan.layers(), stages=(bare,), facts={}, still=0)
+    scene = plan.layers()
+    bare = replace(scene.stages[-1], headline="", message="")
+    scene = replace(scene, stages=(bare,), facts={}, still=0)
     figure = draw(scene, (9.0, 6.5), preset="stages")
     from matplotlib import rc_context  # slow to import
 

@@ -371,12 +371,12 @@ def test_margins_that_are_stopped_keep_the_stages_that_are_known():
 
 
 def test_a_plan_whose_stages_were_only_looked_at_says_so(monkeypatch):
-    for module in ("planner", "plan_steps"):
+    for module in ("planner", "structure"):
         monkeypatch.setattr(f"drystone.sequence.{module}.CHECKED", 7)
     assert planned(tower(2)).message == "every stage stands"  # 4 corners
     assert planned(tower(3)).message == (
-        "every stage stands with uniform contact stiffness; above 7 corners other stiffnesses were "
-        "not tried (--thorough, or check=check_both in Python, tries them)"
+        "every stage stands with uniform contact stiffness; above 7 corners a stage is only looked "
+        "at, and not followed (--thorough, or check=check_both in Python, checks it)"
     )
     contacts = find_contacts(tower(3), friction=0.6).contacts
     assert plan(Model(tower(3), contacts), check=check_both).message == "every stage stands"

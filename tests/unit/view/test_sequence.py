@@ -7,7 +7,6 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
-from drystone.sequence.plan_answer import block_numbers
 from drystone.view import State, page_text
 from drystone.view.instructions import instructions_text
 from drystone.view.labels import shown_middle
@@ -62,7 +61,7 @@ def test_a_hand_lets_go_when_its_step_has_ended(planned):
 
 def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_way(planned):
     scene = planned.layers()
-    numbers = block_numbers(planned)
+    numbers = planned.numbers_of
     for position, stage in enumerate(scene.stages[:-1], 1):
         (block,) = np.flatnonzero(np.linalg.norm(stage.motion, axis=1))
         assert numbers[block] == position
@@ -94,7 +93,7 @@ def test_the_page_holds_all_stages_and_names_them(planned):
 
 def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
     text = instructions_text(planned)
-    assert block_numbers(planned) == {
+    assert planned.numbers_of == {
         planned.model.assembly.index(name): i for i, name in enumerate(planned.order, 1)
     }
     for name in planned.order:

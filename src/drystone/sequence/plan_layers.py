@@ -1,0 +1,148 @@
+"""A plan block by block in pictures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.answer import SceneStage, State
+from drystone.answer.drawing import help_layer, interface_layers
+from drystone.answer.question import directions
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import counted
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.results.stage import force_layers
+from drystone.sequence.plan_steps import PlannedSteps, Status
+from drystone.sequence.stages import StageAnswer, members
+
+_MOST_ARROWS = 200_000
+"""Largest number of arrows in all stages; with more, stages have no forces. Chosen: the page
+stays below 20 MB."""
+
+_INSERTED = 1.0
+"""Length of the path of insertion that is shown, by the size of the block; chosen by eye."""
+
+_STATE_OF = {
+    Status.SUPPORT: State.SUPPORT,
+    Status.IMPOSSIBLE: State.SUPPORT,
+    Status.FREE: State.FREE,
+    Status.HELD: State.HELD,
+    Status.PROPPED: State.PROPPED,
+}
+
+
+def step_stages(plan: PlannedSteps) -> list[SceneStage]:
+    """A stage for every block that is placed, which moves along its path.
+
+    Orange blocks are held by a hand, vermilion ones are propped at that stage, hatched ones will be
+    propped later.
+    """
+    arrows = sum(len(a.corner) for step in plan.steps for a in (*step.during, step.answer))
+    forces = arrows <= _MOST_ARROWS
+    return [stage for i in range(len(plan.steps)) for stage in _of_step(plan, i, forces)]
+
+
+def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
+    """One stage for each block of a step."""
+    step = plan.steps[number]
+    names = plan.model.assembly.names
+    numbers, placed = plan.numbers_of, plan.before(number)
+    out = []
+    for k, (block, answer) in enumerate(zip(step.blocks, (*step.during, step.answer), strict=True)):
+        placed |= 1 << block
+        held = step.blocks[: k + 1] if k < len(step.during) else ()
+        parts = [f"step {number + 1} of the {len(plan.steps)} of the plan"]
+        if held:
+            parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
+        elif len(step.blocks) > 1:
+            parts.append(f"stands together with {', '.join(names[b] for b in step.blocks[:k])}")
+        if step.props:
+            parts.append(f"propped: {', '.join(names[b] for b in step.props)}")
+        state = _state(plan, placed, number, held)
+        if state[block] in (State.FREE, State.LATER):
+            state[block] = State.COMING
+        here = f"block {numbers[block]} of {len(numbers)}"
+        label = f"{here}, {names[block]} (step {number + 1} of {len(plan.steps)})"
+        stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
+        told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
+        stage = replace(stage, headline=told)
+        out.append(replace(stage, motion=_way_in(plan, block, step.motion[k])))
+    return out
+
+
+def _way_in(plan: PlannedSteps, block: int, direction: Floats) -> Floats:
+    """The motion (n, 6) that takes a block out of its place: the path of insertion, backwards."""
+    motion = np.zeros((len(plan.model.assembly), 6))
+    motion[block, :3] = -_INSERTED * plan.model.assembly.size[block] * direction
+    return motion
+
+
+def _state(plan: PlannedSteps, placed: int, number: int, held: tuple[int, ...]) -> Ints:
+    """State (n,) of the blocks at the end of a step."""
+    state = np.full(len(plan.model.assembly), State.ABSENT, dtype=np.intp)
+    for block in members(placed):
+        state[block] = _STATE_OF[plan.status[block]]
+    for prop in plan.props:
+        if placed >> prop.block & 1:
+            state[prop.block] = State.LATER if prop.first > number else State.FREE
+    state[state == State.HELD] = State.FREE  # a hand lets go when its step has ended
+    state[[b for b in held if placed >> b & 1]] = State.HELD
+    state[[b for b in plan.steps[number].props if placed >> b & 1]] = State.PROPPED
+    state[plan.model.assembly.fixed] = State.SUPPORT
+    return state
+
+
+def _stage(
+    plan: PlannedSteps, label: str, message: str, state: Ints, answer: StageAnswer, forces: bool
+) -> SceneStage:
+    model = plan.model
+    here = state != State.ABSENT
+    contacts = model.contacts
+    shown = here[contacts.block_a] & here[contacts.block_b]
+    prop = np.zeros((len(model.assembly), 6))
+    for block, wrench in answer.reaction.items():
+        prop[block] = wrench
+    up, gravity = directions(model.assembly, model.model.load)
+    help_needed = help_layer(model.assembly, prop, "props and hands")
+    stage = SceneStage(
+        label, _sentence(answer, state), message, state, answer.verdict,
+        motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
+        layers=interface_layers(contacts, shown) + help_needed,
+    )  # fmt: skip
+    if not forces or not len(answer.corner):
+        return stage
+    force = np.zeros((contacts.corner_count, 3))
+    force[answer.corner] = answer.force
+    asked = Model(model.assembly, contacts, model.model.load)
+    whole = Result("plan", answer.verdict, asked, force=force)
+    resultants = whole.resultants
+    return replace(
+        stage, force=force, normal=resultants.normal, tangential=resultants.tangential,
+        utilisation=whole.utilisation, pressure_centre=resultants.position,
+        layers=stage.layers + force_layers(whole, shown),
+    )  # fmt: skip
+
+
+def _sentence(answer: StageAnswer, state: Ints) -> str:
+    """The props and hands of a stage."""
+    if not answer.stands:
+        return "Not known to stand" if answer.verdict is Verdict.UNDECIDED else "Falls"
+    propped, held = int((state == State.PROPPED).sum()), int((state == State.HELD).sum())
+    helped = [counted(propped, "prop")] if propped else []
+    helped += [f"a hand on {counted(held, 'block')}"] if held else []
+    return f"Stands with {' and '.join(helped)}" if helped else "Stands without help"
+
+
+def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
+    """The complete structure, each block in the colour of its status."""
+    state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
+    if plan.impossible:
+        impossible = [plan.model.assembly.names[b] for b in plan.impossible]
+        message += f"; cannot be inserted: {', '.join(impossible)}"
+    up, gravity = directions(plan.model.assembly, plan.model.load)
+    return SceneStage(
+        f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
+        up=up, gravity=gravity, layers=interface_layers(plan.model.contacts),
+    )  # fmt: skip
