@@ -6,8 +6,6 @@ centroid; in place its axes are the world axes. All poses refer to that frame.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from drystone.answer import plain
 from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
@@ -23,6 +22,7 @@ from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_bytes
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
@@ -41,7 +41,7 @@ class Placement(OneLine):
     ----------
     step
         Number of the step in the plan, from 0.
-    block, name
+    name
     robot
         The robot that places it; empty if no robots were given, or none can place it.
     frame : (4, 4)
@@ -61,7 +61,6 @@ class Placement(OneLine):
     """
 
     step: int
-    block: int
     name: str
     robot: str
     frame: Floats
@@ -79,7 +78,7 @@ class Hold(OneLine):
 
     Attributes
     ----------
-    block, name
+    name
     robot
         The robot that holds it; empty if no robots were given.
     until
@@ -89,7 +88,6 @@ class Hold(OneLine):
         Largest force and moment of the hold, about the centroid.
     """
 
-    block: int
     name: str
     robot: str
     until: str
@@ -120,67 +118,37 @@ class Handling(OneLine):
         """Plain values; lengths in m, masses in kg, forces in N."""
         return {
             "format": "drystone-handling",
-            "version": 1,
-            "robots": [
-                {
-                    "name": r.name,
-                    "base": list(r.base),
-                    "reach": _finite(r.reach),
-                    "payload": _finite(r.payload),
-                }
-                for r in self.robots
-            ],
-            "placements": [_placement(one) for one in self.placements],
-            "holds": [
-                {
-                    "block": one.name,
-                    "robot": one.robot,
-                    "until": one.until,
-                    "force": one.force.tolist(),
-                    "moment": one.moment.tolist(),
-                }
-                for one in self.holds
-            ],
-            "props": self.plan.to_dict()["props"],
+            "version": 2,
+            "robots": plain(self.robots),
+            "placements": plain(self.placements),
+            "holds": plain(self.holds),
+            "props": plain(self.plan.numbers()["props"]),
             "notes": list(self.notes),
         }
 
-    def rows(self) -> list[dict[str, Any]]:
-        """A row per placement: robot, position, mass, direction of approach and widest grip."""
+    def table(self) -> Table:
+        """A row per placement: robot, mass, position, path and grips, and its hold."""
         held = {one.name: one for one in self.holds}
-        return [
-            {
-                "step": one.step + 1,
-                "block": one.name,
-                "robot": one.robot,
-                "mass_kg": one.mass,
-                "x_m": float(one.frame[0, 3]),
-                "y_m": float(one.frame[1, 3]),
-                "z_m": float(one.frame[2, 3]),
-                "turning": "yes" if one.turning else "no",
-                "poses": len(one.approach),
-                "grip_faces": " ".join(str(grip.face) for grip in one.grips),
-                "grip_m": one.pairs[0][2] if one.pairs else "",
-                "held_until": held[one.name].until if one.name in held else "",
-                "hold_N": float(np.linalg.norm(held[one.name].force)) if one.name in held else 0.0,
-            }
-            for one in self.placements
-        ]
+        holds = [held.get(one.name) for one in self.placements]
+        columns = {
+            "step": [one.step + 1 for one in self.placements],
+            "block": [one.name for one in self.placements],
+            "robot": [one.robot for one in self.placements],
+            "mass": [one.mass for one in self.placements],
+            "at": np.array([one.frame[:3, 3] for one in self.placements]).reshape(-1, 3),
+            "turning": [one.turning for one in self.placements],
+            "poses": [len(one.approach) for one in self.placements],
+            "grip_faces": [" ".join(str(g.face) for g in one.grips) for one in self.placements],
+            "grip": [one.pairs[0][2] if one.pairs else np.nan for one in self.placements],
+            "held_until": ["" if one is None else one.until for one in holds],
+            "hold": [0.0 if one is None else float(np.linalg.norm(one.force)) for one in holds],
+        }
+        return Table("handling", columns, {"mass": "kg", "at": "m", "grip": "m", "hold": "N"})
 
     def save_json(self, path: PathLike) -> None:
         """Write everything as JSON, to a temporary name beside it that is then renamed."""
         text = json.dumps(self.to_dict(), indent=1, allow_nan=False)
         write_bytes(path, (text + "\n").encode("utf-8"))
-
-    def save_csv(self, path: PathLike) -> None:
-        """Write a row per placement as CSV, to a temporary name that is then renamed."""
-        rows = self.rows()
-        out = io.StringIO()
-        writer = csv.DictWriter(out, list(rows[0]) if rows else ["step"], lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            writer.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()})
-        write_bytes(path, out.getvalue().encode("utf-8"))
 
 
 @checked_call
@@ -245,12 +213,12 @@ def handling(
         if isinstance(found, NoPath):
             notes.append(f"'{body.name}': no path was found: {found.reason}")
         grips = grip_faces(body, Joints.of(model.contacts, block, here))
-        placements.append(_placed(number, block, body, robot, found, grips))
+        placements.append(_placed(number, body, robot, found, grips))
         if block != step.blocks[-1]:
             wrench = [a.reaction[block] for a in step.during if block in a.reaction]
             most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
             last = model.assembly.names[step.blocks[-1]]
-            holds.append(Hold(block, body.name, robot, last, most[:3], most[3:]))
+            holds.append(Hold(body.name, robot, last, most[:3], most[3:]))
             busy |= set() if who is None else {who}
         turn = turn if who is None else who + 1
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
@@ -287,50 +255,14 @@ def _why_none(free: Sequence[Robot], body: Block) -> str:
 
 
 def _placed(
-    step: int,
-    block: int,
-    body: Block,
-    robot: str,
-    found: RemovalPath | NoPath,
-    grips: list[GripFace],
+    step: int, body: Block, robot: str, found: RemovalPath | NoPath, grips: list[GripFace]
 ) -> Placement:
     frame = np.eye(4)
     frame[:3, 3] = body.centroid
+    approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False
     if isinstance(found, RemovalPath):
         approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
-    else:
-        approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False
     pairs = tuple(grip_pairs(grips))
     return Placement(
-        step, block, body.name, robot, frame, approach, clearance, turning, body.mass,
-        tuple(grips), pairs,
-    )  # fmt: skip
-
-
-def _placement(one: Placement) -> dict[str, Any]:
-    return {
-        "step": one.step,
-        "block": one.name,
-        "robot": one.robot,
-        "mass": one.mass,
-        "centre": one.frame[:3, 3].tolist(),
-        "frame": one.frame.tolist(),
-        "approach": one.approach.tolist(),
-        "clearance": one.clearance.tolist(),
-        "turning": one.turning,
-        "grips": [
-            {
-                "face": grip.face,
-                "centre": grip.centre.tolist(),
-                "normal": grip.normal.tolist(),
-                "area": grip.area,
-            }
-            for grip in one.grips
-        ],
-        "pairs": [{"grips": [i, j], "width": width} for i, j, width in one.pairs],
-    }
-
-
-def _finite(value: float) -> float | None:
-    """The number, or ``None`` for infinity."""
-    return value if np.isfinite(value) else None
+        step, body.name, robot, frame, approach, clearance, turning, body.mass, tuple(grips), pairs
+    )

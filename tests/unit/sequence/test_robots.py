@@ -80,16 +80,16 @@ def test_held_blocks_have_a_hold_until_their_partner_is_in():
 def test_json_and_csv_hold_what_was_found(tmp_path):
     work = handling(plan(tower(3)), [LEFT, Robot("strong", payload=5000.0)])
     work.save_json(tmp_path / "work.json")
-    work.save_csv(tmp_path / "work.csv")
+    work.table().to_csv(tmp_path / "work.csv")
     data = json.loads((tmp_path / "work.json").read_text())
     assert data["format"] == "drystone-handling"
-    assert [one["block"] for one in data["placements"]] == ["block-1", "block-2"]
+    assert [one["name"] for one in data["placements"]] == ["block-1", "block-2"]
     assert data["robots"][0]["payload"] is None
     assert np.array(data["placements"][0]["approach"]).shape[1:] == (4, 4)
     with (tmp_path / "work.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["robot"] for row in rows] == ["left", "strong"]
-    assert float(rows[0]["mass_kg"]) == pytest.approx(2400.0)
+    assert float(rows[0]["mass [kg]"]) == pytest.approx(2400.0)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["work.csv", "work.json"]
 
 
