@@ -76,13 +76,13 @@ class Evaluator(OneLine):
         self.asked = 0
         self.solve_s = 0.0
         self._known: dict[Stage, StageAnswer] = {}
-        self._ahead: dict[Stage, StageAnswer] = {}
-        self._kept: dict[Stage, StageAnswer] = {}
+        # of parts that nobody asked for yet: from the checkpoint, and with where they begin ahead
+        self._early: dict[Stage, StageAnswer] = {}
         self._pool = WorkerPool(executor, needed=False)
         self._file = None if checkpoint is None else as_path(checkpoint)
         self._saved = time.monotonic()
         if self._file is not None and self._file.exists():
-            self._kept = read_checkpoint(self._file, model)
+            self._early = read_checkpoint(self._file, model)
 
     def _summary(self) -> str:
         return f"{self.model!r}, {self.solved} parts checked"
@@ -135,46 +135,51 @@ class Evaluator(OneLine):
             The time limit is reached; earlier results are kept. The first stage is always checked.
         """
         parts = [self.model.parts(stage) for stage in stages]
-        missing = []
-        for part in dict.fromkeys(part for some in parts for part in some):
-            if not self._has(part, forces, checked):
-                self.asked += 1
-                key = part._replace(near=None)
-                if part in self._ahead:
-                    self._known[key] = self._ahead.pop(part)
-                elif key in self._kept and not (forces and self._kept[key].stands):
-                    self._known[key] = self._kept[key]
-                else:
-                    missing.append(part)
+        asked = dict.fromkeys(part for some in parts for part in some)
+        missing = [part for part in asked if self._is_missing(part, forces, checked)]
         if missing and self._known and self.late():
             raise Stopped
         if missing:
-            began = time.perf_counter()
-            further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
-            for part in missing:
-                further.pop(part, None)
-            new = [
-                p
-                for p in further
-                if p not in self._ahead
-                and p._replace(near=None) not in self._kept
-                and self._find(p) is None
-            ]
-            for number, (part, found) in enumerate(self._solve([*missing, *new])):
-                if number < len(missing):
-                    self._known[part._replace(near=None)] = found
-                else:
-                    self._ahead[part] = found
-                self.solved += 1
-                if time.monotonic() - self._saved > SAVE_EVERY_S:
-                    self.save()
-            self.solve_s += time.perf_counter() - began
+            self._solve(missing, [part for stage in ahead for part in self.model.parts(stage)])
         return [
-            combined(
-                self.model, stage, [one for part in some if (one := self._find(part)) is not None]
-            )
+            combined(self.model, stage, [self._known[self._key(part)] for part in some])
             for stage, some in zip(stages, parts, strict=True)
         ]
+
+    def _is_missing(self, part: Stage, forces: bool, checked: bool) -> bool:
+        """Whether a part is to be computed; an early answer to it is known from now on."""
+
+        def enough(found: StageAnswer | None) -> bool:
+            return found is not None and not (forces and found.stands and not len(found.corner))
+
+        key = part._replace(near=None)
+        if enough(self._known.get(key) if checked else self._find(part)):
+            return False
+        self.asked += 1
+        early = self._early.get(part, self._early.get(key))
+        if early is None or not enough(early):
+            return True
+        self._known[key] = early
+        return False
+
+    def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage]) -> None:
+        """Compute parts, and where there are workers others too, which are kept until asked for."""
+        began = time.perf_counter()
+        known = {*missing, *self._early}
+        further = [
+            part for part in dict.fromkeys(ahead)
+            if not {part, part._replace(near=None)} & known and self._find(part) is None
+        ]  # fmt: skip
+        parts = [*missing, *further]
+        for number, (part, found) in enumerate(zip(parts, self._solved(parts), strict=True)):
+            if number < len(missing):
+                self._known[part._replace(near=None)] = found
+            else:
+                self._early[part] = found
+            self.solved += 1
+            if time.monotonic() - self._saved > SAVE_EVERY_S:
+                self.save()
+        self.solve_s += time.perf_counter() - began
 
     def settled(self, stage: Stage, check: Check) -> StageAnswer:
         """A stage by another check, which is kept where it stands."""
@@ -192,14 +197,20 @@ class Evaluator(OneLine):
         """Write the checkpoint, if there is one."""
         self._saved = time.monotonic()
         if self._file is not None:
-            write_checkpoint(self._file, self.model, self._kept | self._known)
+            kept = {part: one for part, one in self._early.items() if part.near is None}
+            write_checkpoint(self._file, self.model, kept | self._known)
+
+    def _key(self, part: Stage) -> Stage:
+        """The part whose answer is that of a part: checked, or where it is enough looked at."""
+        part = part._replace(near=None)
+        checked, quick = part._replace(quick=False), part._replace(quick=True)
+        if checked in self._known or quick not in self._known:
+            return checked
+        return quick if self._known[quick].stands or part.quick else checked
 
     def _find(self, part: Stage) -> StageAnswer | None:
         """The known answer of a part: the check, or a quick look that shows that it stands."""
-        part = part._replace(near=None)
-        checked = self._known.get(part._replace(quick=False))
-        seen = self._known.get(part._replace(quick=True)) if checked is None else None
-        return seen if seen is not None and (seen.stands or part.quick) else checked
+        return self._known.get(self._key(part))
 
     def _rest_near(self, part: Stage) -> Floats | None:
         """Displacements (n, 6) of the known rest states of a part and of its similar stage."""
@@ -225,18 +236,11 @@ class Evaluator(OneLine):
         found = self._find(part)
         return None if found is None else found.uniform
 
-    def _has(self, part: Stage, forces: bool, checked: bool) -> bool:
-        known = self._known.get(part._replace(near=None)) if checked else self._find(part)
-        return known is not None and not (forces and known.stands and not len(known.corner))
-
-    def _solve(self, parts: Sequence[Stage]) -> Iterator[tuple[Stage, StageAnswer]]:
+    def _solved(self, parts: Sequence[Stage]) -> Iterator[StageAnswer]:
         if len(parts) == 1 or not self._pool.count:
-            for part in parts:
-                yield part, self._solve_here(self._job(part))
-        else:
-            jobs = [self._job(part) for part in parts]
-            found = self._pool.answers(self._task, jobs, failed=self._solve_here)
-            yield from zip(parts, found, strict=True)
+            return (self._solve_here(self._job(part)) for part in parts)
+        jobs = [self._job(part) for part in parts]
+        return self._pool.answers(self._task, jobs, failed=self._solve_here)
 
     def _job(self, part: Stage) -> _Job:
         return part, self._rest_near(part), self._screened(part)

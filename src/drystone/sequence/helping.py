@@ -35,6 +35,8 @@ class Trimmed:
         Whether no order has a lower cost.
     failures
         Answer of each stage that the scaffolding does not carry; else None.
+    denied
+        Number of stages that do not stand by the check, where stages are checked.
     """
 
     path: list[Node]
@@ -42,6 +44,7 @@ class Trimmed:
     cost: Cost
     proved: bool
     failures: list[StageAnswer | None]
+    denied: int
 
 
 def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
@@ -52,7 +55,13 @@ def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
     props = _props_in_time(path, search)
     cost = _cost(path, props)
     failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
-    return Trimmed(path, props, cost, found.proved, failures)
+    denied = 0
+    if search.quick and search.model.small:
+        stages = [search.stage(replace(node, props=held), quick=False)
+                  for node, held in zip(path, props, strict=True)]  # fmt: skip
+        answers = search.evaluator.answers(stages, checked=True)
+        denied = sum(not answer.stands for answer in answers)
+    return Trimmed(path, props, cost, found.proved, failures, denied)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:

@@ -189,16 +189,22 @@ class _Planner:
     def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
         """The order with the least help that is found.
 
-        In models of few blocks less help is searched below it, except where the order is given.
+        Where the check denies stages of it that a quick look found to stand, it is searched again
+        with what is known then, until no fewer are denied. In models of few blocks less help is
+        searched below it, except where the order is given.
         """
-        search = OrderSearch(
-            self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
-            scaffold=self.scaffold,
-        )  # fmt: skip
+        search = self.new_search(bound)
         root = Node(self.model.everything, 0)
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=NO_HELP)
         best = trimmed(search.run(root), search)
+        left = len(best.path)
+        while 0 < best.denied < left:
+            left = best.denied
+            search = self.new_search(bound)
+            best = min(
+                best, trimmed(search.run(root), search), key=lambda one: (one.denied, one.cost)
+            )
         known = best.cost == NO_HELP or best.proved or math.isinf(self.patience)
         if known or not search.few or not isinstance(self.bound.rules.order, Order):
             return best
@@ -208,6 +214,13 @@ class _Planner:
         if not less.path:
             return replace(best, proved=True)
         return min(best, trimmed(less, search), key=lambda one: one.cost)
+
+    def new_search(self, bound: BoundRules) -> OrderSearch:
+        """A search that knows what is known of stages."""
+        return OrderSearch(
+            self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
+            scaffold=self.scaffold,
+        )  # fmt: skip
 
     def imposed_order(self, complete: StageAnswer, order: Trimmed) -> list[str]:
         """Where an order given by names is not kept, and whether another one needs no help."""

@@ -23,7 +23,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.contacts import Contacts
+from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
@@ -318,7 +318,7 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
         Assembly(
             (*assembly.blocks, *bodies), np.append(assembly.fixed, np.ones(len(bodies), dtype=bool))
         ),
-        _with_joints(model.contacts, pairs, joints),
+        joined_contacts(model.contacts, _interfaces(pairs, joints)),
         replace(model.load, wrench=wrench),
         notes=model.notes,
     )
@@ -347,33 +347,21 @@ def _bar(one: Floats, other: Floats, width: float, name: str) -> Block:
     return Block(np.concatenate([one + ring, other + ring]), faces, name)
 
 
-def _with_joints(
-    contacts: Contacts, pairs: Sequence[tuple[int, int]], joints: Sequence[_Joint]
-) -> Contacts:
-    """The interfaces, and those of items behind them."""
-    count, more = contacts.count, len(joints)
+def _interfaces(pairs: Sequence[tuple[int, int]], joints: Sequence[_Joint]) -> Contacts:
+    """The interfaces of items."""
     if not joints:
-        return contacts
-    pull = np.array([joint.pull for joint in joints])
-    capacity = contacts.capacity
-    if pull.any() or capacity is not None:
-        old = capacity or JointCapacity(np.zeros(count), np.zeros(count))
-        new = JointCapacity(pull, pull)
-        capacity = JointCapacity(
-            *(
-                np.concatenate([getattr(old, name), getattr(new, name)])
-                for name in ("tension", "cohesion", "shear")
-            )
-        )
+        return Contacts.empty()
+    under, block = np.array(pairs, dtype=np.intp).T
     unit = np.array([joint.push / np.linalg.norm(joint.push) for joint in joints])
     corners = [len(joint.corner) for joint in joints]
+    pull = np.array([joint.pull for joint in joints])
     return Contacts(
-        np.append(contacts.block_a, [under for under, _ in pairs]),
-        np.append(contacts.block_b, [block for _, block in pairs]),
-        np.concatenate([contacts.frame, frames_from_normals(unit)]),
-        np.append(contacts.area, [joint.area for joint in joints]),
-        np.append(contacts.friction, [joint.friction for joint in joints]),
-        np.concatenate([contacts.point, *(joint.corner for joint in joints)]),
-        np.append(contacts.interface, np.repeat(np.arange(count, count + more), corners)),
-        capacity,
+        under,
+        block,
+        frames_from_normals(unit),
+        np.array([joint.area for joint in joints]),
+        np.array([joint.friction for joint in joints]),
+        np.concatenate([joint.corner for joint in joints]),
+        np.repeat(np.arange(len(joints)), corners),
+        JointCapacity(pull, pull) if pull.any() else None,
     )

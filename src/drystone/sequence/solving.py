@@ -177,10 +177,9 @@ def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -
         for block, wrench in one.reaction.items():
             reaction[block] = reaction[block] + wrench
     bad = [one for one in found if not one.stands]
-    falling = tuple(sorted({b for one in bad for b in one.falling}))
     if bad:
-        undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
-        worst = bad[0] if undecided is None else undecided
+        worst = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), bad[0])
+        falling = tuple(sorted({b for one in bad for b in one.falling}))
         return StageAnswer(worst.verdict, worst.message, falling, reaction, settled=worst.settled)
     return StageAnswer(
         Verdict.STABLE,

@@ -170,8 +170,3 @@ def check_both_near(
 def check_thoroughly(model: Model) -> Result:
     """The verdict of :func:`drystone.check`; settlement where contact stiffness decides."""
     return check(model, options=FOLLOWED)
-
-
-def balance(model: Model) -> Result:
-    """The verdict of rigid-block equilibrium: necessary for standing, not sufficient."""
-    return solve_rbe(model, options=RBEOptions.feasibility())
