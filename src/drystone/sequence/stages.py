@@ -15,7 +15,6 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.model import Model
-from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
 from drystone.settlement import SettlementOptions
 from drystone.stability import PATIENT, CheckOptions, check, try_rest
