@@ -79,6 +79,7 @@ class DefectKind(enum.StrEnum):
     OPEN = "open mesh"
     CROWDED = "non-manifold"
     TWICE = "twice"
+    TOUCHING = "touches itself"
 
 
 class DrystoneError(Exception):

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import Bools, Floats, frozen_floats
+from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
-from drystone.geometry import coincidence, selfcontact
-from drystone.geometry.closing import separate_parts
-from drystone.geometry.surface import open_faces
+from drystone.geometry import coincidence
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.repair import mended_blocks, support_from_surface
-from drystone.supports import may_hold
+from drystone.io.shape_blocks import SAME_PLACE, blocks_of, faces_at_holes
 
-_LARGEST_COORDINATE = 1e9
-"""[m], chosen: far above any structure, far below where products of coordinates overflow."""
 _LIKELY_EXTENT = (0.01, 1000.0)
 _LIKELY_BLOCK = (0.002, 4.0)
 _LIKELY_MASS = 1e10
@@ -33,11 +27,6 @@ _USUAL_BLOCK = 0.5
 _METRIC = ("mm", "cm", "m")
 """[m], chosen: the suggested unit is the metric unit that brings the median block nearest to this
 size."""
-_SAME_PLACE = 1e-9
-"""Vertices nearer than this share of their block's size are the same point."""
-_HINTED = 2000
-"""Faces up to which a repair is tried only to say that it would work. Chosen: some tenths of a
-second."""
 _MANY = 5
 """Names listed in one note."""
 
@@ -57,7 +46,7 @@ class Built:
     bare
         Faces (c, 3) [m] of open meshes with a missing neighbour.
     faulty
-        Positions of blocks that must not be used: they touch themselves, or are duplicates.
+        Positions of blocks that must not be used: they are duplicates.
     """
 
     blocks: tuple[Block | None, ...]
@@ -142,18 +131,7 @@ def try_blocks(
     meshes are mended, and else an error says where this would work; see
     :func:`drystone.repair.mended_blocks`.
     """
-    if units is not None and draft.units is not None and units != draft.units:
-        if draft.finish is not None:
-            raise FormatError(
-                f"its lengths are in {draft.units}, not in {units}",
-                where=str(path),
-                remedy="leave --units out",
-            )
-        overruled: tuple[str, ...] = (
-            f"lengths are read as {units}, as asked; the file says {draft.units}",
-        )
-    else:
-        overruled = ()
+    remarks = _overruled(draft, path, units)
     scale = scale_of(units or draft.units or "m")
     if (split or repair) and draft.finish is not None:
         raise FormatError(
@@ -161,199 +139,46 @@ def try_blocks(
             where=str(path),
             remedy="leave --split and --repair out",
         )
+    made, said = blocks_of(draft.shapes, scale, supports, split=split, repair=repair)
     blocks: list[Block | None] = []
     fixed: list[bool] = []
     defects: list[InputError] = []
-    remarks: list[str] = []
     bare: list[Floats] = []
-    every = _on_surfaces(draft.shapes, _plain(draft.shapes, scale), scale, supports)
-    for shape, plain in zip(draft.shapes, every, strict=True):
-        try:
-            if isinstance(plain, InputError):
-                made, said = _repaired(shape, scale, plain, repair, split)
-            else:
-                made, said = _in_parts(plain, split)
-        except InputError as error:
-            defects.append(_located(error, path, shape))
-            if error.kind is DefectKind.OPEN:
-                bare += _faces_at_holes(shape, scale)
-            made, said = [None], []
-        blocks += made
-        fixed += [shape.fixed] * len(made)
-        remarks += said
+    for shape, own in zip(draft.shapes, made, strict=True):
+        if isinstance(own, InputError):
+            defects.append(_located(own, path, shape))
+            if own.kind is DefectKind.OPEN:
+                bare += faces_at_holes(shape, scale)
+            own = [None]
+        blocks += own
+        fixed += [shape.fixed] * len(own)
     place = [i for i, block in enumerate(blocks) if block is not None]
     good = [block for block in blocks if block is not None]
     defects += _name_defects(draft.shapes, path)
-    inside, pinched = _self_contact_defects(good, path)
     doubled, twice = _duplicate_defects(good, path)
-    defects += [*inside, *doubled]
-    faulty = frozenset(place[i] for i in (*pinched, *twice))
     sized = _size_notes(good, units or draft.units)
-    notes = (*draft.notes, *overruled, *remarks, *_repair_notes(good), *sized)
+    notes = (*draft.notes, *remarks, *said, *_repair_notes(good), *sized)
     return Built(
         tuple(blocks),
         tuple(fixed),
-        tuple(defects),
+        (*defects, *doubled),
         tuple(map(printable, notes)),
         tuple(bare),
-        faulty,
+        frozenset(place[i] for i in twice),
     )
 
 
-def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]:
-    """A block with correctly oriented shells, or its parts if ``split``."""
-    parts, turned = separate_parts(block.vertices, block.faces)
-    if turned:
-        loops = tuple(loop for part in parts for loop in part)
-        note = f"{turned} of its shells turned"
-        block = replace_block(block, faces=loops, repairs=(*block.repairs, note))
-    if len(parts) == 1:
-        return [block], []
-    if not split:
-        said = f"block '{block.name}' has {len(parts)} separate parts that move as one (see split)"
-        return [block], [said]
-    made: list[Block | None] = [
-        replace_block(block, faces=tuple(part), name=f"{block.name}-{i}", repairs=())
-        for i, part in enumerate(parts)
-    ]
-    return made, [f"block '{block.name}' split into its {len(parts)} parts"]
-
-
-def _repaired(
-    shape: DraftBlock, scale: float, error: InputError, repair: bool, split: bool
-) -> tuple[list[Block | None], list[str]]:
-    """The blocks of a broken mesh, and what was done; else its error, with the option to use."""
-    if error.kind not in (DefectKind.OPEN, DefectKind.CROWDED):
-        raise error
-    if not repair and not split and len(shape.faces) > _HINTED:
-        raise error
-    try:
-        blocks = mended_blocks(_scaled(shape, scale), shape.faces, shape.name, shape.density)
-    except InputError:
-        raise error from None
-    if selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks]):
-        raise error
-    notes = blocks[0].repairs
-    only_split = len(notes) == 2 and notes[0].startswith("split")
-    if not repair and not (split and only_split):
-        options = "--split or --repair" if only_split else "--repair"
-        said = f"{error.remedy}; {options} would mend it ({'; '.join(notes)})"
-        raise error.located(error.where, said)
-    made: list[Block | None] = [
-        replace_block(block, metadata=shape.metadata, repairs=shape.repairs) for block in blocks
-    ]
-    return made, [f"block '{shape.name}': {'; '.join(notes)}"]
-
-
-def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputError]:
-    """The block of each shape, or its defect.
-
-    Coincident vertices are merged, and repeated faces left out, where this closes the surface.
-    """
-    made: list[Block | InputError] = []
-    for shape in shapes:
-        try:
-            made.append(_block(shape, _scaled(shape, scale), shape.faces))
-        except InputError as error:
-            made.append(error)
-    opened = [
-        i
-        for i, one in enumerate(made)
-        if isinstance(one, InputError) and one.kind in (DefectKind.OPEN, DefectKind.CROWDED)
-    ]
-    points = [_scaled(shapes[i], scale) for i in opened]
-    loops = [shapes[i].faces for i in opened]
-    welded = coincidence.weld_each(points, loops, _SAME_PLACE)
-    for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
-        once = list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
-        said = []
-        if merged:
-            said.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
-        if len(once) < len(faces):
-            twice = counted(
-                len(faces) - len(once), "face that occurs twice", "faces that occur twice"
-            )
-            said.append(f"{twice} left out")
-        if said:
-            try:
-                made[i] = _block(shapes[i], vertices, once, *said)
-            except InputError as error:
-                made[i] = error
-    return made
-
-
-def _on_surfaces(
-    shapes: Sequence[DraftBlock],
-    made: list[Block | InputError],
-    scale: float,
-    supports: str | None,
-) -> list[Block | InputError]:
-    """The same blocks, and one for each open surface that is fixed."""
-    bare = [i for i, one in enumerate(made) if _is_open(one)]
-    if not bare:
-        return made
-    held = np.array([shape.fixed for shape in shapes])
-    if supports is not None:
-        held = _chosen(shapes, made, scale, supports)
-    free = [
-        one for one, fixed in zip(made, held, strict=True) if isinstance(one, Block) and not fixed
-    ]
-    for i in bare:
-        if held[i]:
-            shape = shapes[i]
-            points = _scaled(shape, scale)
-            try:
-                block = support_from_surface(points, shape.faces, free, shape.name, shape.density)
-            except InputError:  # the first error says more
-                continue
-            notes = (*shape.repairs, *block.repairs)
-            made[i] = replace_block(block, metadata=shape.metadata, repairs=notes)
-    return made
-
-
-def _is_open(one: Block | InputError) -> bool:
-    return isinstance(one, InputError) and one.kind is DefectKind.OPEN
-
-
-def _chosen(
-    shapes: Sequence[DraftBlock], made: Sequence[Block | InputError], scale: float, supports: str
-) -> Bools:
-    """Mask of the shapes that ``supports`` would fix; those that cannot be placed are left out."""
-    place = [i for i, one in enumerate(made) if isinstance(one, Block) or _is_open(one)]
-    points = [_scaled(shapes[i], scale) for i in place]
-    bottom = np.array([point[:, 2].min() for point in points])
-    top = np.array([point[:, 2].max() for point in points])
-    chosen = np.zeros(len(shapes), dtype=bool)
-    chosen[place] = may_hold(supports, [shapes[i].name for i in place], bottom, top)
-    return chosen
-
-
-def _faces_at_holes(shape: DraftBlock, scale: float) -> list[Floats]:
-    """Corners (c, 3) [m] of the faces with a missing neighbour."""
-    vertices = _scaled(shape, scale)
-    loops = [tuple(face) for face in shape.faces]
-    return [vertices[list(loops[i])] for i in open_faces(loops)]
-
-
-def _scaled(shape: DraftBlock, scale: float) -> Floats:
-    """Vertices (v, 3) [m], within bounds."""
-    vertices = frozen_floats(shape.vertices, (None, 3), "vertices")
-    if scale != 1.0:
-        vertices = frozen_floats(vertices * scale, (None, 3), "vertices")
-    far = np.abs(vertices).max(initial=0.0)
-    if far > _LARGEST_COORDINATE:
-        raise InputError(
-            f"a coordinate is {far:.3g} m", remedy=f"stay within {_LARGEST_COORDINATE:g} m"
+def _overruled(draft: Draft, path: Path, units: str | None) -> list[str]:
+    """A remark where other units are asked for than the file has."""
+    if units is None or draft.units in (None, units):
+        return []
+    if draft.finish is not None:
+        raise FormatError(
+            f"its lengths are in {draft.units}, not in {units}",
+            where=str(path),
+            remedy="leave --units out",
         )
-    return vertices
-
-
-def _block(
-    shape: DraftBlock, vertices: Floats, faces: Sequence[Sequence[int]], *notes: str
-) -> Block:
-    loops = tuple(tuple(face) for face in faces)
-    repairs = (*shape.repairs, *notes)
-    return Block(vertices, loops, shape.name, shape.density, shape.metadata, repairs)
+    return [f"lengths are read as {units}, as asked; the file says {draft.units}"]
 
 
 def _located(error: InputError, path: Path, shape: DraftBlock) -> InputError:
@@ -377,22 +202,9 @@ def _name_defects(shapes: tuple[DraftBlock, ...], path: Path) -> list[InputError
     ]
 
 
-def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
-    """A defect for each place where a block touches itself, and the positions of these blocks."""
-    found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
-    return [
-        FormatError(
-            f"its surface {what}",
-            where=f"{path}, block '{blocks[body].name}'",
-            remedy="separate the parts there, or split it into two blocks",
-        )
-        for body, what in found
-    ], [body for body, _ in found]
-
-
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
     """A defect for each pair of duplicate blocks, and the second of each pair."""
-    pairs = coincidence.duplicates([block.vertices for block in blocks], _SAME_PLACE)
+    pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
     return [
         FormatError(
             f"blocks '{blocks[a].name}' and '{blocks[b].name}' are the same block twice,"

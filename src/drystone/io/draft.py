@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.results import Result
@@ -33,6 +34,8 @@ class DraftBlock:
     metadata
     repairs
         Repairs made before the file was written.
+    defect
+        Why it is no block, where the reader knows that already.
     """
 
     name: str
@@ -43,6 +46,7 @@ class DraftBlock:
     fixed: bool = False
     metadata: Mapping[str, Any] = field(default_factory=dict)
     repairs: tuple[str, ...] = ()
+    defect: InputError | None = None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError, MissingDependency
+from drystone.base.errors import FormatError, InputError, MissingDependency
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
@@ -109,18 +109,16 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
     place = f"{path}, {where} '{name}'"
     kind = item["kind"].text()
     if kind == "curved":
-        raise FormatError(
-            f"its {item['problem'].text()}, it cannot be read exactly",
-            where=place,
-            remedy="mesh it in Rhino, or save it while it is shaded",
-        )
+        what = f"its {item['problem'].text()}, it cannot be read exactly"
+        remedy = "mesh it in Rhino, or save it while it is shaded"
+        return [_unusable(name, where, what, remedy)], []
     told = _told(item["text"], place)
     vertices = item["vertices"].floats(None, 3)
     notes: list[str] = []
     if kind == "brep":
         loops = [[_loop(one, vertices) for one in f.elements()] for f in item["loops"].elements()]
         if not all(loops):
-            raise FormatError("a face has no outline", where=place, remedy="repair it in Rhino")
+            return [_unusable(name, where, "a face has no outline", "repair it in Rhino")], []
         made = [DraftBlock(name, vertices, faces_with_holes(vertices, loops))]
     elif told.polygons is not None and told.vertices == len(vertices):
         made = [DraftBlock(name, vertices, told.polygons)]
@@ -141,6 +139,11 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
         turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
         shapes.append(DraftBlock(one.name, points, turned, where, told.density, fixed, metadata))
     return shapes, notes
+
+
+def _unusable(name: str, where: str, what: str, remedy: str) -> DraftBlock:
+    """A shape that is refused, or left out where defects are to be skipped."""
+    return DraftBlock(name, np.zeros((0, 3)), (), where, defect=InputError(what, remedy=remedy))
 
 
 def _loop(loop: Field, vertices: Floats) -> Loop:

@@ -151,3 +151,46 @@ def test_sound_meshes_are_left_alone(tmp_path: Path) -> None:
     model = drystone.read(file, repair=True)
     assert model.notes == drystone.read(file).notes
     assert model.assembly.blocks[1].repairs == ()
+
+
+def side_by_side(*places: Sequence[float]) -> Mesh:
+    """Unit cubes as one mesh, each with corners of its own."""
+    points = np.concatenate([CUBE.vertices + np.array(place) for place in places])
+    return points, [
+        tuple(8 * k + i for i in face) for k in range(len(places)) for face in CUBE.faces
+    ]
+
+
+@pytest.mark.parametrize("suffix", [".json", ".obj"])
+@pytest.mark.parametrize(
+    ("mesh", "volumes", "split"),
+    [
+        (side_by_side((0, 0, 0), (1, 1, 0)), [1.0, 1.0], True),  # along an edge
+        (side_by_side((0, 0, 0), (1, 1, 1)), [1.0, 1.0], True),  # at a corner
+        (side_by_side((0, 0, 0), (0, 0, 1)), [1.0, 1.0], True),  # a face each, inside
+        (side_by_side((0, 0, 0), (0.3, 0.2, 1)), [1.0, 1.0], True),  # corners on faces
+        (side_by_side((0, 0, 0), (0, 0, 0)), [1.0], False),  # the same twice
+    ],
+)
+def test_parts_that_only_touch_are_mended_on_request(
+    tmp_path: Path, suffix: str, mesh: Mesh, volumes: list[float], split: bool
+) -> None:
+    path = written(tmp_path, suffix, mesh)
+    with pytest.raises(FormatError, match=r"(touches itself|is there twice).*--repair would mend"):
+        drystone.io.read_file(path)
+    mended = drystone.io.read_file(path, repair=True)
+    assert [block.volume for block in mended.assembly.blocks[1:]] == pytest.approx(volumes)
+    assert any(note.startswith("block 'part': ") for note in mended.notes)
+    assert not any("move as one" in note for note in mended.notes)
+    if split:
+        with pytest.raises(FormatError, match="--split or --repair would mend it"):
+            drystone.io.read_file(path)
+        apart = drystone.io.read_file(path, split=True)
+        assert [block.volume for block in apart.assembly.blocks[1:]] == pytest.approx(volumes)
+
+
+def test_parts_in_each_other_are_not_offered_a_repair(tmp_path: Path) -> None:
+    path = written(tmp_path, ".obj", side_by_side((0, 0, 0), (0.3, 0.2, 0.5)))
+    with pytest.raises(FormatError, match="crosses itself") as caught:
+        drystone.io.read_file(path)
+    assert "--repair" not in str(caught.value)

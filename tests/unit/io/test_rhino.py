@@ -189,8 +189,22 @@ def test_a_curved_brep_says_that_it_cannot_be_read(tmp_path: Path) -> None:
     circle = rhino3dm.Circle(rhino3dm.Point3d(0, 0, 0), 1.0)
     drum = rhino3dm.Brep.CreateFromCylinder(rhino3dm.Cylinder(circle, 2.0), True, True)
     file.Objects.AddBrep(drum, attributes(file, "drum"))
-    with pytest.raises(FormatError, match=r"object 0 'drum'.*face 0 is curved.*mesh it in Rhino"):
-        io.read_file(saved(tmp_path, file))
+    path = saved(tmp_path, file)
+    with pytest.raises(FormatError, match=r"object 0 block 'drum'.*face 0 is curved.*mesh it in"):
+        io.read_file(path)
+
+
+@needs_rhino
+def test_good_objects_beside_one_that_cannot_be_read_are_read_on_request(tmp_path: Path) -> None:
+    file = new_file()
+    circle = rhino3dm.Circle(rhino3dm.Point3d(0, 0, 0), 1.0)
+    drum = rhino3dm.Brep.CreateFromCylinder(rhino3dm.Cylinder(circle, 2.0), True, True)
+    file.Objects.AddBrep(drum, attributes(file, "drum"))
+    cube = rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(3, 0, 0, 4, 1, 1)))
+    file.Objects.AddBrep(cube, attributes(file, "cube"))
+    left = io.read_file(saved(tmp_path, file), skip_defects=True)
+    assert left.assembly.names == ("cube",)
+    assert "1 block with defects left out ('drystone inspect' lists them)" in left.notes
 
 
 @needs_rhino
