@@ -9,15 +9,12 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices, owners_of
-from drystone.design.vertex_places import Places, axis_of
+from drystone.design.vertex_places import TOGETHER, Places, axis_of
 from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 
 SIDES = {"intrados": 1.0, "extrados": -1.0}
 """Sides by whether their faces look to the middle of the supports, or away from it."""
-
-_NEAR = 1e-6
-"""A joint is on a face when its distance and its angle are below this share: rounding."""
 
 
 def on_side(model: Model, side: str, along: str | None) -> Bools:
@@ -48,11 +45,11 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
             corner = block.vertices[list(loop)]
             area = area_vector(corner)
             normal = area / np.linalg.norm(area)
-            if along is not None and abs(normal[axis_of(along)]) > 1.0 - _NEAR:
+            if along is not None and abs(normal[axis_of(along)]) > 1.0 - TOGETHER:
                 continue
-            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - _NEAR
+            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - TOGETHER
             away = np.abs((contacts.centroid[own] - corner[0]) @ normal)
-            if (flat & (away < _NEAR * block.size)).any():
+            if (flat & (away < TOGETHER * block.size)).any():
                 continue
             if SIDES[side] * float(normal @ (middle - corner.mean(axis=0))) > 0.0:
                 found[int(start[i]) + np.array(loop)] = True

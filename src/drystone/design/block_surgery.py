@@ -134,12 +134,8 @@ def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
     """
     i, j = (int(k) for k in model.assembly.indices([one, other]))
     contacts = model.contacts
-    pair = {i, j}
-    between = [
-        k
-        for k in range(contacts.count)
-        if {int(contacts.block_a[k]), int(contacts.block_b[k])} == pair
-    ]
+    ends = np.stack([contacts.block_a, contacts.block_b], axis=1)
+    between = np.flatnonzero((np.sort(ends, axis=1) == sorted((i, j))).all(axis=1)).tolist()
     first, second = model.assembly.blocks[i], model.assembly.blocks[j]
     where = f"'{first.name}' and '{second.name}'"
     if not between:

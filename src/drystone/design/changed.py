@@ -14,14 +14,11 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
-from drystone.design.changed_model import ties_of
+from drystone.design.changed_model import EQUAL, ties_of
 from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 from drystone.results import Result
-
-_EQUAL = 1e-6
-"""Strengths, coefficients and weights that differ by less than this share are equal: rounding."""
 
 _WIDE = 3.0
 """Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
@@ -216,7 +213,7 @@ def _marked(before: Model, after: Model) -> list[Layer]:
         was[pair] = np.maximum(values, was.get(pair, 0.0))
     contacts, pairs, tie = after.contacts, _joints(after), ties_of(after)
     old = np.array([was.get(one, (0.0, np.inf, 0.0)) for one in pairs]).reshape(-1, 3)
-    more = _values(after) > (1.0 + _EQUAL) * old
+    more = _values(after) > (1.0 + EQUAL) * old
     glued, rougher = more[:, 0] & ~tie, more[:, 1] & ~more[:, 0] & ~tie
     layers = []
     for key, what, colour, chosen in (
@@ -261,7 +258,7 @@ def _weights(before: Model, after: Model) -> list[Layer]:
     before_them = before.load.wrench[was, :3]
     more = after.load.wrench[now, :3] - before_them
     size = np.linalg.norm(more, axis=1)
-    chosen = size > _EQUAL * np.linalg.norm(before_them, axis=1)
+    chosen = size > EQUAL * np.linalg.norm(before_them, axis=1)
     if not chosen.any():
         return []
     block = now[chosen]

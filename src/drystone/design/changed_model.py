@@ -16,8 +16,9 @@ from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 
-_AT_CENTROID = 1e-6
-"""An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
+EQUAL = 1e-6
+"""Rounding: values that differ by less than this share are equal, and an interface nearer to the
+centroid of a block than this share of its size is a tie."""
 
 
 def changed(
@@ -202,7 +203,7 @@ def ties_of(model: Model) -> Bools:
     out = np.zeros(contacts.count, dtype=bool)
     for block in (contacts.block_a, contacts.block_b):
         away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
-        out |= away < _AT_CENTROID * assembly.size[block]
+        out |= away < EQUAL * assembly.size[block]
     return out
 
 

@@ -28,12 +28,9 @@ ROUGHEST = 4.0
 """Largest tried friction coefficient. Chosen: it corresponds to 76 degrees, where a joint acts like
 a key."""
 
-HEAVIEST = 10.0
-"""Largest tried ballast, relative to the weight of the region. Chosen."""
-
-STRONGEST = 10.0
-"""Largest tried strength of glue in one joint, relative to the weight of the region; of the same
-glue in all joints that pull, relative to the largest pull there. Chosen."""
+MOST = 10.0
+"""Largest tried ballast, and largest tried strength of glue in one joint, relative to the weight of
+the region; of the same glue in all joints that pull, relative to the largest pull there. Chosen."""
 
 FRICTION = 0.01
 """Width at which the search for a friction coefficient ends. Chosen: friction is hardly ever known
@@ -51,7 +48,7 @@ below the first value is tried, and no smaller step."""
 _GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 """Strengths of glue that are tried before the least one is searched, by the largest one."""
 
-_BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, HEAVIEST)
+_BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, MOST)
 """Weights that are tried before the least one is searched, by that of the region."""
 
 _POINT = 0.01
@@ -196,12 +193,12 @@ def glue_changes(
         groups = [
             tuple(k for k, one in enumerate(pairs) if one == pair) for pair in dict.fromkeys(pairs)
         ]
-        most, close = STRONGEST * weight, 0.01 * weight
+        most, close = MOST * weight, 0.01 * weight
     elif pulling:
         groups = [tuple(k for k, _ in pulling)]
         largest = max(force for _, force in pulling)
         # each trial of a large region takes a second
-        most, close = STRONGEST * largest, (0.1 if count > 10 * few else 0.02) * largest
+        most, close = MOST * largest, (0.1 if count > 10 * few else 0.02) * largest
     else:
         return {}
     steps = tuple(share * most for share in _GLUE_SHARES)

@@ -17,9 +17,10 @@ from drystone.design.vertex_measures import BlockVertices
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
-_NEAR = 6e-3
+NEAR = 6e-3
 """A corner is at a vertex, or on an edge, that is nearer than this share of the size of the smaller
-block; chosen above the gap of 5e-3 within which contacts are found."""
+block, and a face in the plane of a joint. Chosen above the gap of 5e-3 within which contacts are
+found."""
 
 _SLANT = 0.05
 """Two edges cross where they differ by this sine or more, chosen."""
@@ -76,7 +77,7 @@ class Corners:
             own = np.arange(contacts.start[i], contacts.start[i + 1])
             following[own], preceding[own] = np.roll(own, -1), np.roll(own, 1)
             pair = int(contacts.block_a[i]), int(contacts.block_b[i])
-            near = _NEAR * float(model.assembly.size[list(pair)].min())
+            near = NEAR * float(model.assembly.size[list(pair)].min())
             for k in own.tolist():
                 point = contacts.point[k]
                 for side, block in enumerate(pair):

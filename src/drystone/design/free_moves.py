@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Bools, Floats
+from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.design.block_sides import on_side, slides
 from drystone.design.mends import kept_blocks
@@ -24,9 +25,6 @@ from drystone.design.vertex_places import (
 )
 from drystone.geometry.frames import unit
 from drystone.model import Model
-
-_LISTED = 6
-"""Blocks that a message names."""
 
 
 def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> str | None:
@@ -149,10 +147,9 @@ def _moves(
     matrix = places.matrix(ways, still)
     if not matrix.shape[1]:
         names = [model.assembly.names[i] for i in np.flatnonzero(kept)]
-        stay = f": the blocks {', '.join(names[:_LISTED])} stay" if names else ""
-        more = f", and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+        stay = f": the blocks {named(names)} stay" if names else ""
         raise InputError(
-            f"no vertex may move{stay}{more}",
+            f"no vertex may move{stay}",
             remedy="keep fewer blocks, or allow more directions",
         )
     return Moves.of(matrix, most, vertices_of(model.assembly), SharedPlanes.of(model, still))

@@ -28,16 +28,13 @@ from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Piece
 from drystone.model import Model
 
-KEPT = 1e-9
-"""Volumes below this share of the block are rounding."""
+_ROUNDING = 1e-9
+"""Share of the size, or of the volume, of a block."""
 
 _REMEMBERED = 512
 """Cuts, and blocks, that are kept. The same change is tried in a diagnosis, in a region and in the
 whole: of 124 changes in the mends of a shelf 41 are repeated. A wedge in each joint of an arch is
 tried some times."""
-
-_SHARED = 1e-9
-"""The sum of the volumes of the blocks changes by less than this share: rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +115,7 @@ def recut(model: Model, recuts: Sequence[JointRecut]) -> Model:
         own.setdefault(b, []).append((asked, False))
     made = {i: _made(blocks[i], tuple(some)) for i, some in own.items()}
     before = sum(plain.volume for plain, _ in made.values())
-    if abs(sum(block.volume for _, block in made.values()) - before) > _SHARED * before:
+    if abs(sum(block.volume for _, block in made.values()) - before) > _ROUNDING * before:
         raise InputError(
             "two joints would take the same part of a block", remedy="change them less"
         )
@@ -272,7 +269,7 @@ def _refuse_swallowed(
     if not parts:
         return
     vertices, faces = body
-    near = KEPT * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    near = _ROUNDING * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     own = faces_at(body, joint)
     low = np.min([piece[0].min(axis=0) for piece in parts], axis=0) - near
     high = np.max([piece[0].max(axis=0) for piece in parts], axis=0) + near

@@ -89,38 +89,39 @@ def joint_states(
     motion : (n, 6)
     force : (k, 3) [N], local n, u, v; zero when left out
     """
-    assembly, contacts = model.assembly, model.contacts
-    moved = corner_motion(assembly, contacts, motion)
-    speed = block_speed(assembly, motion)
+    contacts = model.contacts
+    moved = corner_motion(model.assembly, contacts, motion)
+    speed = block_speed(model.assembly, motion)
     given = np.zeros((contacts.corner_count, 3)) if force is None else force
     resultants = resultants_of(contacts, given)
-    use = utilisation_of(contacts, resultants)
-    rim = _eccentricity(contacts, resultants)
     weight = np.linalg.norm(model.load.wrench[:, :3], axis=1)
+    seen_from_a = needy[contacts.block_a] | ~needy[contacts.block_b]
+    block = np.where(seen_from_a, contacts.block_a, contacts.block_b)
+    neighbour = np.where(seen_from_a, contacts.block_b, contacts.block_a)
+    idle = resultants.normal <= max(LOADED, 1e-6) * weight[block]
+    use = np.where(idle, 0.0, utilisation_of(contacts, resultants))
+    hinge = ~idle & (_eccentricity(contacts, resultants) >= 1.0 - _FULL)
     states = []
     for i in np.flatnonzero(interfaces).tolist():
-        a, b = int(contacts.block_a[i]), int(contacts.block_b[i])
-        block, neighbour = (b, a) if needy[b] and not needy[a] else (a, b)
-        sign = 1.0 if block == b else -1.0
-        corners = slice(contacts.start[i], contacts.start[i + 1])
-        reach = max(float(speed[a]), float(speed[b]))
-        kind = _kind(moved[corners], reach, sign * contacts.frame[i, 0], contacts.frame[i], sign)
-        mean = sign * contacts.frame[i].T @ moved[corners].mean(axis=0)
+        sign = -1.0 if seen_from_a[i] else 1.0
+        corners = moved[contacts.start[i] : contacts.start[i + 1]]
+        reach = float(max(speed[block[i]], speed[neighbour[i]]))
+        kind = _kind(corners, reach, sign * contacts.frame[i, 0], contacts.frame[i], sign)
+        mean = sign * contacts.frame[i].T @ corners.mean(axis=0)
         size = float(np.linalg.norm(mean))
-        idle = bool(resultants.normal[i] <= max(LOADED, 1e-6) * weight[block])
         states.append(
             JointState(
                 i,
-                block,
-                neighbour,
+                int(block[i]),
+                int(neighbour[i]),
                 kind,
                 frozen(np.zeros(3) if kind is JointMotion.STAYS or size == 0.0 else mean / size),
-                _edge(contacts, i, moved[corners]) if kind is JointMotion.HINGES else None,
+                _edge(contacts, i, corners) if kind is JointMotion.HINGES else None,
                 float(resultants.normal[i]),
-                0.0 if idle else float(use[i]),
-                idle,
-                not idle and bool(use[i] >= 1.0 - _FULL),
-                not idle and bool(rim[i] >= 1.0 - _FULL),
+                float(use[i]),
+                bool(idle[i]),
+                bool(use[i] >= 1.0 - _FULL),
+                bool(hinge[i]),
             )
         )
     return tuple(states)

@@ -197,16 +197,25 @@ class DesignMargin(Options):
             blocks; changed.
         """
         cases = (model, *self.cases(model))
-        if near is not None and (quick or self.robust):
-            near.extend({} for _ in cases[len(near) :])
-            samples = 0 if quick else SAMPLES
-            pairs = zip(cases, near, strict=True)
-            return all(stands_near(case, rests, samples, stop) for case, rests in pairs)
-        if quick:
-            return all(stands_evenly(case, stop) for case in cases)
-        if self.robust:
-            return all(stands_for_all(case, stop=stop) for case in cases)
-        return all(check(case, stop=stop).stable for case in cases)
+        if near is None:
+            return all(self._stands(case, quick, stop) for case in cases)
+        near.extend({} for _ in cases[len(near) :])
+        pairs = zip(cases, near, strict=True)
+        return all(self._stands(case, quick, stop, rests) for case, rests in pairs)
+
+    def _stands(
+        self,
+        case: Model,
+        quick: bool,
+        stop: Callable[[], bool] | None,
+        rests: dict[int, Floats] | None = None,
+    ) -> bool:
+        """Whether a model stands in one case."""
+        if not (quick or self.robust):
+            return check(case, stop=stop).stable
+        if rests is not None:
+            return stands_near(case, rests, 0 if quick else SAMPLES, stop)
+        return stands_evenly(case, stop) if quick else stands_for_all(case, stop=stop)
 
     def options(self, settle: bool = False) -> CheckOptions:
         """Of the check of each case; with ``settle`` blocks are followed in any case."""

@@ -15,9 +15,8 @@ from drystone.base.errors import InputError, counted
 from drystone.design.bench import Bench, Held
 from drystone.design.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.changes import (
-    HEAVIEST,
+    MOST,
     ROUGHEST,
-    STRONGEST,
     Change,
     Surgery,
     ballasted,
@@ -287,7 +286,7 @@ def _ballast(asked: KnownNeeds) -> _Proposals:
     """The least weight on one block."""
     bench, ballast = asked.bench, asked.needs.ballast
     if ballast is None:
-        yield f"no weight up to {HEAVIEST:g} times its own on one block holds it"
+        yield f"no weight up to {MOST:g} times its own on one block holds it"
         return
     weight, at = ballast.value, bench.region.index(ballast.at[0])
 
@@ -318,7 +317,7 @@ def _glue(asked: KnownNeeds) -> _Proposals:
     found = {frozenset(one.at): one.value for one in asked.needs.glue}
     known = [found.get(frozenset(bench.interfaces[list(on)].tolist())) for on in free]
     some = list(free.values())
-    why = f"it falls with glue of {STRONGEST:g} times its weight in any one of its joints"
+    why = f"it falls with glue of {MOST:g} times its weight in any one of its joints"
     if len(bench.own) > SMALL_REGION:
         most = newtons(some[0].steps[-1])
         why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"

@@ -203,48 +203,53 @@ def find_props(
     ------
     Stopped
     """
-    count = covered = 0
+    tried: list[PropSeat] = []
     for low in (False, True):
-        best: PropForce | None = None
-        for block in blocks if single is None else single:
-            for seat in seats(model, int(block), motion[block], shares, low=low):
-                count, covered = count + 1, covered + seat.covered
-                if quickly_stands(with_props(model, [seat]), stop):
-                    (found,) = _forces(model, [seat], stop)
-                    best = found if best is None or found.size < best.size else best
-        if best is not None:
-            return PropSearch((best,), "")
-    tried = f"one prop at {counted(count, 'place')} on free parts of faces"
+        some = blocks if single is None else single
+        places = [one for i in some for one in seats(model, int(i), motion[i], shares, low=low)]
+        hold = [one for one in places if quickly_stands(with_props(model, [one]), stop)]
+        if hold:
+            forces = [_forces(model, [one], stop)[0] for one in hold]
+            return PropSearch((min(forces, key=lambda one: one.size),), "")
+        tried += places
+    said = f"one prop at {counted(len(tried), 'place')} on free parts of faces"
+    covered = sum(one.covered for one in tried)
     if covered:
-        tried += f", {covered} of them beside joints"
+        said += f", {covered} of them beside joints"
     if len(blocks) > LARGE_REGION:
-        return PropSearch((), tried)
+        return PropSearch((), said)
     chosen = _few_props(model, blocks, motion, stop)
-    tried += ", one under each of its blocks, and one under every free part of their faces"
-    return PropSearch(tuple(_forces(model, chosen, stop)) if chosen else (), tried)
+    said += ", one under each of its blocks, and one under every free part of their faces"
+    return PropSearch(tuple(_forces(model, chosen, stop)) if chosen else (), said)
 
 
 def _few_props(
     model: Model, blocks: Sequence[int], motion: Floats, stop: Callable[[], bool] | None
 ) -> list[PropSeat]:
     """Props that hold a model together, none of which can be left out; empty where none do."""
-
-    def stands(some: Sequence[PropSeat]) -> bool:
-        return quickly_stands(with_props(model, some), stop)
-
-    each: list[list[PropSeat]] = []
-    for i in blocks:
-        own = (seats(model, int(i), motion[i], SHARES[:1], low=low) for low in (False, True))
-        each.append([seat for some in own for seat in some])
-    for chosen in ([some[0] for some in each if some], [seat for some in each for seat in some]):
-        if not chosen or not stands(chosen):
-            continue
-        for seat in list(chosen):
-            fewer = [one for one in chosen if one is not seat]
-            if fewer and stands(fewer):
-                chosen = fewer
-        return chosen
+    places = [
+        [
+            seat
+            for low in (False, True)
+            for seat in seats(model, int(i), motion[i], SHARES[:1], low=low)
+        ]
+        for i in blocks
+    ]
+    for chosen in ([some[0] for some in places if some], [one for some in places for one in some]):
+        if chosen and quickly_stands(with_props(model, chosen), stop):
+            return _needed(model, chosen, stop)
     return []
+
+
+def _needed(
+    model: Model, chosen: list[PropSeat], stop: Callable[[], bool] | None
+) -> list[PropSeat]:
+    """Those of some props that hold a model that are needed, the first ones left out first."""
+    for seat in list(chosen):
+        fewer = [one for one in chosen if one is not seat]
+        if fewer and quickly_stands(with_props(model, fewer), stop):
+            chosen = fewer
+    return chosen
 
 
 def with_props(model: Model, some: Sequence[PropSeat]) -> Model:

@@ -18,12 +18,10 @@ from drystone.design.help_needed import GROUND, Form
 from drystone.design.margin import DesignMargin
 from drystone.design.shape_variables import ShapeVariables
 from drystone.design.vertex_measures import BlockVertices
+from drystone.design.vertex_places import TOGETHER
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
-
-_ROUNDING = 1e-6
-"""Share by which an edge may be shorter than the least: the optimiser keeps bounds to rounding."""
 
 
 class ShapeAim(enum.Enum):
@@ -231,7 +229,7 @@ class ShapeValues:
         """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
         try:
             vertex = self.moves.moved(self.bodies.vertex, x)
-            if self.shortest(vertex) < (1.0 - _ROUNDING) * self.least_edge:
+            if self.shortest(vertex) < (1.0 - TOGETHER) * self.least_edge:
                 return None
             try:
                 assembly = self.bodies.assembly_at(vertex)

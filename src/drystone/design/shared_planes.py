@@ -23,6 +23,7 @@ from scipy.sparse.csgraph import connected_components
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.design.corner_following import NEAR
 from drystone.design.vertex_measures import BlockVertices
 from drystone.design.vertex_places import TOGETHER, places_of
 from drystone.geometry.polygon import area_vector
@@ -31,10 +32,6 @@ from drystone.model import Model
 TURNED = 1e-6
 """A face is in the plane of a joint when 1 - cos of their angle is below this (0.08 degrees),
 chosen."""
-
-GAP = 6e-3
-"""A face is in the plane of a joint when it is nearer than this share of the size of its block;
-chosen above the gap of 5e-3 within which contacts are found."""
 
 _RANK = 1e-9
 """Singular values below this, or this share of the largest one, are zero: constraints that hold in
@@ -248,7 +245,7 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
         normal, middle = contacts.frame[k, 0], contacts.centroid[k]
         touching = []
         for i in (int(contacts.block_a[k]), int(contacts.block_b[k])):
-            near = GAP * float(size[i])
+            near = NEAR * float(size[i])
             for j in of_block[i]:
                 away = np.abs((bodies.vertex[loops[j]] - middle) @ normal).max()
                 if abs(float(normals[j] @ normal)) > 1.0 - TURNED and away < near:

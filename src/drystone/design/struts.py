@@ -29,8 +29,6 @@ not slide under any force."""
 _LONGEST = 2.0
 """Longest strut relative to the size of the block. Chosen."""
 
-_PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
-
 
 def struts(model: Model, block: int, motion: Floats) -> list[tuple[float, int, Block]]:
     """Struts that fit against a block: lengths [m], the blocks that they stand on, and the struts.
@@ -52,7 +50,7 @@ def _all(model: Model, block: int, motion: Floats) -> Iterator[tuple[float, int,
     limit = _WITHIN * np.arctan(usual_friction(model))
     body = model.assembly.blocks[block]
     triangles, owner = _triangles(model)
-    for seat, lean in product(seats(model, block, motion, _PLACES), _LEANS):
+    for seat, lean in product(seats(model, block, motion), _LEANS):
         if abs(np.deg2rad(lean)) > limit:
             continue
         frame = frames_from_normals(-np.asarray(seat.normal)[None])[0]

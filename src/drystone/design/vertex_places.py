@@ -17,10 +17,8 @@ from drystone.design.vertex_measures import vertices_of
 from drystone.model import Model
 
 TOGETHER = 1e-6
-"""Vertices are at the same place when they are nearer than this share of the size of the model."""
-
-_OFF = 1e-6
-"""A direction of which symmetries and other directions leave less than this share adds nothing."""
+"""Rounding: vertices are at the same place when they are nearer than this share of the size of the
+model; a direction of which others leave less than this share adds nothing."""
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
@@ -106,7 +104,7 @@ class Places:
         for move in ways @ own.T:
             rest = move - sum((one * float(one @ move) for one in found), np.zeros(3))
             size = float(np.linalg.norm(rest))
-            if size > _OFF:
+            if size > TOGETHER:
                 found.append(rest / size)
         return np.array(found).reshape(-1, 3)
 

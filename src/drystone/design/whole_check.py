@@ -26,11 +26,8 @@ from drystone.results import Result, Verdict
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
 an increase of a friction coefficient by 1. Chosen: to change a joint costs less than an additional
-part, and a tenth of the volume costs as much as a joint."""
-
-SETTLED = 2.0
-"""Cost of standing only after settling, where standing for all contact stiffnesses is asked for and
-no value gives it. As much as an additional part: a mend that does is preferred."""
+part, and a tenth of the volume costs as much as a joint. Where no value makes it stand for all
+contact stiffnesses that are asked for, standing after settling costs as much as an added part."""
 
 
 def mends_of_kind(
@@ -105,7 +102,7 @@ class _WholeCheck:
         model, made = bench.model, found.model
         volume = _volume_changed(model, made)
         whole = float(model.assembly.volume[list(bench.region)].sum())
-        cost = SETTLED if found.settles else 0.0
+        cost = ADDED if found.settles else 0.0
         cost += JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
         if candidate.kind == "friction":
             gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
