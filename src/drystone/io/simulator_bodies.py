@@ -10,10 +10,20 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
-from drystone.geometry.convex_pieces import convex_pieces, hull_of
+from drystone.geometry.apart import PLANE, levelled, set_apart
+from drystone.geometry.convex_pieces import ConvexPiece, convex_pieces, hull_of
+from drystone.geometry.polyhedron import stack_faces
+from drystone.geometry.triangulate import fan_warped
 from drystone.io.draft import Contents
 from drystone.model import Model
 
+_SLACK = 0.02
+"""Dents of blocks with warped faces that are filled, by the size of the block. Measured: with half
+of it a dome of 237 warped voussoirs has 764 pieces in place of 432, of which thin ones end up to
+8 mm inside a neighbour. Blocks with plane faces are divided exactly."""
+_TOLD = 1e-4
+"""[m] Blocks that were nearer to touching are cut back without a word. Chosen: the depth at which a
+simulator begins to push them apart visibly."""
 _SAME_ACCELERATION = 1e-6
 """Largest relative difference of the accelerations of blocks that count as one gravity."""
 
@@ -44,19 +54,38 @@ class SimulatorBody:
     pieces: tuple[tuple[Floats, Ints], ...]
 
 
-def bodies(model: Model) -> list[SimulatorBody]:
-    """The blocks of a model, in their order."""
+def bodies(model: Model) -> tuple[list[SimulatorBody], str]:
+    """The blocks of a model, in their order, and a remark where pieces of them were cut back.
+
+    No piece begins inside one of another block; see :mod:`drystone.geometry.apart`.
+    """
     assembly = model.assembly
     names = _plain_names(assembly.names)
+    every = [_pieces(block) for block in assembly.blocks]
+    owner = np.repeat(np.arange(len(every)), [len(own) for own in every])
+    pieces, deepest = set_apart(
+        [piece for own in every for piece in own], owner, assembly.fixed[owner]
+    )
     out = []
     for i, block in enumerate(assembly.blocks):
-        pieces = tuple(
-            hull_of(p.point - block.centroid) for p in convex_pieces(block.vertices, block.faces)
-        )
-        inertia = _inertia(block, pieces)
-        fixed = bool(assembly.fixed[i])
-        out.append(SimulatorBody(names[i], fixed, block.centroid, block.mass, inertia, pieces))
-    return out
+        left = [piece for k in np.flatnonzero(owner == i) if (piece := pieces[k]) is not None]
+        own = tuple(hull_of(piece.point - block.centroid) for piece in left)
+        inertia, fixed = _inertia(block, own), bool(assembly.fixed[i])
+        out.append(SimulatorBody(names[i], fixed, block.centroid, block.mass, inertia, own))
+    if deepest < _TOLD:
+        return out, ""
+    return out, f"blocks that were up to {1e3 * deepest:.2g} mm inside each other are cut back"
+
+
+def _pieces(block: Block) -> list[ConvexPiece]:
+    """Convex pieces of a block, in the world."""
+    level = levelled(block.vertices, block.faces)
+    if level is not None:
+        return [level]
+    fan = fan_warped(stack_faces([block.vertices], [block.faces]), PLANE)
+    loops = np.split(fan.loop, fan.start[1:-1])
+    slack = _SLACK if len(fan.point) > len(block.vertices) else 0.0
+    return convex_pieces(fan.point, [tuple(loop) for loop in loops], slack)
 
 
 def model_of(contents: Contents) -> Model:

@@ -42,7 +42,7 @@ def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[
     """
     target = Path(path)
     folder = target.with_name(f"{target.stem}_meshes")
-    found = bodies(model)
+    found, said = bodies(model)
     if not target.parent.is_dir():
         raise FormatError(
             f"there is no folder '{target.parent}'", where=str(target), remedy="make it first"
@@ -53,12 +53,14 @@ def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[
         for k, (point, triangle) in enumerate(body.pieces):
             text = _obj(point, triangle)
             jobs.append((folder / f"{body.name}.{k}.obj", partial(_put, text=text)))
-    jobs.append((target, partial(_put, text=_urdf(found, folder.name, name))))
+    jobs.append((target, partial(_put, text=_urdf(found, folder.name, name, said))))
     return write_together(jobs)
 
 
-def _urdf(found: list[SimulatorBody], folder: str, name: str) -> str:
-    lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(name)}>", '  <link name="world"/>']
+def _urdf(found: list[SimulatorBody], folder: str, name: str, said: str) -> str:
+    lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(name)}>"]
+    lines += [f"  <!-- {said} -->"] if said else []
+    lines.append('  <link name="world"/>')
     for body in found:
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()
         lines += [

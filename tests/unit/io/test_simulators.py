@@ -1,22 +1,24 @@
 """Models for simulators: well-formed files that hold the blocks as they are."""
 
 import xml.etree.ElementTree as ET
+from itertools import combinations
 
+import manifold3d
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase, Model, io
+from drystone import Assembly, Block, InputError, LoadCase, Model, io
 from drystone.io.mjcf import mjcf_text, write_mjcf
 from drystone.io.simulator_bodies import bodies
 from drystone.io.urdf import write_urdf
-from drystone.models import box, bridge, stool, tower
+from drystone.models import box, bridge, dome, stool, tower
 
 MODEL = Model.of(bridge(), friction=0.6)
 
 
 def test_mass_and_inertia_of_a_box_are_those_of_the_formula():
     model = Model.of(tower(2, edge=2.0).with_density(100.0))
-    one = bodies(model)[1]
+    one = bodies(model)[0][1]
     assert one.mass == pytest.approx(800.0)
     np.testing.assert_allclose(one.inertia, 800.0 * 8.0 / 12.0 * np.eye(3), rtol=1e-9)
 
@@ -31,7 +33,7 @@ def test_the_inertia_of_a_concave_block_is_that_of_the_boxes_it_is_made_of():
         away = part.centroid - block.centroid
         expected += part.mass * np.diag((sides.sum() - sides) / 12.0)
         expected += part.mass * (away @ away * np.eye(3) - np.outer(away, away))
-    found = bodies(Model.of(stool()))[1]
+    found = bodies(Model.of(stool()))[0][1]
     np.testing.assert_allclose(found.inertia, expected, atol=1e-4 * expected.max())
 
 
@@ -89,7 +91,7 @@ def test_urdf_has_a_link_per_block_and_its_meshes_beside_it(tmp_path):
 def test_a_block_may_have_the_name_of_the_ground(tmp_path):
     below, above = box((1.0, 1.0, 1.0), name="world"), box((1.0, 1.0, 1.0), (0, 0, 1.0), "top")
     model = Model.of(Assembly((below, above), [True, False]), friction=0.6)
-    names = [body.name for body in bodies(model)]
+    names = [body.name for body in bodies(model)[0]]
     assert len({"world", *names}) == 3
 
 
@@ -102,6 +104,61 @@ def test_no_folder_is_made_beside_a_file_that_cannot_be_written(tmp_path):
 def test_a_model_without_contacts_is_written_by_its_suffix(tmp_path):
     io.write(bridge(), tmp_path / "bridge.xml")
     assert len(ET.parse(tmp_path / "bridge.xml").findall("./worldbody/body")) == len(bridge())
+
+
+def warped_wall():
+    """Three blocks on a floor, whose beds and head joints are warped by some centimetres."""
+    lift = np.array([0.0, 0.06, -0.02, 0.05])
+    corner = np.array([[0.0, 0.0], [1.0, 0.1], [1.0, 0.9], [0.0, 1.0]])
+    blocks = []
+    for level in range(4):
+        low = np.c_[corner, level + (lift if level else 0.0 * lift)]
+        high = np.c_[corner, 1.0 + level + lift]
+        faces = [(3, 2, 1, 0), (4, 5, 6, 7), *((i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4)
+                 for i in range(4))]  # fmt: skip
+        blocks.append(Block(np.concatenate([low, high]), faces, f"block-{level}"))
+    return Assembly(tuple(blocks), [True, False, False, False])
+
+
+def common_depth(model):
+    """Largest volume by surface that pieces of two bodies share [m]."""
+    found = bodies(model)[0]
+    solids = [
+        (i, manifold3d.Manifold.hull_points(point + body.place))
+        for i, body in enumerate(found)
+        for point, _ in body.pieces
+    ]
+    shared = [a ^ b for (i, a), (j, b) in combinations(solids, 2) if i != j]
+    return max((one.volume() / one.surface_area() for one in shared if one.volume()), default=0.0)
+
+
+@pytest.mark.parametrize("model", [Model.of(warped_wall()), MODEL], ids=["warped", "concave"])
+def test_pieces_for_simulators_touch_and_do_not_overlap(model):
+    assert common_depth(model) < 1e-6
+    assert "<!--" not in mjcf_text(model)
+    for body, block in zip(bodies(model)[0], model.assembly.blocks, strict=True):
+        volume = sum(manifold3d.Manifold.hull_points(point).volume() for point, _ in body.pieces)
+        assert volume == pytest.approx(block.volume, rel=0.01)
+
+
+def test_legs_that_sink_into_the_floor_begin_on_it_in_a_simulator_and_it_is_said(tmp_path):
+    floor, table = stool().blocks
+    model = Model.of(Assembly((floor, table.transformed(None, (0, 0, -0.003))), [True, False]))
+    assert common_depth(model) < 1e-6
+    write_mjcf(model, tmp_path / "sunk.xml")
+    write_urdf(model, tmp_path / "sunk.urdf")
+    for name in ("sunk.xml", "sunk.urdf"):
+        assert "up to 3 mm inside each other are cut back" in (tmp_path / name).read_text("utf-8")
+
+
+def test_no_contact_in_mujoco_begins_deeper_than_a_tenth_of_a_millimetre():
+    mujoco = pytest.importorskip("mujoco")
+    for family in (warped_wall, bridge, stool, dome):
+        simulator = mujoco.MjModel.from_xml_string(mjcf_text(Model.of(family(), friction=0.6)))
+        data = mujoco.MjData(simulator)
+        mujoco.mj_forward(simulator, data)
+        assert data.ncon > 0
+        assert data.contact.dist.min() > -1e-4
 
 
 def test_a_tower_stays_and_a_leaning_block_falls_in_mujoco():
