@@ -18,6 +18,7 @@ from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.block_overlaps import overlap_lines
 from drystone.detection.inexact import inexact_lines
 from drystone.detection.reasons import Missed
+from drystone.detection.resample import resampled_lines
 from drystone.detection.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
@@ -236,6 +237,7 @@ class Model(Card):
             contacts, notes = _with_own_friction(assembly, contacts)
         report = found.report
         notes += tuple(inexact_lines(assembly.names, report.inexact))
+        notes += tuple(resampled_lines(report.resampled))
         notes += tuple(overlap_lines(assembly.names, report.overlaps_left))
         model = cls(assembly, contacts, load, report, notes, unjoined=report.unjoined)
         return model if chosen is None else model.with_supports(chosen, up)

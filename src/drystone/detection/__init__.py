@@ -8,7 +8,7 @@ from drystone.detection.gap_sweep import GapSweep, gap_sweep
 from drystone.detection.given import contacts_from_mesh
 from drystone.detection.inexact import Inexact
 from drystone.detection.reasons import Missed, Reason
-from drystone.detection.regroup import regroup
+from drystone.detection.resample import Resampled
 from drystone.detection.shortfall import Shortfall
 
 __all__ = [
@@ -21,10 +21,10 @@ __all__ = [
     "Missed",
     "Overlap",
     "Reason",
+    "Resampled",
     "Shortfall",
     "contacts_from_mesh",
     "find_contacts",
     "find_overlaps",
     "gap_sweep",
-    "regroup",
 ]

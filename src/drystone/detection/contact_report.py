@@ -18,6 +18,7 @@ from drystone.detection.block_overlaps import Overlap, overlap_lines, require_ap
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.inexact import Inexact, inexact_lines
 from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres
+from drystone.detection.resample import Resampled, resampled_lines
 from drystone.detection.shortfall import Shortfall
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
@@ -48,7 +49,9 @@ class ContactReport(Card):
     clipped : (m,) bool
         Whether the faces are within tolerance on only a part of their common area.
     merged : (m,)
-        Number of pieces that were merged into the interface.
+        Number of facets that the interface stands for.
+    resampled
+        Pairs whose curved joints have fewer interfaces than facets.
     missed
         Near misses, and joints that are within tolerance on a part only.
     inexact
@@ -84,6 +87,7 @@ class ContactReport(Card):
     angle: Floats
     clipped: Bools
     merged: Ints
+    resampled: tuple[Resampled, ...]
     missed: tuple[Missed, ...]
     inexact: tuple[Inexact, ...]
     shortfalls: tuple[Shortfall, ...]
@@ -185,12 +189,7 @@ class ContactReport(Card):
             lines.append(
                 f"{counted(int(self.clipped.sum()), 'interface')} within tolerance on a part only"
             )
-        if (self.merged > 1).any():
-            many = self.merged > 1
-            lines.append(
-                f"{int(self.merged[many].sum())} pieces merged into"
-                f" {counted(int(many.sum()), 'interface')}"
-            )
+        lines += resampled_lines(self.resampled)
         lines += inexact_lines(self.names, self.inexact)
         lines += self._missed_lines()
         lines += _first(
@@ -293,7 +292,7 @@ class ContactReport(Card):
         return {
             "options": {
                 key: getattr(self.options, key)
-                for key in ("gap", "angle", "warp", "sliver", "merge", "search")
+                for key in ("gap", "angle", "warp", "sliver", "curve", "search")
             }
             | {"edges": str(self.options.edges)},
             "pairs": self.pair_count,
@@ -334,6 +333,17 @@ class ContactReport(Card):
                     "off": pair.off,
                 }
                 for pair in self.inexact
+            ],
+            "resampled": [
+                {
+                    "blocks": [name[pair.block_a], name[pair.block_b]],
+                    "facets": pair.facets,
+                    "pieces": pair.pieces,
+                    "points": pair.points,
+                    "turn": pair.turn,
+                    "moved": pair.moved,
+                }
+                for pair in self.resampled
             ],
             "shortfalls": [
                 {

@@ -8,7 +8,7 @@ from enum import StrEnum
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 
-LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "merge": 1.0, "search": 0.5}
+LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "curve": 45.0, "search": 0.5}
 """The largest value of each tolerance. Chosen: with larger values, contacts reach through
 blocks."""
 
@@ -51,9 +51,11 @@ class DetectionOptions(Options):
         Faces that deviate from a plane by more than this share of the block size have no contacts.
     sliver
         Overlaps narrower than this (twice the area over the perimeter) are dropped.
-    merge
-        Interfaces narrower than this share of a neighbour of the same two blocks are merged into
-        it. They occur where a curved joint is meshed differently on its two sides.
+    curve : [deg]
+        Facets of curved joints are one plane interface where their normals are within this angle
+        of their mean; with zero every facet is an interface. Curved joints with up to 1,000 corners
+        in all keep their facets. Slivers always go into their neighbours: they occur where the two
+        sides of a joint are meshed differently.
     search
         Pairs up to this distance are reported as near misses, with the gap that would join them.
     edges
@@ -72,7 +74,7 @@ class DetectionOptions(Options):
     angle: float = 2.0
     warp: float = 0.1
     sliver: float = 1e-4
-    merge: float = 0.2
+    curve: float = 3.0
     search: float = 0.05
     edges: EdgeContacts = EdgeContacts.ISOLATED
     inexact: bool = True

@@ -25,7 +25,7 @@ from drystone.detection.inexact_joints import Joined, join_inexact
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.misses import edge_misses
 from drystone.detection.patches import Patches, patches_of
-from drystone.detection.regroup import merge_slivers
+from drystone.detection.resample import Resampled, resample
 from drystone.detection.shortfall import Shortfall
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
@@ -103,7 +103,6 @@ def find_contacts(
     patches = patches_of(assembly)
     pairs = near_blocks(patches, options)
     found, missed, short = face_contacts(patches, pairs, options)
-    found = merge_slivers(found, options.merge)
     near = _pairs_for_edges(patches, pairs, found, options)
     lines, undirected = edge_contacts(assembly, patches, near, options)
     by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
@@ -122,9 +121,13 @@ def find_contacts(
     joining = Joined(found, (), missed)
     if options.inexact:
         joining = join_inexact(assembly, patches, found, missed, deep, options)
+    found, fewer = resample(joining.found, options.curve)
+    joining = replace(joining, found=found)
     return Detection(
-        joining.found.contacts(patches.origin, friction),
-        _report(assembly, patches, pairs, joining, deep, short, undirected, open_ones, options),
+        found.contacts(patches.origin, friction),
+        _report(
+            assembly, patches, pairs, joining, fewer, deep, short, undirected, open_ones, options
+        ),
     )
 
 
@@ -157,6 +160,7 @@ def _report(
     patches: Patches,
     pairs: Pairs,
     joining: Joined,
+    fewer: tuple[Resampled, ...],
     deep: tuple[Overlap, ...],
     short: tuple[Shortfall, ...],
     undirected: Ints,
@@ -180,6 +184,7 @@ def _report(
         angle=found.angle,
         clipped=found.clipped,
         merged=found.merged,
+        resampled=fewer,
         missed=tuple(joining.missed),
         inexact=joining.inexact,
         shortfalls=short,

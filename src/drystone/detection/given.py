@@ -11,7 +11,6 @@ from drystone.base.arrays import Floats, Ints, frozen_points
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.regroup import contacts_of
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector, area_vectors
 from drystone.geometry.solid import distance
@@ -99,7 +98,7 @@ def contacts_from_mesh(
         turn = -1.0 if normals[i] @ outward < 0.0 else 1.0
         frame = frames_from_normals(turn * normals[i][None])[0]
         rows.append((points if turn > 0.0 else points[::-1], frame, a, b, mu))
-    return contacts_of(rows)
+    return _contacts_of(rows)
 
 
 def _size(assembly: Assembly, block: int) -> float:
@@ -158,3 +157,22 @@ def _normal_near(assembly: Assembly, block: int, point: Floats) -> Floats:
         if away < best and length > 0.0:
             best, normal = away, vector / length
     return normal
+
+
+def _contacts_of(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Contacts:
+    """Contacts from (corners, frame, block a, block b, friction) each."""
+    if not rows:
+        return Contacts.empty()
+    count = np.array([len(row[0]) for row in rows], dtype=np.intp)
+    start = Ragged.from_counts(count).start
+    point = np.concatenate([row[0] for row in rows])
+    vectors = area_vectors(point, start)
+    return Contacts(
+        np.array([row[2] for row in rows], dtype=np.intp),
+        np.array([row[3] for row in rows], dtype=np.intp),
+        np.array([row[1] for row in rows]),
+        np.where(count > 2, np.sqrt((vectors * vectors).sum(axis=1)), 0.0),
+        np.array([row[4] for row in rows]),
+        point,
+        np.repeat(np.arange(len(rows), dtype=np.intp), count),
+    )

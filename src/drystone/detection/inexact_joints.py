@@ -28,7 +28,6 @@ from drystone.detection.nearest import EXACT, uncovered
 from drystone.detection.patches import Patches
 from drystone.detection.planes import planes_between
 from drystone.detection.reasons import Missed, Reason
-from drystone.detection.regroup import merge_slivers
 from drystone.detection.warped_joints import join_warped
 
 DEEPEST = 0.08
@@ -211,7 +210,7 @@ def _faces(
         missed_of(part, i, Reason.PARTLY, float(needed[i]), True, patches.origin)
         for i in range(part.count)
     ]
-    return merge_slivers(new, options.merge), inexact, partly
+    return new, inexact, partly
 
 
 def _limits(assembly: Assembly, patches: Patches, keys: Ints) -> Floats:

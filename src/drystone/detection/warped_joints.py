@@ -20,7 +20,6 @@ from drystone.detection.inexact import Error, Inexact
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.reasons import Missed, Reason
-from drystone.detection.regroup import merge_slivers
 
 
 def join_warped(
@@ -67,7 +66,7 @@ def join_warped(
         )
     )
     keep = np.array([each in wanted for each in four], dtype=bool)
-    new = merge_slivers(new.take(np.flatnonzero(keep)), options.merge)
+    new = new.take(np.flatnonzero(keep))
     off = {each[:2]: 0.0 for each in four if each in wanted}
     for a, b, f, g in set(four) & wanted:
         warp = max(_warp_of(patches, a, f), _warp_of(patches, b, g))

@@ -1,19 +1,15 @@
-"""A curved joint as plane facets: slivers merged, facets joined or divided, area kept."""
+"""Smooth runs of plane facets, and facets joined into fewer plane pieces."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from heapq import heappop, heappush
-from itertools import combinations
 from typing import Any
 
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Floats, Ints, dot
-from drystone.base.ragged import expand
+from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.ragged import Ragged, expand, sum_by_owner
 from drystone.geometry import boxes, clip, planar
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
@@ -22,267 +18,295 @@ KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of their areas by less
 than this share."""
 _CREASE = np.cos(np.deg2rad(35.0))
-"""Facets with a larger angle at their common edge are a corner of the joint, not a curve."""
-_CLOSE = 2e-3
-"""Distance, relative to the block size, between the edges of neighbouring facets. Chosen: above the
-difference between chords of one curve in their two planes."""
-_ALONG = 0.2
-"""Neighbours share at least this part of the outline of the smaller one. Chosen: facets that only
+"""Facets with a larger angle between them are a corner of the joint, not a curve."""
+_FLAT = np.deg2rad(0.1)
+"""[rad] Runs that turn by less are plane: their facets are meant so. Chosen: above the noise of
+coordinates stored in single precision."""
+_CLOSE = 0.02
+"""Distance between the edges of neighbouring facets, relative to the root of the larger area.
+Chosen: the search drops overlaps narrower than this share of another."""
+_LONG = 2.0
+"""Neighbours share an edge that is longer than this many such distances. Chosen: facets that only
 meet at a corner are not neighbours."""
-
-STRAIGHT = 1e-6
-"""Corners nearer to each other, or to the line between their neighbours, are removed; relative to
-the size of a facet."""
-_BATCH = 20_000
-"""Pairs of facets in one batch. Chosen: bounds the memory to some 100 MB."""
-
-_Joining = Callable[["Facet", "Facet"], float | None]
-"""The cost of joining two neighbours; ``None`` where they must stay separate."""
+_OUTLINE = 0.5
+"""Corners of the outline of a piece are left out where they are off by less than this share of the
+distance of the facets from its plane, or of that between neighbours. Chosen: the outline is as
+exact as the surface."""
+_SLIVER = 0.2
+"""Facets narrower than this share of a neighbour belong to it, however they are turned. They occur
+where the two sides of a joint are meshed differently. Chosen."""
+_BATCH = 200_000
+"""Pairs of a corner and an edge in one batch. Chosen: bounds the memory to some 100 MB."""
 
 
 @dataclass(frozen=True)
-class Facet:
-    """A plane polygon that stands for one or several given ones.
+class JoinedFacets:
+    """Plane polygons that stand for facets.
 
     Attributes
     ----------
-    point : (c, 3) [m] counter-clockwise about ``normal``
-    normal : (3,) unit
-    area : [m2], of the given polygons together
-    members
-        Positions of the given polygons.
+    point : (k, 3) [m] counter-clockwise about the normals
+    start : (p + 1,) corners of each
+    normal : (p, 3) unit
+    facets
+        Which facets each stands for, as rows of ``facet``.
+    facet : (m,)
+    turn : (p,) [rad]
+        Largest angle between a piece and a facet that it stands for, slivers aside.
+    moved : (p,) [m]
+        Largest distance of the corners of these facets from its plane.
     """
 
     point: Floats
+    start: Ints
     normal: Floats
-    area: float
-    members: tuple[int, ...]
-
-    @property
-    def frame(self) -> Floats:
-        """Rows n, u, v (3, 3)."""
-        frame: Floats = frames_from_normals(self.normal[None])[0]
-        return frame
-
-    @cached_property
-    def width(self) -> float:
-        """Twice the area over the perimeter [m]."""
-        edge = np.diff(self.point, axis=0, append=self.point[:1])
-        return 2.0 * self.area / float(np.sqrt((edge * edge).sum(axis=1)).sum())
+    facets: Ragged
+    facet: Ints
+    turn: Floats
+    moved: Floats
 
 
-def facets_of(point: Floats, start: Ints) -> list[Facet]:
-    """A facet for each polygon of corners (k, 3)."""
-    vectors = area_vectors(point, start)
-    area = np.sqrt((vectors * vectors).sum(axis=1))
-    return [
-        Facet(point[start[i] : start[i + 1]], vectors[i] / area[i], float(area[i]), (i,))
-        for i in range(len(area))
-    ]
+def smooth_runs(point: Floats, start: Ints, pair: Ints) -> Ints:
+    """Number (m,) of the smooth run of each facet: those connected along edges without a crease.
+
+    Parameters
+    ----------
+    point, start
+        Corners (k, 3) [m] of each facet.
+    pair : (m,)
+        Facets of different pairs of blocks are not connected.
+    """
+    run = np.arange(len(pair), dtype=np.intp)
+    _, place, count = np.unique(pair, return_inverse=True, return_counts=True)
+    several = np.flatnonzero(count[place.ravel()] > 1)
+    if len(several):
+        loops, row = Ragged(start).take(several)
+        one, other = _neighbours(point[row], loops, pair[several])
+        run[several] = several[_first_connected(len(several), one, other)]
+    return np.unique(run, return_inverse=True)[1].ravel().astype(np.intp)
 
 
-def neighbours(facets: Sequence[Facet], size: float) -> dict[tuple[int, int], float]:
-    """Length [m] of the common edge of each pair of neighbours (i < j)."""
-    low = np.array([f.point.min(axis=0) for f in facets]) - _CLOSE * size
-    high = np.array([f.point.max(axis=0) for f in facets]) + _CLOSE * size
+def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets | None:
+    """Facets of curved runs joined where they turn little; ``None`` where there is nothing to join.
+
+    Parameters
+    ----------
+    point, start, pair
+        As in :func:`smooth_runs`.
+    angle : [rad]
+        A piece stands for neighbours whose normals are within this angle of their mean. With zero
+        only slivers are joined to their neighbours.
+
+    Notes
+    -----
+    The directions of a run are cut into bands, across the direction in which they vary most, until
+    each is narrow enough. Connected facets of a band are one piece.
+    """
+    loops = Ragged(start)
+    vector = area_vectors(point, start)
+    area = np.sqrt(dot(vector, vector))
+    normal = vector / area[:, None]
+    one, other = _neighbours(point, loops, pair)
+    run = _first_connected(len(area), one, other)
+    turn = _turns(normal, vector, run)[0]
+    curved = turn > _FLAT
+    if not curved.any():
+        return None
+    band = np.where(curved, run, len(run) + np.arange(len(run)))
+    band = _bands(normal, vector, band, angle) if angle > 0.0 else np.arange(len(run))
+    into = _slivers_into(area, _perimeters(point, loops), one, other)
+    into[~curved] = -1
+    sliver = np.flatnonzero(into >= 0)
+    inside = (band[one] == band[other]) & (into[one] < 0) & (into[other] < 0)
+    joins = np.concatenate([one[inside], sliver]), np.concatenate([other[inside], into[sliver]])
+    cell = _first_connected(len(area), *joins)
+    return _united(point, loops, vector, cell, into < 0)
+
+
+def _neighbours(point: Floats, loops: Ragged, pair: Ints) -> tuple[Ints, Ints]:
+    """Facets of one pair of blocks with a common edge and without a crease there."""
+    vector = area_vectors(point, loops.start)
+    area = np.sqrt(dot(vector, vector))
+    normal = vector / area[:, None]
+    reach = _CLOSE * np.sqrt(area)
+    low = loops.min(point) - reach[:, None]
+    high = loops.max(point) + reach[:, None]
     one, other = boxes.overlapping(low, high)
-    length = common_edges(facets, one, other, size)
-    found = np.flatnonzero(length > 0.0)
-    pairs = zip(one[found].tolist(), other[found].tolist(), strict=True)
-    return dict(zip(pairs, length[found].tolist(), strict=True))
+    near = (pair[one] == pair[other]) & (dot(normal[one], normal[other]) >= _CREASE)
+    one, other = one[near], other[near]
+    meets = np.zeros(len(one), dtype=bool)
+    work = Ragged.from_counts(2 * loops.counts[one] * loops.counts[other])
+    for batch in work.batches(_BATCH):
+        meets[batch] = _share_an_edge(point, loops, one[batch], other[batch], reach)
+    return one[meets], other[meets]
 
 
-def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -> Floats:
-    """Length (q,) [m] of the common edge of pairs of facets, zero if they have none.
-
-    Each pair is seen along its mean normal.
-    """
-    length = np.zeros(len(one))
-    normal = np.array([facet.normal for facet in facets]).reshape(-1, 3)
-    corner = np.concatenate([np.zeros((0, 3)), *(facet.point for facet in facets)])
-    count = np.array([len(facet.point) for facet in facets], dtype=np.intp)
-    start = np.cumsum(count) - count
-    smooth = np.flatnonzero(dot(normal[one], normal[other]) >= _CREASE)
-    ends = 2.0 * _CLOSE * size  # of the neighbouring edges
-    for begin in range(0, len(smooth), _BATCH):
-        pair = smooth[begin : begin + _BATCH]
-        i, j = one[pair], other[pair]
-        mean = normal[i] + normal[j]
-        frame = frames_from_normals(mean / np.sqrt(dot(mean, mean))[:, None])
-        origin = corner[start[i]]
-        first, second = (_seen(corner, start[each], count[each], origin, frame) for each in (i, j))
-        least = _ALONG * np.minimum(shapely.length(first), shapely.length(second))
-        shared = np.full(len(pair), np.inf)
-        for mine, theirs in ((first, second), (second, first)):
-            left = np.flatnonzero(shared - ends > least)
-            near = shapely.buffer(theirs[left], _CLOSE * size, join_style="mitre")
-            common = planar.overlay(shapely.intersection, shapely.boundary(mine[left]), near)
-            shared[left] = np.minimum(shared[left], shapely.length(common))
-        shared -= ends
-        length[pair] = np.where(shared > least, shared, 0.0)
-    return length
+def _share_an_edge(point: Floats, loops: Ragged, one: Ints, other: Ints, reach: Floats) -> Bools:
+    """Whether corners of either facet that lie on the outline of the other span an edge."""
+    far = np.maximum(reach[one], reach[other])
+    low = np.full((len(one), 3), np.inf)
+    high = -low
+    following = loops.following
+    for mine, theirs in ((one, other), (other, one)):
+        row, corner = expand(loops.first[mine], loops.counts[mine])
+        line, edge = expand(loops.first[theirs[row]], loops.counts[theirs[row]])
+        begin = point[edge]
+        along = point[following[edge]] - begin
+        local = point[corner[line]] - begin
+        length = dot(along, along)
+        at = np.clip(dot(local, along) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+        away = local - at[:, None] * along
+        close = line[dot(away, away) <= far[row[line]] ** 2]
+        np.minimum.at(low, row[close], point[corner[close]])
+        np.maximum.at(high, row[close], point[corner[close]])
+    span = np.where(np.isfinite(low), high - low, 0.0)
+    long: Bools = dot(span, span) > (_LONG * np.minimum(reach[one], reach[other])) ** 2
+    return long
 
 
-def _seen(
-    corner: Floats, start: Ints, count: Ints, origin: Floats, frame: Floats
-) -> planar.Regions:
-    """Polygons (q,), each from ``count`` corners, in the planes of frames (q, 3, 3)."""
-    row, place = expand(start, count)
-    local = corner[place] - origin[row]
-    flat = np.einsum("lij,lj->li", frame[row, 1:], local)
-    return planar.valid(shapely.polygons(shapely.linearrings(flat, indices=row)))
+def _first_connected(count: int, one: Ints, other: Ints) -> Ints:
+    """The first of the facets (m,) that each is connected with."""
+    first = np.arange(count, dtype=np.intp)
+    while True:
+        lower = first.copy()
+        np.minimum.at(lower, first[one], first[other])
+        np.minimum.at(lower, first[other], first[one])
+        lower = lower[lower[first]]
+        if np.array_equal(lower, first):
+            return first
+        first = lower
 
 
-def _united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Facet | None:
-    """One facet that replaces several, ``None`` where no plane polygon has their area.
+def _turns(normal: Floats, vector: Floats, group: Ints) -> tuple[Floats, Floats, Floats]:
+    """Largest angle (m,) [rad] in the group of each facet, its own, and the mean normal (m, 3)."""
+    total = sum_by_owner(vector, group, int(group.max()) + 1)
+    mean = total / np.maximum(np.sqrt(dot(total, total)), np.finfo(np.float64).tiny)[:, None]
+    off = normal - mean[group]
+    own = 2.0 * np.arcsin(np.minimum(0.5 * np.sqrt(dot(off, off)), 1.0))
+    worst = np.zeros(len(mean))
+    np.maximum.at(worst, group, own)
+    return worst[group], own, mean[group]
+
+
+def _bands(normal: Floats, vector: Floats, group: Ints, angle: float) -> Ints:
+    """Groups of facets (m,) cut into groups within an angle [rad] of their mean normal."""
+    while True:
+        group = np.unique(group, return_inverse=True)[1].ravel()
+        worst, own, mean = _turns(normal, vector, group)
+        wide = np.flatnonzero(worst > angle)
+        if len(wide) == 0:
+            return group.astype(np.intp)
+        order = wide[np.lexsort((wide, -own[wide], group[wide]))]
+        begin = np.flatnonzero(np.diff(group[order], prepend=-1))
+        most = order[begin]  # the facet of each group that is turned most
+        axis = np.zeros_like(normal)
+        axis[group[most]] = normal[most] - mean[most]
+        place = dot(normal[order] - mean[order], axis[group[order]])
+        rows = Ragged.from_owners(np.cumsum(np.diff(group[order], prepend=-1) > 0) - 1, len(begin))
+        scale = rows.spread(np.sqrt(dot(axis[group[most]], axis[group[most]])))
+        place /= scale
+        low, high = rows.spread(rows.min(place)), rows.spread(rows.max(place))
+        several = np.maximum(np.ceil((high - low) / (2.0 * angle)), 2.0)
+        share = np.where(high > low, (place - low) / np.where(high > low, high - low, 1.0), 0.0)
+        band = np.minimum(np.floor(several * share), several - 1.0).astype(np.intp)
+        cut = np.zeros(len(group), dtype=np.intp)
+        cut[order] = band
+        group = group * (int(band.max()) + 1) + cut
+
+
+def _perimeters(point: Floats, loops: Ragged) -> Floats:
+    edge = point[loops.following] - point
+    around: Floats = loops.sum(np.sqrt(dot(edge, edge)))
+    return around
+
+
+def _slivers_into(area: Floats, around: Floats, one: Ints, other: Ints) -> Ints:
+    """The widest neighbour (m,) of each facet that is a sliver beside it; -1 for other facets."""
+    width = 2.0 * area / around
+    mine, theirs = np.concatenate([one, other]), np.concatenate([other, one])
+    narrow = width[mine] < _SLIVER * width[theirs]
+    mine, theirs = mine[narrow], theirs[narrow]
+    order = np.lexsort((-theirs, width[theirs], mine))
+    into = np.full(len(area), -1, dtype=np.intp)
+    into[mine[order]] = theirs[order]  # the last one of each counts
+    return into
+
+
+def _united(point: Floats, loops: Ragged, vector: Floats, cell: Ints, wide: Bools) -> JoinedFacets:
+    """A plane polygon for the facets of each cell; those that have none stay as they are.
 
     Parameters
     ----------
-    facets
-    given
-        The polygons that the members of the facets refer to.
-    size : [m]
-        Size of the block: it sets the width of the gaps that are closed.
+    wide : (m,)
+        Facets that are no slivers.
     """
-    members = tuple(sorted(m for facet in facets for m in facet.members))
-    area = sum(given[m].area for m in members)
-    normal = np.sum([given[m].area * given[m].normal for m in members], axis=0)
-    normal /= np.sqrt(normal @ normal)
-    middle = np.sum([given[m].area * given[m].point.mean(axis=0) for m in members], axis=0) / area
-    frame = frames_from_normals(normal[None])[0]
-    flat = [_flat(given[m].point, middle, frame) for m in members]
-    grown = shapely.buffer(flat, _CLOSE * size, join_style="mitre")
-    closed = shapely.buffer(shapely.union_all(grown), -_CLOSE * size, join_style="mitre")
-    corner, start, _ = planar.pieces_of(planar.valid(np.array([closed], dtype=object)))
-    corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, 0.1 * _CLOSE * size))
-    if len(start) != 2 or len(corner) < 3:
-        return None
-    if abs(float(clip.areas(corner, start)[0]) - area) > KEPT * area:
-        return None
-    return Facet(middle + corner @ frame[1:], normal, area, members)
+    area = np.sqrt(dot(vector, vector))
+    order = np.argsort(cell, kind="stable")
+    _, begin = np.unique(cell[order], return_index=True)
+    members = Ragged(np.append(begin, len(order)).astype(np.intp))
+    many = np.flatnonzero(members.counts > 1)
+    part, row = members.take(many)
+    facet = order[row]
+    total = part.sum(vector[facet])
+    normal = total / np.sqrt(dot(total, total))[:, None]
+    weight = area[facet]
+    middle = part.sum(weight[:, None] * loops.mean(point)[facet]) / part.sum(weight)[:, None]
+    frame = frames_from_normals(normal)
+    corners, corner = loops.take(facet)
+    of_cell = part.owner[corners.owner]
+    flat = np.einsum("lij,lj->li", frame[of_cell, 1:], point[corner] - middle[of_cell])
+    off = Ragged(corners.start[part.start]).max(
+        np.abs(dot(point[corner] - middle[of_cell], normal[of_cell]))
+    )
+    reach = _CLOSE * np.sqrt(part.max(weight))
+    shape = _closed(flat, corners, part, reach)
+    spare = _OUTLINE * np.maximum(off, reach)
+    shape = shapely.simplify(shape, spare, preserve_topology=False)
+    made, start, source = planar.pieces_of(planar.valid(shape))
+    made, start = clip.cleaned(made, start, 1e-3 * reach[source])
+    whole = np.bincount(source, minlength=len(many)) == 1
+    whole[source[np.diff(start) < 3]] = False
+    covered = np.bincount(source, clip.areas(made, start), len(many))
+    whole &= np.abs(covered - part.sum(weight)) <= KEPT * part.sum(weight)
+    good = whole[source]
+    length = np.diff(start)[good]
+    kept = made[np.repeat(good, np.diff(start))]
+    which = np.repeat(source[good], length)
+    joined_point = middle[which] + np.einsum("li,lij->lj", kept, frame[which, 1:])
 
-
-def join(facets: Sequence[Facet], price: _Joining, size: float, *, until: int = 1) -> list[Facet]:
-    """Neighbouring facets joined, lowest cost first, while ``price`` returns a number.
-
-    Parameters
-    ----------
-    price
-        Cost of joining two neighbours.
-    until
-        Number of facets at which to stop.
-    """
-    given = list(facets)
-    current: dict[int, Facet] = dict(enumerate(given))
-    beside: dict[int, set[int]] = {i: set() for i in current}
-    offers: list[tuple[float, int, int]] = []
-
-    def offer(i: int, j: int) -> None:
-        beside[i].add(j)
-        beside[j].add(i)
-        cost = price(current[i], current[j])
-        if cost is not None:
-            heappush(offers, (cost, i, j))
-
-    for i, j in neighbours(given, size):
-        offer(i, j)
-    number = len(given)
-    while len(current) > until and offers:
-        _, i, j = heappop(offers)
-        if i not in current or j not in current:
-            continue
-        whole = _united([current[i], current[j]], given, size)
-        if whole is None:
-            continue
-        around = (beside.pop(i) | beside.pop(j)) - {i, j}
-        del current[i], current[j]
-        current[number], beside[number] = whole, set()
-        for k in sorted(around):
-            beside[k] -= {i, j}
-            offer(k, number)
-        number += 1
-    return list(current.values())
-
-
-def merge_slivers(facets: Sequence[Facet], share: float, size: float) -> list[Facet]:
-    """Facets narrower than ``share`` of a neighbour's width are merged into the neighbour."""
-
-    def price(one: Facet, other: Facet) -> float | None:
-        narrow, wide = sorted((one.width, other.width))
-        return narrow / wide if narrow < share * wide else None
-
-    return join(facets, price, size)
-
-
-def join_by_angle(facets: Sequence[Facet], angle: float, size: float) -> list[Facet]:
-    """Join neighbours while all members are within ``angle`` [rad] of the mean normal."""
-    given = list(facets)
-
-    def price(one: Facet, other: Facet) -> float | None:
-        normal = one.area * one.normal + other.area * other.normal
-        normal /= np.sqrt(normal @ normal)
-        worst = min(float(given[m].normal @ normal) for m in one.members + other.members)
-        turn = float(np.arccos(min(worst, 1.0)))
-        return turn if turn <= angle else None
-
-    return join(given, price, size)
-
-
-def join_to_count(facets: Sequence[Facet], count: int, size: float) -> list[Facet]:
-    """Neighbours are joined, small ones first, until ``count`` are left or no two can be joined."""
-    return join(facets, lambda one, other: one.area + other.area, size, until=count)
-
-
-def divide_to_count(facets: Sequence[Facet], count: int) -> list[Facet]:
-    """The largest facet is cut in half across its length, until there are ``count``."""
-    current = list(facets)
-    while len(current) < count:
-        largest = max(range(len(current)), key=lambda i: current[i].area)
-        current[largest : largest + 1] = _halves(current[largest])
-    return current
-
-
-def _halves(facet: Facet) -> list[Facet]:
-    """Two facets of the same area, more where the facet is concave there."""
-    frame, origin = facet.frame, facet.point[0]
-    local = (facet.point - origin) @ frame[1:].T
-    spans = [
-        (float(((local[i] - local[j]) ** 2).sum()), i, j)
-        for i, j in combinations(range(len(local)), 2)
-    ]
-    edge = np.diff(local, axis=0, append=local[:1])
-    length = np.sqrt((edge * edge).sum(axis=1))
-    along = edge[int(np.argmax(length))] / length.max()
-    place = local @ along
-    shape = shapely.polygons(local)
-    tiny = STRAIGHT * float(np.sqrt(facet.area))
-    low, high = float(place.min()), float(place.max())
-    across = np.array([-along[1], along[0]]) * 2.0 * np.sqrt(max(spans)[0])
-    for _ in range(50):  # bisection for the line that halves the area
-        middle = 0.5 * (low + high)
-        part = planar.overlay(
-            shapely.intersection, shape, _strip(place.min(), middle, along, across)
-        )
-        low, high = (middle, high) if shapely.area(part) < 0.5 * facet.area else (low, middle)
-    found = []
-    for begin, end in ((place.min(), middle), (middle, place.max())):
-        part = planar.overlay(shapely.intersection, shape, _strip(begin, end, along, across))
-        corner, start, _ = planar.pieces_of(np.array([part], dtype=object))
-        corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, tiny))
-        start = np.unique(start)
-        for i, area in enumerate(clip.areas(corner, start)):
-            point = origin + corner[start[i] : start[i + 1]] @ frame[1:]
-            found.append(Facet(point, facet.normal, float(area), facet.members))
-    return found
-
-
-def _strip(begin: float, end: float, along: Floats, across: Floats) -> Any:
-    return shapely.polygons(
-        [begin * along - across, end * along - across, end * along + across, begin * along + across]
+    alone = np.ones(len(area), dtype=bool)
+    alone[facet[part.spread(whole)]] = False
+    rest = np.flatnonzero(alone)
+    own, own_corner = loops.take(rest)
+    together, together_row = part.take(whole)
+    angle = part.max(np.where(wide[facet], _between(vector[facet], total[part.owner]), 0.0))
+    nothing = np.zeros(len(rest))
+    return JoinedFacets(
+        np.concatenate([point[own_corner], joined_point]),
+        Ragged.from_counts(np.concatenate([own.counts, length])).start,
+        np.concatenate([vector[rest] / area[rest, None], normal[whole]]),
+        Ragged.from_counts(np.concatenate([np.ones(len(rest), dtype=np.intp), together.counts])),
+        np.concatenate([rest, facet[together_row]]),
+        np.concatenate([nothing, angle[whole]]),
+        np.concatenate([nothing, np.maximum(off, spare)[whole]]),
     )
 
 
-def _flat(point: Floats, origin: Floats, frame: Floats) -> Any:
-    """A polygon seen in a plane, as a valid shapely polygon."""
-    shape = shapely.polygons((point - origin) @ frame[1:].T)
-    return planar.valid(np.array([shape], dtype=object))[0]
+def _between(one: Floats, other: Floats) -> Floats:
+    """Angle (r,) [rad] between vectors (r, 3)."""
+    sine = np.linalg.norm(np.cross(one, other), axis=1)
+    angle: Floats = np.arctan2(sine, dot(one, other))
+    return angle
+
+
+def _closed(flat: Floats, corners: Ragged, part: Ragged, reach: Floats) -> planar.Regions:
+    """The union (c,) of the polygons of each cell, with gaps up to twice the reach closed."""
+    polygon = planar.valid(shapely.polygons(shapely.linearrings(flat, indices=corners.owner)))
+    grown = shapely.buffer(polygon, part.spread(reach), join_style="mitre")
+    whole = np.empty(len(part), dtype=object)
+    for several in np.unique(part.counts):
+        mine = np.flatnonzero(part.counts == several)
+        rows: Any = grown[part.first[mine, None] + np.arange(several)]
+        whole[mine] = shapely.union_all(rows, axis=1)
+    closed: planar.Regions = shapely.buffer(whole, -reach, join_style="mitre")
+    return closed

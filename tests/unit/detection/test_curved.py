@@ -15,7 +15,7 @@ from drystone.detection import DetectionOptions
 from drystone.models import box, cube_curve, curve_three_blocks, prism
 
 Surface = Callable[[Floats, Floats], Floats]
-UNMERGED = DetectionOptions(merge=0.0)
+EVERY = DetectionOptions(curve=0.0)
 
 
 def dome(x: Floats, y: Floats) -> Floats:
@@ -93,21 +93,21 @@ def test_surfaces_curved_both_ways_keep_their_area(
 ) -> None:
     model = joint(surface, lower, upper)
     least = min(curved_area(block) for block in model.blocks)
-    found = find_contacts(model, options=UNMERGED)
+    found = find_contacts(model, options=EVERY)
     assert found.contacts.area.sum() == pytest.approx(least, rel=0.02)
 
 
 def test_what_a_curved_joint_lacks_is_told_and_found_with_what_is_suggested() -> None:
     model = joint(bump, 5, 17)
     least = min(curved_area(block) for block in model.blocks)
-    found = find_contacts(model, options=UNMERGED)
+    found = find_contacts(model, options=EVERY)
     missing = 1.0 - found.contacts.area.sum() / least
     assert missing > 0.1
     (short,) = found.report.shortfalls
     assert short.share == pytest.approx(missing, abs=0.05)
     assert any("curved joint" in line for line in found.report.summary())
     assert any("raise gap" in line and "angle" in line for line in found.report.suggestions())
-    wider = DetectionOptions(merge=0.0, gap=1.05 * short.gap, angle=1.05 * short.angle)
+    wider = DetectionOptions(curve=0.0, gap=1.05 * short.gap, angle=1.05 * short.angle)
     again = find_contacts(model, options=wider)
     assert again.contacts.area.sum() == pytest.approx(least, rel=0.05)
     assert again.report.to_dict()["shortfalls"] == []

@@ -1,17 +1,18 @@
-"""Curved joints: meshed differently on both sides, merged, regrouped, given by the user."""
+"""Curved joints: meshed differently on both sides, resampled, given by the user."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, find_contacts
+from benchmarks.curved import curved_vault
+from drystone import Assembly, InputError, Model, find_contacts, limit_tilt
 from drystone.assembly import replace_block
-from drystone.detection import DetectionOptions, contacts_from_mesh, regroup
-from drystone.geometry.frames import rotation_about
+from drystone.detection import DetectionOptions, contacts_from_mesh
 from drystone.models import box, concave, cube_curve, curve_three_blocks, tower
 
 AREA = 2.460
+ALL = DetectionOptions(curve=0.0)
 
 
 def mixed(base: int, cradle: int, roller: int) -> Assembly:
@@ -35,75 +36,55 @@ def test_differently_meshed_rims_keep_their_area() -> None:
     assert find_contacts(Assembly(blocks)).contacts.area.sum() == pytest.approx(0.4708, rel=0.02)
 
 
-def test_slivers_are_merged_into_their_neighbours() -> None:
-    model = mixed(20, 21, 20)
-    raw = find_contacts(model, options=DetectionOptions(merge=0.0))
-    merged = find_contacts(model)
-    assert merged.contacts.count < raw.contacts.count
-    assert merged.contacts.area.min() > 2.0 * raw.contacts.area.min()
-    assert merged.contacts.area.sum() == pytest.approx(raw.contacts.area.sum(), rel=1e-3)
-    assert merged.report.merged.sum() == raw.contacts.count
-    assert any("merged" in line for line in merged.report.summary())
+def test_slivers_go_into_their_neighbours() -> None:
+    found = find_contacts(mixed(20, 21, 20))
+    contacts, merged = found.contacts, found.report.merged
+    assert merged.max() > 1
+    assert contacts.area.sum() == pytest.approx(AREA, rel=2e-3)
+    assert contacts.area.min() > 0.1 * np.median(contacts.area)
 
 
-def test_joints_of_exact_models_are_not_merged() -> None:
+def test_joints_of_exact_models_keep_their_faces() -> None:
     for model in (concave(), cube_curve(), tower(3)):
-        raw = find_contacts(model, options=DetectionOptions(merge=0.0)).contacts
-        assert np.array_equal(find_contacts(model).contacts.point, raw.point)
+        found = find_contacts(model)
+        assert found.report.resampled == ()
+        assert found.report.merged.tolist() == [1] * found.contacts.count
 
 
-@pytest.mark.parametrize("count", [10, 20, 40, 70])
-def test_regrouping_to_a_number_keeps_the_area(count: int) -> None:
-    contacts = regroup(find_contacts(curve_three_blocks()).contacts, count=count)
-    assert contacts.count == 2 * count
-    assert contacts.area.sum() == pytest.approx(AREA, rel=0.02)
-    assert np.diff(contacts.block_b).min() >= 0
+def test_vault_of_small_facets_has_as_many_pieces_as_its_curvature_needs() -> None:
+    model = curved_vault(9, 3, wave=0.08)
+    every = find_contacts(model, options=ALL).contacts
+    found = find_contacts(model)
+    pieces, report = found.contacts, found.report
+    assert every.count > 10 * pieces.count
+    assert pieces.area.sum() == pytest.approx(every.area.sum(), rel=2e-3)
+    assert max(pair.turn for pair in report.resampled) <= 3.0
+    assert sum(pair.pieces for pair in report.resampled) == pieces.count
+    assert sum(pair.points for pair in report.resampled) == pieces.corner_count
+    (said,) = (line for line in report.summary() if "plane pieces" in line)
+    assert said in Model.of(model).notes
+    assert report.to_dict()["resampled"][0]["pieces"] == report.resampled[0].pieces
 
 
-def test_strong_curvature_is_not_flattened() -> None:
-    contacts = regroup(find_contacts(curve_three_blocks()).contacts, count=1)
-    assert contacts.count > 2
-    assert contacts.area.sum() == pytest.approx(AREA, rel=0.02)
+def test_limits_of_pieces_differ_by_less_than_they_turn() -> None:
+    model = curve_three_blocks(150)
+    every = limit_tilt(Model(model, find_contacts(model, options=ALL).contacts), axis="y").best
+    found = find_contacts(model)
+    pieces = limit_tilt(Model(model, found.contacts), axis="y").best
+    turn = max(pair.turn for pair in found.report.resampled)
+    assert 1.0 < turn <= 3.0
+    assert pieces.stands - every.falls < turn
+    assert every.stands - pieces.falls < turn
 
 
-def test_regrouping_by_angle_bounds_the_turn() -> None:
-    fine = find_contacts(curve_three_blocks(40)).contacts
-    counts = [regroup(fine, angle=angle).count for angle in (1.0, 3.0, 6.0, 12.0)]
+def test_more_angle_means_fewer_pieces() -> None:
+    model = curve_three_blocks(150)
+    counts = [
+        find_contacts(model, options=DetectionOptions(curve=angle)).contacts.count
+        for angle in (0.0, 0.5, 1.0, 2.0, 4.0)
+    ]
     assert counts == sorted(counts, reverse=True)
-    assert counts[0] > counts[-1]
-
-
-def test_regrouped_normals_still_point_from_a_to_b() -> None:
-    fine = find_contacts(curve_three_blocks()).contacts
-    coarse = regroup(fine, count=6)
-    for pair in ((0, 1), (1, 2)):
-        means = [
-            (c.area[:, None] * c.frame[:, 0])[(c.block_a == pair[0]) & (c.block_b == pair[1])].sum(
-                axis=0
-            )
-            for c in (fine, coarse)
-        ]
-        np.testing.assert_allclose(means[0], means[1], rtol=0.02, atol=0.02)
-
-
-def test_only_the_chosen_pairs_are_regrouped() -> None:
-    contacts = find_contacts(curve_three_blocks()).contacts
-    part = regroup(contacts, count=10, pairs=[(2, 1)])
-    assert int((part.block_b == 2).sum()) == 10
-    assert int((part.block_b == 1).sum()) == int((contacts.block_b == 1).sum())
-
-
-def test_lines_survive_regrouping() -> None:
-    slab = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
-    cube = box((1.0, 1.0, 1.0)).transformed(rotation_about([1.0, 0.0, 0.0], 45.0))
-    contacts = find_contacts(Assembly((slab, cube))).contacts
-    assert np.array_equal(regroup(contacts, count=3).point, contacts.point)
-
-
-@pytest.mark.parametrize("wrong", [{}, {"count": 2, "angle": 3.0}, {"count": 0}, {"angle": 60.0}])
-def test_impossible_regrouping_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(InputError):
-        regroup(find_contacts(tower(2)).contacts, **wrong)  # type: ignore[arg-type]
+    assert len(set(counts)) == len(counts)
 
 
 def test_given_mesh_becomes_the_joint() -> None:

@@ -1,4 +1,4 @@
-"""Facets joined and divided."""
+"""Facets in smooth runs, and joined."""
 
 from __future__ import annotations
 
@@ -6,118 +6,100 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import shapely
 
 from drystone.geometry import facets
-from drystone.geometry.facets import Facet
+
+Polygons = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def level(*corners: tuple[float, float], z: float = 0.0, member: int = 0) -> Facet:
-    """A horizontal facet."""
-    shape = shapely.Polygon(corners)
-    point = np.array([(x, y, z) for x, y in corners])
-    return Facet(point, np.array([0.0, 0.0, 1.0]), shape.area, (member,))
+def polygons(*loops: object) -> Polygons:
+    """Corners, starts and the one pair of blocks of polygons."""
+    arrays = [np.asarray(loop, dtype=np.float64) for loop in loops]
+    start = np.cumsum([0, *(len(loop) for loop in arrays)])
+    return np.concatenate(arrays), start, np.zeros(len(arrays), dtype=np.intp)
 
 
-def row(*ends: float) -> list[Facet]:
-    """Unit-deep rectangles side by side along x."""
-    return [
-        level((a, 0), (b, 0), (b, 1), (a, 1), member=i) for i, (a, b) in enumerate(pairwise(ends))
-    ]
+def level(x: tuple[float, float], y: tuple[float, float], z: float = 0.0) -> np.ndarray:
+    """A horizontal rectangle."""
+    return np.array([(x[0], y[0], z), (x[1], y[0], z), (x[1], y[1], z), (x[0], y[1], z)])
 
 
-def arc(count: int, angle: float) -> list[Facet]:
+def arc(turn: np.ndarray) -> Polygons:
     """Strips of a unit cylinder about y."""
-    turn = np.linspace(0.0, angle, count + 1)
     x, z = np.sin(turn), np.cos(turn)
-    point = [
-        [(x[i], 0, z[i]), (x[i + 1], 0, z[i + 1]), (x[i + 1], 1, z[i + 1]), (x[i], 1, z[i])]
-        for i in range(count)
+    strips = [
+        [(x[i], 0, z[i]), (x[i], 1, z[i]), (x[j], 1, z[j]), (x[j], 0, z[j])]
+        for i, j in pairwise(range(len(turn)))
     ]
-    return facets.facets_of(np.array(point).reshape(-1, 3), 4 * np.arange(count + 1, dtype=np.intp))
+    return polygons(*strips)
 
 
-def common_edge(one: Facet, other: Facet, size: float) -> float:
-    """Common edge of one pair."""
-    length = facets.common_edges([one, other], np.array([0]), np.array([1]), size)
-    return float(length[0])
+def runs(given: Polygons) -> list[int]:
+    return facets.smooth_runs(*given).tolist()
 
 
-def test_facets_know_their_normal_area_and_width() -> None:
-    (facet,) = facets.facets_of(
-        np.array([[0, 0, 1.0], [4, 0, 1], [4, 1, 1], [0, 1, 1]]), np.array([0, 4])
-    )
-    np.testing.assert_allclose(facet.normal, [0, 0, 1])
-    assert facet.area == pytest.approx(4.0)
-    assert facet.width == pytest.approx(0.8)
+def joined(given: Polygons, angle_deg: float) -> facets.JoinedFacets:
+    made = facets.joined(*given, np.deg2rad(angle_deg))
+    assert made is not None
+    return made
 
 
-def test_common_edge_has_its_length() -> None:
-    one, two = row(0.0, 1.0, 3.0)
-    assert common_edge(one, two, 1.0) == pytest.approx(1.0, abs=0.01)
+def test_facets_with_a_common_edge_are_one_run() -> None:
+    assert runs(polygons(level((0, 1), (0, 1)), level((1, 3), (0, 1)))) == [0, 0]
+    assert runs(polygons(level((0, 1), (0, 1)), level((1, 3), (0.5, 4)))) == [0, 0]
 
 
-def test_facets_that_meet_in_a_corner_or_at_a_crease_are_no_neighbours() -> None:
-    one = level((0, 0), (1, 0), (1, 1), (0, 1))
-    assert common_edge(one, level((1, 1), (2, 1), (2, 2), (1, 2)), 1.0) == 0.0
-    steep = facets.facets_of(
-        np.array([[1.0, 0, 0], [1, 1, 0], [1, 1, 1], [1, 0, 1]]), np.array([0, 4])
-    )[0]
-    assert common_edge(one, steep, 1.0) == 0.0
+def test_facets_that_meet_in_a_corner_or_at_a_crease_are_not() -> None:
+    one = level((0, 1), (0, 1))
+    assert runs(polygons(one, level((1, 2), (1, 2)))) == [0, 1]
+    assert runs(polygons(one, [[1.0, 0, 0], [1, 1, 0], [1, 1, 1], [1, 0, 1]])) == [0, 1]
 
 
-def test_cells_of_a_grid_have_the_neighbours_across_their_edges() -> None:
-    cells = [
-        level((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)) for i in range(8) for j in range(8)
-    ]
-    assert len(facets.neighbours(cells, 1.0)) == 2 * 7 * 8
+def test_facets_on_two_levels_and_of_two_pairs_of_blocks_are_not() -> None:
+    low, high = level((0, 1), (0, 1)), level((1, 2), (0, 1), 0.1)
+    turned = np.array([[1.0, 0, 1], [0, 1, 0], [-1, 0, 1]])  # their boxes overlap
+    assert runs(polygons(low, high)) == [0, 1]
+    assert runs(polygons(low @ turned.T, high @ turned.T)) == [0, 1]
+    point, start, _ = polygons(low, level((1, 2), (0, 1)))
+    assert runs((point, start, np.array([0, 1]))) == [0, 1]
 
 
-def test_slivers_go_into_their_neighbours() -> None:
-    merged = facets.merge_slivers(row(0.0, 1.0, 1.03, 2.0), 0.2, 1.0)
-    assert sorted(len(facet.members) for facet in merged) == [1, 2]
-    assert sum(facet.area for facet in merged) == pytest.approx(2.0)
-    assert all(len(facet.point) == 4 for facet in merged)
+def test_plane_runs_stay_as_they_are() -> None:
+    assert facets.joined(*polygons(level((0, 1), (0, 1)), level((1, 3), (0, 1))), 0.1) is None
 
 
-def test_flat_row_becomes_one_rectangle() -> None:
-    (whole,) = facets.join_to_count(row(0.0, 0.5, 1.2, 2.0, 3.0), 1, 1.0)
-    assert whole.members == (0, 1, 2, 3)
-    assert len(whole.point) == 4
-    np.testing.assert_allclose(whole.point.min(axis=0), [0, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(whole.point.max(axis=0), [3, 1, 0], atol=1e-6)
+@pytest.mark.parametrize("angle", [2.0, 8.0, 20.0])
+def test_pieces_are_within_the_angle_and_keep_the_area(angle: float) -> None:
+    given = arc(np.linspace(0.0, np.pi / 2, 41))
+    made = joined(given, angle)
+    assert np.rad2deg(made.turn).max() <= angle + 1e-9
+    wanted = int(np.ceil(90.0 / (2.0 * angle)))
+    assert 0.9 * wanted <= len(made.normal) <= 2 * wanted
+    assert sorted(made.facet.tolist()) == list(range(40))
+    assert len(made.point) == 4 * len(made.normal)
+    box = np.ptp(made.point, axis=0)
+    np.testing.assert_allclose(box, [1.0, 1.0, 1.0], atol=0.05)
 
 
-def test_half_a_cylinder_is_not_made_plane() -> None:
-    assert len(facets.join_to_count(arc(20, np.pi), 1, 1.0)) > 3
+def test_joined_facets_say_how_far_they_are_off() -> None:
+    made = joined(arc(np.linspace(0.0, 0.4, 9)), 30.0)
+    (turn,), (moved,) = made.turn, made.moved
+    assert turn == pytest.approx(0.4 / 2 * 7 / 8, rel=0.01)
+    assert 0.5 * (1.0 - np.cos(0.2)) < moved < 1.0 - np.cos(0.2)
 
 
-def test_joining_by_angle_stops_at_the_angle() -> None:
-    given = arc(20, np.pi / 2)
-    for joined in facets.join_by_angle(given, np.deg2rad(8.0), 1.0):
-        turns = [
-            np.degrees(np.arccos(min(given[m].normal @ joined.normal, 1.0))) for m in joined.members
-        ]
-        assert max(turns) <= 8.0 + 1e-6
-        assert len(joined.members) > 1
+def test_slivers_go_into_their_neighbours_and_nothing_else() -> None:
+    made = joined(arc(np.array([0.0, 0.1, 0.103, 0.2, 0.3])), 0.0)
+    assert sorted(made.facets.counts.tolist()) == [1, 1, 2]
 
 
-def test_ring_is_not_closed_into_a_polygon_with_a_hole() -> None:
+def test_a_ring_is_not_closed_into_a_polygon_with_a_hole() -> None:
     sides = [
-        level((0, 0), (3, 0), (3, 1), (0, 1), member=0),
-        level((2, 1), (3, 1), (3, 3), (2, 3), member=1),
-        level((0, 2), (2, 2), (2, 3), (0, 3), member=2),
-        level((0, 1), (1, 1), (1, 2), (0, 2), member=3),
+        level((0, 3), (0, 1)),
+        level((2, 3), (1, 3)),
+        level((0, 2), (2, 3)),
+        level((0, 1), (1, 2)),
     ]
-    joined = facets.join_to_count(sides, 1, 1.0)
-    assert len(joined) == 2
-    assert sum(facet.area for facet in joined) == pytest.approx(8.0)
-
-
-@pytest.mark.parametrize("count", [2, 3, 8])
-def test_dividing_keeps_the_area(count: int) -> None:
-    corner = level((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))
-    parts = facets.divide_to_count([corner], count)
-    assert len(parts) >= count
-    assert sum(part.area for part in parts) == pytest.approx(3.0)
-    assert all(part.members == (0,) for part in parts)
+    sides[1] = sides[1] + [[0, 0, 0], [0, 0, 0], [0, 0, 0.01], [0, 0, 0.01]]
+    made = joined(polygons(*sides), 5.0)
+    assert len(made.normal) == 4
