@@ -11,11 +11,13 @@ factor of ``n - mu t``, a force at the friction limit against the unit slide t.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy import optimize, sparse
 from scipy.sparse.linalg import lsmr
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
@@ -64,11 +66,12 @@ def compatible_forces(
     if count == 0:
         return force, float(np.linalg.norm(right))
     edge = edge_of_friction(statics, moved)[corner]
-    rays = statics.unit_wrenches(
-        np.concatenate([corner, corner]), np.concatenate([np.tile(NORMAL, (count, 1)), edge])
+    rays = unit_wrenches(
+        statics,
+        np.concatenate([corner, corner]),
+        np.concatenate([np.tile(NORMAL, (count, 1)), edge]),
     )
-    place = rays.row, rays.column
-    matrix = sparse.csc_matrix((rays.value, place), shape=(len(right), 2 * count))
+    matrix = rays.tocsc()
     factor = _nonnegative(matrix, right)
     if factor is None:
         return force, float(np.linalg.norm(right))
@@ -94,10 +97,10 @@ def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
     missing = program.variable("missing overlap", len(corner), quadratic=10.0 * weight**2)
     for axis in (1, 2):
         misfit = program.variable(f"misfit {axis}", len(corner), quadratic=1.0)
-        slide = statics.unit_wrenches(corner, weight[:, None] * np.eye(3)[axis]).transposed
+        slide = unit_wrenches(statics, corner, weight[:, None] * np.eye(3)[axis]).T
         against = weight * force[corner, axis]
         program.equal(f"slide {axis}", none, (motion, slide), (scale, against), (misfit, -1.0))
-    gap = statics.unit_wrenches(corner, NORMAL).transposed
+    gap = unit_wrenches(statics, corner, NORMAL).T
     program.at_most("overlap", none - 1.0, (motion, gap), (missing, -1.0))
     program.at_most("scale", none, (scale, -1.0))
     program.at_most("missing", none, (missing, -1.0))
@@ -150,3 +153,26 @@ def _refined(matrix: sparse.csc_matrix, right: Floats, factor: Floats) -> Floats
     kept[active] = np.maximum(kept[active] + change, 0.0)
     better = np.linalg.norm(matrix @ kept - right) < np.linalg.norm(matrix @ factor - right)
     return kept if better else factor
+
+
+def wrenches_along(statics: Statics, corner: Ints, direction: Floats) -> tuple[Ints, Floats]:
+    """Wrenches of unit forces at corners: rows (c, 12), negative for a fixed block, and values.
+
+    Parameters
+    ----------
+    statics
+    corner : (c,)
+    direction : (c, 3) or (3,) local n, u, v
+    """
+    entries = statics.transfers.reshape(-1, 12, 3)[corner]
+    along = np.broadcast_to(direction, (len(corner), 3))
+    rows = (6 * statics.blocks[corner][:, :, None] + np.arange(6)).reshape(-1, 12)
+    return rows, (entries @ along[:, :, None])[:, :, 0]
+
+
+def unit_wrenches(statics: Statics, corner: Ints, direction: Floats) -> Any:
+    """The same as a sparse matrix (6 n, c); its transpose gives displacements along a direction."""
+    row, value = wrenches_along(statics, corner, direction)
+    meets = row >= 0
+    shape = 6 * statics.free_count, len(corner)
+    return sparse.csr_matrix((value[meets], (row[meets], np.nonzero(meets)[0])), shape=shape)

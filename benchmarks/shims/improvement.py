@@ -10,8 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.shims.compatible import (
@@ -19,11 +21,13 @@ from benchmarks.shims.compatible import (
     compatible_forces,
     edge_of_friction,
     slide_directions,
+    unit_wrenches,
+    wrenches_along,
 )
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import Entries, ProgramBuilder, Variable
+from drystone.solvers.program import ProgramBuilder, Variable
 
 EQUAL = 1e-6
 """Relative difference of overlaps that counts as zero."""
@@ -124,9 +128,9 @@ def _with_equal_overlap(statics: Statics, motion: Floats) -> Floats | None:
     missing = program.variable(
         "missing overlap", len(loaded), quadratic=force[loaded, 0] / force[loaded, 0].mean()
     )
-    opening = statics.unit_wrenches(loaded, NORMAL).transposed
+    opening = unit_wrenches(statics, loaded, NORMAL).T
     program.equal("overlap", -1.0 - gap[loaded], (change, opening), (missing, -1.0))
-    closing = -statics.unit_wrenches(np.arange(statics.corner_count), NORMAL).transposed
+    closing = -unit_wrenches(statics, np.arange(statics.corner_count), NORMAL).T
     program.at_most("largest overlap", gap + 1.0, (change, closing))
     solution = program.build().solve()
     if solution.status is not ConicStatus.SOLVED:
@@ -158,7 +162,7 @@ def _step(
         return None
     slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
     held = np.linalg.norm(force[corner, 1:], axis=1) / slide
-    edge = statics.unit_wrenches(corner, edge_of_friction(statics, moved)[corner])
+    edge = unit_wrenches(statics, corner, edge_of_friction(statics, moved)[corner])
     every = np.arange(statics.corner_count)
     loaded = corner[force[corner, 0] > 1e-9 * force[:, 0].max(initial=0.0)]
     none = np.zeros(len(corner))
@@ -171,16 +175,16 @@ def _step(
         "balance",
         -statics.load.ravel(),
         (change, turned_friction(statics, moved, corner, held)),
-        (straight, statics.unit_wrenches(corner, NORMAL)),
+        (straight, unit_wrenches(statics, corner, NORMAL)),
         (at_edge, edge),
         (rest, -1.0),
     )
-    still = statics.unit_wrenches(loaded, NORMAL).transposed
+    still = unit_wrenches(statics, loaded, NORMAL).T
     program.equal("still pressed", np.zeros(len(loaded)), (change, still))
     program.at_most("straight", none, (straight, -1.0))
     program.at_most("at the edge", none, (at_edge, -1.0))
     add_trust_region(program, statics, change, corner, slide, trust)
-    closing = -statics.unit_wrenches(every, NORMAL).transposed
+    closing = -unit_wrenches(statics, every, NORMAL).T
     program.at_most("overlap", np.maximum(moved[:, 0] + 1.0, 0.0), (change, closing))
     solution = program.build().solve(ConicOptions(tolerance=1e-8))
     if solution.status is not ConicStatus.SOLVED:
@@ -188,7 +192,7 @@ def _step(
     return solution.x[change.place].reshape(-1, 6)
 
 
-def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Entries:
+def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Any:
     """Change of wrenches (6 n, 6 n) by a change of motion, due to the rotation of the slide.
 
     Parameters
@@ -203,11 +207,12 @@ def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats)
     direction = slide_directions(moved)[corner]
     zero = np.zeros(len(corner))
     across = np.stack([zero, -direction[:, 1], direction[:, 0]], axis=1)
-    freedom, value = statics.wrenches_along(corner, across)
+    freedom, value = wrenches_along(statics, corner, across)
     row, column = np.repeat(freedom, 12, axis=1), np.tile(freedom, 12)
     product = -np.repeat(held[:, None] * value, 12, axis=1) * np.tile(value, 12)
     meets = (row >= 0) & (column >= 0)
-    return Entries(row[meets], column[meets], product[meets])
+    size = 6 * statics.free_count
+    return sparse.csr_matrix((product[meets], (row[meets], column[meets])), shape=(size, size))
 
 
 def add_trust_region(
@@ -222,6 +227,6 @@ def add_trust_region(
     # a corner that slides little may reverse its slide
     reach = trust * np.maximum(slide, TURN * slide.mean())
     for axis in (1, 2):
-        along = statics.unit_wrenches(corner, np.eye(3)[axis]).transposed
+        along = unit_wrenches(statics, corner, np.eye(3)[axis]).T
         program.at_most(f"largest slide {axis}", reach, (change, along))
         program.at_most(f"least slide {axis}", reach, (change, -along))

@@ -16,13 +16,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
-from benchmarks.shims.compatible import NORMAL, slide_directions
+from benchmarks.shims.compatible import NORMAL, slide_directions, unit_wrenches
 from benchmarks.shims.improvement import add_trust_region, turned_friction
 from drystone.base.arrays import Floats, Ints
 from drystone.mechanics.statics import Statics
 from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import Entries, ProgramBuilder, Term
+from drystone.solvers.program import ProgramBuilder, Term
 
 ELASTIC_WEIGHT = 3.0
 """Cost of unbalanced load, relative to the load of its block; cohesion costs 1. Chosen."""
@@ -97,8 +98,8 @@ def elastic_forces(
     none = np.zeros(len(corner))
     overlap = np.maximum(-moved[corner, 0], 0.0)
     direction = slide_directions(moved)[corner]
-    closing = statics.unit_wrenches(corner, NORMAL)
-    along = statics.unit_wrenches(corner, np.column_stack([none, direction]))
+    closing = unit_wrenches(statics, corner, NORMAL)
+    along = unit_wrenches(statics, corner, np.column_stack([none, direction]))
     load_of_corner = statics.corner_load[corner]
     weight = np.repeat(ELASTIC_WEIGHT / statics.load_scale, 6)
     program = ProgramBuilder()
@@ -119,11 +120,11 @@ def elastic_forces(
         slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
         held = np.linalg.norm(region.force[corner, 1:], axis=1) / slide
         balance.append((change, turned_friction(statics, moved, corner, held)))
-        least.append((change, -closing.transposed))
-        most.append((change, closing.transposed * ratio))
+        least.append((change, -closing.T))
+        most.append((change, closing.T * ratio))
         add_trust_region(program, statics, change, corner, slide, region.share)
         others = np.setdiff1d(np.arange(statics.corner_count), corner)
-        opening = -statics.unit_wrenches(others, NORMAL).transposed
+        opening = -unit_wrenches(statics, others, NORMAL).T
         program.at_most("open", np.maximum(moved[others, 0], 0.0), (change, opening))
     program.equal("balance", -statics.load.ravel(), *balance)
     program.at_most("least shear", none, (shear, -1.0))
@@ -132,7 +133,7 @@ def elastic_forces(
         none,
         (shear, 1.0),
         (normal, -statics.friction[corner]),
-        (cohesion, Entries(np.arange(len(corner)), none.astype(np.intp), -load_of_corner)),
+        (cohesion, -sparse.csr_matrix(load_of_corner[:, None])),
     )
     program.at_most("least stiffness", -overlap, *least)
     program.at_most("largest stiffness", ratio * overlap, *most)

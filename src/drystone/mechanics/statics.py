@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.mechanics.maps import Maps, maps_between
 from drystone.model import Model
 from drystone.solvers.equilibrium_matrix import sparse_rows, transfer
-from drystone.solvers.program import Entries
 
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
@@ -203,54 +202,6 @@ class Statics:
             np.bincount(block + 1, values, count)[1:] for block in (self.block_a, self.block_b)
         )
         return np.asarray(of_a + of_b, dtype=np.float64)
-
-    def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
-        """Wrenches (6 n, c) of unit forces at some corners (c,).
-
-        Their transpose gives the displacement of each corner along the same direction.
-
-        Parameters
-        ----------
-        corner : (c,)
-        direction : (c, 3) or (3,) local n, u, v
-        """
-        freedom, value = self.wrenches_along(corner, direction)
-        meets = freedom >= 0
-        return Entries(freedom[meets], np.nonzero(meets)[0], value[meets])
-
-    def wrenches_along(self, corner: Ints, direction: Floats) -> tuple[Ints, Floats]:
-        """The same as rows (c, 12), negative for a fixed block, and values (c, 12)."""
-        entries = self.transfers.reshape(-1, 12, 3)[corner]
-        if direction.ndim == 1:
-            return self._rows[corner], entries @ direction
-        value: Floats = (entries @ direction[:, :, None])[:, :, 0]
-        return self._rows[corner], value
-
-    @cached_property
-    def _rows(self) -> Ints:
-        """(k, 12) rows of the equilibrium matrix at each corner."""
-        return (6 * self.blocks[:, :, None] + np.arange(6)).reshape(-1, 12)
-
-    def at_corners(self, corners: Bools) -> Statics:
-        """The same blocks and loads with some of the corners (k,) only."""
-        chosen = {
-            name: getattr(self, name)[corners]
-            for name in (
-                "block_a",
-                "block_b",
-                "lever_a",
-                "lever_b",
-                "frame",
-                "friction",
-                "tributary",
-                "block_area",
-                "interface",
-                "tension",
-                "cohesion",
-                "shear",
-            )
-        }
-        return replace(self, **chosen)
 
     # -- back to physical numbers -------------------------------------------------------------
     def physical_force(self, force: Floats) -> Floats:

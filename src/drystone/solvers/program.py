@@ -32,32 +32,9 @@ class Variable:
         return slice(self.start, self.start + self.count)
 
 
-@dataclass(frozen=True, eq=False)
-class Entries:
-    """A sparse coefficient as rows, columns and values (m,); values at one place add up.
-
-    For small programs that are built often: making a scipy matrix takes more time.
-    """
-
-    row: Ints
-    column: Ints
-    value: Floats
-
-    @property
-    def transposed(self) -> Entries:
-        """The transpose."""
-        return Entries(self.column, self.row, self.value)
-
-    def __mul__(self, factor: float) -> Entries:
-        return Entries(self.row, self.column, factor * self.value)
-
-    def __neg__(self) -> Entries:
-        return self * -1.0
-
-
 Term: TypeAlias = tuple[Variable, Any]
-"""A variable and its coefficient: :class:`Entries`, a sparse matrix, a vector (a diagonal), or a
-number (times the identity)."""
+"""A variable and its coefficient: a sparse matrix, a vector (a diagonal), or a number (times the
+identity)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,10 +149,10 @@ class ProgramBuilder:
         row, column, value = [none], [none], [np.zeros(0)]
         for begin, (_, right, terms) in rows:
             for variable, coefficient in terms:
-                entries = _entries(coefficient, len(right))
-                row.append(begin + entries.row)
-                column.append(variable.start + entries.column)
-                value.append(entries.value)
+                rows_of, columns_of, values_of = _entries(coefficient, len(right))
+                row.append(begin + rows_of)
+                column.append(variable.start + columns_of)
+                value.append(values_of)
         places = np.concatenate(row), np.concatenate(column)
         matrix = sparse.csc_matrix((np.concatenate(value), places), shape=(int(first[-1]), last))
         linear, quadratic = np.zeros(last), np.zeros(last)
@@ -197,14 +174,13 @@ class ProgramBuilder:
         )
 
 
-def _entries(coefficient: Any, rows: int) -> Entries:
-    if isinstance(coefficient, Entries):
-        return coefficient
+def _entries(coefficient: Any, rows: int) -> tuple[Ints, Ints, Floats]:
+    """Rows, columns and values of a coefficient."""
     if sparse.issparse(coefficient):
         found = cast(Any, coefficient).tocoo()
-        return Entries(found.row, found.col, found.data)
+        return found.row, found.col, found.data
     place = np.arange(rows)
-    return Entries(place, place, np.full(rows, coefficient))
+    return place, place, np.full(rows, coefficient)
 
 
-__all__ = ["ConicProgram", "Entries", "ProgramBuilder", "Term", "Variable"]
+__all__ = ["ConicProgram", "ProgramBuilder", "Term", "Variable"]
