@@ -76,13 +76,12 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     Parameters
     ----------
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
-        Or several motions, (n, s, 6), with answers (k, s, 3).
     """
     a, b = _corner_blocks(contacts)
     relative = point_motion(assembly, contacts, motion, b) - point_motion(
         assembly, contacts, motion, a
     )
-    return np.einsum("kij,k...j->k...i", contacts.frame[contacts.interface], relative)
+    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
@@ -97,28 +96,21 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     wrench : (n, 6) [N, N m]; the moments are divided by the block's size: [N]
     scale : (n,) [N]
     """
-    total, scale = _wrenches(model, force[:, None])
-    return total[:, 0], scale[:, 0]
-
-
-def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
-    """As :func:`unbalanced_wrench`, for s claims: (n, s, 6) and (n, s) from forces (k, s, 3)."""
     assembly, contacts, load = model.assembly, model.contacts, model.load
-    world = np.einsum("ksi,kij->ksj", force, contacts.frame[contacts.interface])
+    world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
     size = assembly.size
-    loads = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
-    total = np.repeat(loads[:, None], force.shape[1], axis=1)
-    scale = lengths(total[..., :3]) + lengths(total[..., 3:])
+    total = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
+    scale = lengths(total[:, :3]) + lengths(total[:, 3:])
     joints = contacts.corners
     pushed, strength = joints.sum(world), joints.sum(lengths(force))
     # moments about the first corner of each joint, which are then taken to the centroids
     first = contacts.point[contacts.start[:-1]]
     arm = contacts.point - first[contacts.interface]
-    about_first = joints.sum(cross(arm[:, None], world))
+    about_first = joints.sum(cross(arm, world))
     for of_joint, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
-        turned = about_first + cross((first - assembly.centroid[of_joint])[:, None], pushed)
-        turned /= size[of_joint, None, None]
-        _add(total, of_joint, sign * np.concatenate([pushed, turned], axis=2))
+        turned = about_first + cross(first - assembly.centroid[of_joint], pushed)
+        turned /= size[of_joint, None]
+        _add(total, of_joint, sign * np.concatenate([pushed, turned], axis=1))
         _add(scale, of_joint, strength)
     return total, np.where(scale > 0.0, scale, 1.0)
 
@@ -150,65 +142,62 @@ def check_forces(
     prop : (n, 6) [N, N m], optional
         What props supply to the blocks.
     """
-    moved = None if displacement is None else displacement[:, None]
-    props = None if prop is None else prop[:, None]
-    return _residuals(model, force[:, None], moved, props)[0]
-
-
-def _residuals(
-    model: Model, force: Floats, displacement: Floats | None, prop: Floats | None
-) -> list[Residuals]:
-    """As :func:`check_forces`, for s claims: forces (k, s, 3), motions and props (n, s, 6)."""
     assembly, contacts = model.assembly, model.contacts
     claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
     if not all(np.abs(one).max() <= _LARGEST for one in claimed):
-        return [Residuals(equilibrium=np.inf)] * force.shape[1]
+        return Residuals(equilibrium=np.inf)
     free = ~assembly.fixed
-    total, scale = _wrenches(model, force)
+    total, scale = unbalanced_wrench(model, force)
     if prop is not None:
-        total[..., :3] += prop[..., :3]
-        total[..., 3:] += prop[..., 3:] / assembly.size[:, None, None]
+        total[:, :3] += prop[:, :3]
+        total[:, 3:] += prop[:, 3:] / assembly.size[:, None]
     equilibrium = _most(lengths(total[free]) / scale[free])
     if not contacts.corner_count:
-        return [Residuals(equilibrium=one) for one in equilibrium]
+        return Residuals(equilibrium)
     a, b = _corner_blocks(contacts)
     local = np.minimum(scale[a], scale[b])
-    normal = force[..., 0]
-    tangential = lengths(force[..., 1:])
-    friction = contacts.friction[contacts.interface, None]
-    pull, cohesion, shear = (one[:, None] for one in contacts.corner_capacity)
+    normal = force[:, 0]
+    tangential = lengths(force[:, 1:])
+    friction = contacts.friction[contacts.interface]
+    pull, cohesion, shear = contacts.corner_capacity
     tension = _most(np.maximum(0.0, -normal - pull) / local)
     bound = friction * np.maximum(normal, -pull) + cohesion
     cone = _most(np.maximum(0.0, tangential - np.minimum(bound, shear)) / local)
     if displacement is None:
-        return [Residuals(*one) for one in zip(equilibrium, tension, cone, strict=True)]
+        return Residuals(equilibrium, tension, cone)
+    of_motion = _motion_residuals(model, force / local[:, None], displacement)
+    return Residuals(equilibrium, tension, cone, *of_motion)
+
+
+def _motion_residuals(model: Model, force: Floats, displacement: Floats) -> tuple[float, float]:
+    """Complementarity and alignment of forces (k, 3), each by that of its corner, and a motion."""
+    assembly, contacts = model.assembly, model.contacts
+    a, b = _corner_blocks(contacts)
+    normal, tangential = force[:, 0], lengths(force[:, 1:])
     moved = corner_motion(assembly, contacts, displacement)
     reach = lengths(moved)
-    largest = np.zeros((len(assembly), force.shape[1]))
+    largest = np.zeros(len(assembly))
     farthest = contacts.corners.max(reach)
     np.maximum.at(largest, contacts.block_a, farthest)
     np.maximum.at(largest, contacts.block_b, farthest)
     length = np.minimum(largest[a], largest[b])
     safe = np.where(length > 0.0, length, 1.0)
-    opening = np.maximum(0.0, moved[..., 0]) / safe
-    unpressed = np.clip(1.0 + moved[..., 0] / (_PRESSED * safe), 0.0, 1.0)
-    prestress = np.maximum(0.0, normal) / local * np.maximum(opening, unpressed)
-    pulled = np.maximum(0.0, -normal) / local * (moved[..., 0] <= 0.0)
-    slide = lengths(moved[..., 1:])
+    opening = np.maximum(0.0, moved[:, 0]) / safe
+    unpressed = np.clip(1.0 + moved[:, 0] / (_PRESSED * safe), 0.0, 1.0)
+    prestress = np.maximum(0.0, normal) * np.maximum(opening, unpressed)
+    pulled = np.maximum(0.0, -normal) * (moved[:, 0] <= 0.0)
+    slide = lengths(moved[:, 1:])
     still = slide <= 1e-13 * safe
-    direction = moved[..., 1:] / np.where(still, 1.0, slide)[..., None]
-    wrong = lengths(force[..., 1:] + tangential[..., None] * direction) / local
-    wrong = np.where(still, tangential / local, wrong)
-    alignment = _most(np.where(tangential > NEGLIGIBLE * local, wrong, 0.0))
-    complementarity = _most(np.maximum(prestress, pulled))
-    found = zip(equilibrium, tension, cone, complementarity, alignment, strict=True)
-    return [Residuals(*one) for one in found]
+    direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
+    wrong = lengths(force[:, 1:] + tangential[:, None] * direction)
+    wrong = np.where(still, tangential, wrong)
+    alignment = np.where(tangential > NEGLIGIBLE, wrong, 0.0)
+    return _most(np.maximum(prestress, pulled)), _most(alignment)
 
 
-def _most(values: Floats) -> list[float]:
-    """The largest of each column (c, s); 0 if there are no rows."""
-    most: list[float] = values.max(axis=0, initial=0.0).tolist()
-    return most
+def _most(values: Floats) -> float:
+    """The largest; 0 if there are none."""
+    return float(values.max(initial=0.0))
 
 
 def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
@@ -346,8 +335,5 @@ def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
 def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
     """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
     arm = contacts.point - assembly.centroid[block]
-    fixed = assembly.fixed[:, None]
-    if motion.ndim == 3:
-        arm, fixed = arm[:, None], fixed[:, None]
-    moving = np.where(fixed, 0.0, motion)[block]
-    return moving[..., :3] + cross(moving[..., 3:], arm)
+    moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
+    return moving[:, :3] + cross(moving[:, 3:], arm)
