@@ -19,10 +19,10 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
-from drystone.design.built import Buildable, Help
+from drystone.design.built import Buildable, Help, helped
 from drystone.design.changed import Kept
 from drystone.design.search import improved
-from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import check_both
 from drystone.sequence.structure import Structure
@@ -33,8 +33,7 @@ WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4)
 """Wedges that are tried, the shallowest first: those of the table of the vault, and one more."""
 
 _DEEPENED = 3
-"""Of several layouts this many are deepened, those that need least help. Chosen: it takes some
-twenty seconds each."""
+"""Of several layouts this many are deepened, those that need least help. Chosen."""
 
 
 @dataclass(frozen=True)
@@ -193,20 +192,18 @@ class _WedgeSearch:
 
     def answer(self, best: _Wedged, first: _Wedged, log: list[str]) -> Buildable:
         """The best shell, and the bed lines of it with deeper wedges than at first."""
-        deeper = [i for i, one in enumerate(best.wedges) if one != first.wedges[i]]
-        kept = [
-            Kept("wedge", (), f"a wedge of {best.wedges[i]:g} below course {i + 1}",
-                 float(best.wedges[i]))
-            for i in deeper
-        ]  # fmt: skip
+        wedges = best.wedges.tolist()
+        deeper = {i + 1: x for i, x in enumerate(wedges) if x != first.wedges[i]}
+        kept = [Kept("wedge", (), f"a wedge of {x:g} below course {i}", x)
+                for i, x in deeper.items()]  # fmt: skip
         words, needed = str(best.rank[0]), first.rank[0]
         if deeper:
-            below = ", ".join(str(i + 1) for i in deeper)
+            below = ", ".join(map(str, deeper))
             words += f", with deeper wedges below course{'s' * (len(deeper) > 1)} {below}"
         words += f"; {needed} with the shallowest wedges"
         words += "; it was stopped before all was tried" if self.late() else ""
         model = best.plan.model.model
-        told = (*log, f"wedges from the springing: {', '.join(f'{x:g}' for x in best.wedges)}")
+        told = (*log, f"wedges from the springing: {', '.join(f'{x:g}' for x in wedges)}")
         return Buildable(
             model, best.plan, tuple(kept), (*told, words), len(self.seen), needed, best.layout
         )
@@ -247,7 +244,9 @@ class _WedgeSearch:
     def other_wedges(self, now: _Wedged) -> Iterator[Floats]:
         """Deeper ones below courses that need help, then shallower ones, the highest line first."""
         ladder, own = np.array(self.options.wedges), now.wedges
-        lines = lines_below(now.shell, _helped_courses(now)) if any(now.rank[0]) else []
+        course, names = course_of(now.shell), now.plan.model.assembly.names
+        needy = {int(course[now.shell.assembly.index(names[b])]) for b, *_ in helped(now.plan)}
+        lines = lines_below(now.shell, needy)
         for some in (*([line] for line in lines), *([lines] if lines else [])):
             for deeper in ladder[np.abs(ladder) > np.abs(own[some]).min()]:
                 yield np.where(np.isin(np.arange(len(own)), some), deeper, own)
@@ -291,14 +290,6 @@ def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
         if c + 1 < len(of_course) and of_course[c + 1] < of_course[c]:
             lines.append(c)
     return list(dict.fromkeys(lines))
-
-
-def _helped_courses(now: _Wedged) -> set[int]:
-    """The courses with blocks that are propped, held, or cannot be put in."""
-    status = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
-    course = dict(zip(now.shell.assembly.names, course_of(now.shell).tolist(), strict=True))
-    names = now.plan.model.assembly.names
-    return {course[names[b]] for b, one in enumerate(now.plan.status) if one in status}
 
 
 def course_of(shell: Shell) -> Ints:

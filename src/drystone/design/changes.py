@@ -19,7 +19,7 @@ from drystone.design.joint_cut import JointRecut, recut
 from drystone.design.joint_plane import joint_plane
 from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
 from drystone.design.props import HEAD, PropSeat, with_props
-from drystone.design.words import friction_words, glue_words
+from drystone.design.words import friction_words, glue_words, names_of, newtons
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
@@ -67,8 +67,8 @@ class Change(OneLine):
     ----------
     kind
         See :data:`drystone.design.mend_kinds.KINDS`.
-    make
-        The change, from its value.
+    surgery
+        What it makes of a model by a value; as :data:`Surgery`.
     words
         The same as text.
     steps
@@ -87,7 +87,7 @@ class Change(OneLine):
     """
 
     kind: str
-    make: Callable[[float], Surgery]
+    surgery: Callable[[float, Model, Ints, Ints], Model]
     words: Callable[[float], str]
     steps: tuple[float, ...]
     close: float = 0.0
@@ -107,8 +107,14 @@ class Change(OneLine):
         added: int = 0,
     ) -> Change:
         """A change with nothing to vary."""
-        same = (value,)
-        return cls(kind, lambda _: make, lambda _: words, same, 0.0, value, joints, added)
+        return cls(
+            kind, lambda _, *given: make(*given), lambda _: words, (value,), 0.0, value, joints,
+            added,
+        )  # fmt: skip
+
+    def make(self, value: float) -> Surgery:
+        """The change by a value."""
+        return partial(self.surgery, value)
 
     def above(self, known: float) -> Change:
         """The same from a value on that is known to be the least, or lower than that."""
@@ -129,7 +135,7 @@ def friction_change(model: Model, group: Sequence[int], where: str) -> Change:
     low = FRICTION * float(np.floor(own / FRICTION))
     steps = tuple(x for x in (1.0, 2.0, ROUGHEST) if x > low)
     words = partial(friction_words, where)
-    return Change("friction", lambda x: partial(make, x), words, steps, FRICTION, low, len(group))
+    return Change("friction", make, words, steps, FRICTION, low, len(group))
 
 
 def joint_change(
@@ -164,7 +170,7 @@ def joint_change(
         width = min(float(np.ptp(joint.reach(joint.frame[2]))) for joint in planes)
     steps = tuple(width * step for step in steps)
     low = 0.0 if kind == "turn" else steps[0]
-    return Change(kind, lambda x: partial(make, x), words, steps, width * close, low, len(group))
+    return Change(kind, make, words, steps, width * close, low, len(group))
 
 
 def glue_changes(
@@ -204,8 +210,8 @@ def glue_changes(
     steps = tuple(share * most for share in _GLUE_SHARES)
     return {
         joints: Change(
-            "glue", lambda x, joints=joints: partial(make, joints, x),  # type: ignore[misc]
-            partial(glue_words, model, joints), steps, close, 0.0, len(joints), len(joints),
+            "glue", partial(make, joints), partial(glue_words, model, joints), steps, close, 0.0,
+            len(joints), len(joints),
         )
         for joints in groups
     }  # fmt: skip
@@ -217,9 +223,12 @@ def ballast_change(model: Model, count: int, block: int) -> Change:
     def make(weight: float, model: Model, blocks: Ints, _: Ints) -> Model:
         return ballasted(model, int(blocks[block]), weight)
 
+    def words(weight: float) -> str:
+        return f"a weight of {newtons(weight)} on {names_of(model, [block])}"
+
     own = float(model.assembly.mass[:count].sum() * np.linalg.norm(acceleration_of(model)))
     steps = tuple(share * own for share in _BALLAST_SHARES)
-    return Change("ballast", lambda x: partial(make, x), "{:.3g} N".format, steps, added=1)
+    return Change("ballast", make, words, steps, added=1)
 
 
 def glued(model: Model, joints: Ints, strength: float) -> Model:

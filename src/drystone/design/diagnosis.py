@@ -18,10 +18,9 @@ from drystone.base.workers import WorkerPool
 from drystone.checks import first_motion_of
 from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
-from drystone.design.joint_motion import joint_states
+from drystone.design.joint_motion import joint_states, sentence
 from drystone.design.margin import QUICK, quickly_stands
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
-from drystone.design.region_words import sentence
 from drystone.design.regions import (
     interfaces_of,
     local_model,

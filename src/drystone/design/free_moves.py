@@ -10,7 +10,6 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
-from drystone.design.block_sides import on_side, slides
 from drystone.design.mends import kept_blocks
 from drystone.design.shared_planes import Moves, SharedPlanes
 from drystone.design.vertex_measures import owners_of, vertices_of
@@ -20,8 +19,10 @@ from drystone.design.vertex_places import (
     Places,
     axis_of,
     is_prism,
+    on_side,
     places_of,
     require_prisms,
+    slides,
 )
 from drystone.geometry.frames import unit
 from drystone.model import Model

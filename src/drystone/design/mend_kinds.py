@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import enum
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 
@@ -18,8 +16,7 @@ from drystone.design.changes import (
     MOST,
     ROUGHEST,
     Change,
-    Surgery,
-    ballasted,
+    ballast_change,
     block_added,
     friction_change,
     glue_changes,
@@ -28,7 +25,8 @@ from drystone.design.changes import (
     tied,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
-from drystone.design.needs import SEARCHED, Needs
+from drystone.design.needs import SEARCHED
+from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import find_props
 from drystone.design.struts import struts
 from drystone.design.words import glue_words, names_of, newtons, place
@@ -43,101 +41,7 @@ _THICKER = (0.1, 0.3, 1.0)
 block."""
 
 
-class _Take(enum.Enum):
-    """Which of some changes that hold a region are told."""
-
-    EACH = enum.auto()
-    FIRST = enum.auto()
-    SMALLEST = enum.auto()
-
-
-@dataclass(frozen=True, eq=False)
-class _Tries:
-    """Changes of one kind that are tried, and what is said if none of them holds the region.
-
-    Attributes
-    ----------
-    changes
-    why
-        Empty where nothing is said.
-    take
-    known
-        The least values that the diagnosis found without a margin, ``None`` where it found none;
-        where left out it did not look for them.
-    last
-        Whether they are tried only where none before them holds it.
-    told
-        Makes the change that is said from the one that holds it.
-    """
-
-    changes: Sequence[Change]
-    why: str
-    take: _Take = _Take.EACH
-    known: Sequence[float | None] | None = None
-    last: bool = False
-    told: Callable[[Change], Held] | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class KnownNeeds:
-    """What the changes of a region are proposed from.
-
-    Attributes
-    ----------
-    bench
-    needs
-        What the diagnosis found that would hold it, without a margin.
-    known
-        Whether that is of the same local model: not where supports have moved.
-    """
-
-    bench: Bench
-    needs: Needs
-    known: bool
-
-
-_Proposals: TypeAlias = Iterator[_Tries | str]
-"""Changes to try, and why others are not tried."""
-
-
-def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
-    """The changes of a kind that hold a region, with their least values; else it is noted why."""
-    bench, holds = asked.bench, False
-    largest = _LARGEST.get(kind, len(bench.own))
-    if len(bench.own) > largest:
-        bench.fail(kind, f"not tried on a region of more than {largest} blocks")
-        return
-    for tries in _PROPOSED[kind](asked):
-        if isinstance(tries, str):
-            bench.fail(kind, tries)
-        elif not (tries.last and holds):
-            found = _held(bench, tries, asked.known)
-            holds = holds or bool(found)
-            yield from found
-            if not found and tries.why:
-                bench.fail(kind, tries.why, *(one.make(one.steps[-1]) for one in tries.changes))
-
-
-def _held(bench: Bench, tries: _Tries, known: bool) -> list[Held]:
-    """Those of some changes that hold a region."""
-    changes = list(tries.changes)
-    if known and tries.known is not None:
-        pairs = zip(changes, tries.known, strict=True)
-        changes = [change.above(value) for change, value in pairs if value is not None]
-    if tries.take is _Take.SMALLEST:
-        best = bench.smallest(changes)
-        return [] if best is None else [best]
-    found: list[Held] = []
-    for change in changes:
-        value = bench.least(change)
-        if value is not None:
-            found.append((change, value) if tries.told is None else tries.told(change))
-            if tries.take is _Take.FIRST:
-                break
-    return found
-
-
-def _support(asked: KnownNeeds) -> _Proposals:
+def _support(asked: KnownNeeds) -> Proposals:
     """A block below that fits between a block of the region and another one."""
     bench, changes = asked.bench, []
     for i, whole in enumerate(bench.region):
@@ -148,10 +52,10 @@ def _support(asked: KnownNeeds) -> _Proposals:
             change = Change.single("support", block_added(body), words, length, added=1)
             changes.append(replace(change, beyond=() if on in bench.blocks else (on,)))
     why = f"{len(changes)} blocks that fit were tried, the shortest first"
-    yield _Tries(changes, why, _Take.FIRST)
+    yield Tries(changes, why, Take.FIRST)
 
 
-def _prop(asked: KnownNeeds) -> _Proposals:
+def _prop(asked: KnownNeeds) -> Proposals:
     """One prop, with the least force; else a few props that hold the region together."""
     bench, found = asked.bench, asked.needs.props
     if asked.known:
@@ -175,7 +79,7 @@ def _prop(asked: KnownNeeds) -> _Proposals:
 
     change = Change.single("prop", props_at(seats), "", added=len(seats))
     told = partial(_by_force, bench, len(seats), words)
-    yield _Tries([change], "the best props do not keep the margin", told=told)
+    yield Tries([change], "the best props do not keep the margin", told=told)
 
 
 def _by_force(
@@ -189,7 +93,7 @@ def _by_force(
     return Change.single(change.kind, make, told, force, added=change.added), force
 
 
-def _tie(asked: KnownNeeds) -> _Proposals:
+def _tie(asked: KnownNeeds) -> Proposals:
     """A tie between the centroids of two blocks that move apart: it pulls, and never presses."""
     local, own = asked.bench.local, asked.bench.own
     centroid, fixed = local.assembly.centroid, local.assembly.fixed
@@ -219,10 +123,10 @@ def _tie(asked: KnownNeeds) -> _Proposals:
         for _, i, j in sorted(apart, reverse=True)[:_FIRST]
     ]
     why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
-    yield _Tries(changes, why, _Take.FIRST, told=told)
+    yield Tries(changes, why, Take.FIRST, told=told)
 
 
-def _friction(asked: KnownNeeds) -> _Proposals:
+def _friction(asked: KnownNeeds) -> Proposals:
     """The least friction of one joint, else of all that may be changed."""
     bench, count = asked.bench, asked.bench.local.contacts.count
     free = [k for k in range(count) if not bench.kept_at([k])]
@@ -235,14 +139,14 @@ def _friction(asked: KnownNeeds) -> _Proposals:
     each = [friction_change(bench.local, [k], f"in {bench.joint_name(k)}") for k in free]
     alone = len(free) == 1
     if len(bench.own) <= SMALL_REGION and not alone:
-        yield _Tries(each, "", known=known)
+        yield Tries(each, "", known=known)
     every = each if alone else [friction_change(bench.local, free, "in all its joints")]
     which = "all its joints" if len(free) == count else "the joints that may change"
     why = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
-    yield _Tries(every, why, known=known[:1], last=True)
+    yield Tries(every, why, known=known[:1], last=True)
 
 
-def _joints(asked: KnownNeeds, kind: str) -> _Proposals:
+def _joints(asked: KnownNeeds, kind: str) -> Proposals:
     """Joints rotated, made wedges or let in: each one in a small region, else all together."""
     bench, count = asked.bench, len(asked.bench.interfaces)
     small = len(bench.own) <= SMALL_REGION
@@ -261,10 +165,10 @@ def _joints(asked: KnownNeeds, kind: str) -> _Proposals:
             continue
         most = sides[0].steps[-1]
         told = f"{most:g} degrees" if kind != "let-in" else f"{1e3 * most:.0f} mm"
-        yield _Tries(sides, f"{name.rstrip(',')} up to {told}", _Take.SMALLEST, known)
+        yield Tries(sides, f"{name.rstrip(',')} up to {told}", Take.SMALLEST, known)
 
 
-def _thicker(asked: KnownNeeds) -> _Proposals:
+def _thicker(asked: KnownNeeds) -> Proposals:
     """Thicker blocks of the region."""
     bench = asked.bench
     stay = bench.kept(bench.own)
@@ -272,33 +176,29 @@ def _thicker(asked: KnownNeeds) -> _Proposals:
         yield f"its blocks may not be changed (kept: {stay})"
         return
 
-    def make(share: float) -> Surgery:
-        return lambda model, blocks, _: thicken_blocks(model, blocks[bench.own].tolist(), share)
+    def make(share: float, model: Model, blocks: Ints, _: Ints) -> Model:
+        return thicken_blocks(model, blocks[bench.own].tolist(), share)
 
     def words(share: float) -> str:
         return f"{names_of(bench.model, bench.region)} thicker by {100.0 * share:.0f} %"
 
     why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"
-    yield _Tries([Change("thicker", make, words, _THICKER, 0.02)], why)
+    yield Tries([Change("thicker", make, words, _THICKER, 0.02)], why)
 
 
-def _ballast(asked: KnownNeeds) -> _Proposals:
+def _ballast(asked: KnownNeeds) -> Proposals:
     """The least weight on one block."""
     bench, ballast = asked.bench, asked.needs.ballast
     if ballast is None:
         yield f"no weight up to {MOST:g} times its own on one block holds it"
         return
-    weight, at = ballast.value, bench.region.index(ballast.at[0])
-
-    def make(model: Model, blocks: Ints, _: Ints) -> Model:
-        return ballasted(model, int(blocks[at]), weight)
-
-    words = f"a weight of {newtons(weight)} on {names_of(bench.model, ballast.at)}"
-    change = Change.single("ballast", make, words, weight, added=1)
-    yield _Tries([change], "the least weight does not keep the margin")
+    at = bench.region.index(ballast.at[0])
+    change = ballast_change(bench.local, len(bench.own), at)
+    same = replace(change, steps=(ballast.value,), low=ballast.value)
+    yield Tries([same], "the least weight does not keep the margin")
 
 
-def _glue(asked: KnownNeeds) -> _Proposals:
+def _glue(asked: KnownNeeds) -> Proposals:
     """Glue in one joint: the least strength with which the region stands.
 
     In a larger region, the same glue in all joints that would pull.
@@ -321,10 +221,10 @@ def _glue(asked: KnownNeeds) -> _Proposals:
     if len(bench.own) > SMALL_REGION:
         most = newtons(some[0].steps[-1])
         why = f"it falls with glue of {most} in the {some[0].joints} joints that pull"
-    yield _Tries(some, why, known=None if bench.large else known)
+    yield Tries(some, why, known=None if bench.large else known)
 
 
-def _merge(asked: KnownNeeds) -> _Proposals:
+def _merge(asked: KnownNeeds) -> Proposals:
     """Two blocks made one."""
     bench = asked.bench
     contacts, fixed = bench.local.contacts, bench.local.assembly.fixed
@@ -347,12 +247,12 @@ def _merge(asked: KnownNeeds) -> _Proposals:
     why = "it falls with any two of its blocks made one"
     stay = bench.kept_at(range(contacts.count))
     if changes or not stay:
-        yield _Tries(changes, why)
+        yield Tries(changes, why)
     else:
         yield f"its blocks may not be changed (kept: {stay})"
 
 
-_PROPOSED: Mapping[str, Callable[[KnownNeeds], _Proposals]] = {
+_PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
     "support": _support,
     "prop": _prop,
     "tie": _tie,
@@ -377,3 +277,13 @@ cut takes a twentieth of a second."""
 
 KINDS = tuple(_PROPOSED)
 """The kinds of mends."""
+
+
+def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
+    """The changes of a kind that hold a region, with their least values; else it is noted why."""
+    bench = asked.bench
+    largest = _LARGEST.get(kind, len(bench.own))
+    if len(bench.own) > largest:
+        bench.fail(kind, f"not tried on a region of more than {largest} blocks")
+        return
+    yield from held_by(kind, _PROPOSED[kind](asked), asked)

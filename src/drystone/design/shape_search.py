@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError, InputError, counted
+from drystone.base.errors import DrystoneError, counted
 from drystone.base.progress import Clock, Stopped
 from drystone.design.changed import Changed, Kept
 from drystone.design.help_needed import GROUND
@@ -25,14 +25,6 @@ _HELPED = 1e-4
 least four times that of the last shape that stands. Chosen: of three stacked bricks it leads within
 0.1 % of the largest overhang. Both are reduced where a target falls. The check decides."""
 
-_CLOSE = 2.0**-7
-"""Share of a step to which the last shape that stands is bisected."""
-
-
-_DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
-"""Shares of the way by which a target that falls is drawn back, chosen."""
-
-
 _SOFT = 1e-2
 """Stiffness of the ground with which a structure that falls is shaped at first, chosen: the help
 that it needs then changes smoothly with the shape. It is reduced where that leads no further."""
@@ -44,18 +36,17 @@ _AT_END = 0.999
 KEPT = 0.1
 """Least length of an edge, by the shortest one as given, once blocks crossed themselves, chosen."""
 
-_USED_UP = "the rounds were used up"
+USED_UP = "the rounds were used up"
 
 
 class ShapeSearch(ShapeValues):
-    """One search for a shape."""
+    """The search for a shape that stands."""
 
     def __init__(
         self, model: Model, moves: ShapeVariables, options: ShapeOptions, clock: Clock
     ) -> None:
         super().__init__(model, moves, options, clock.late)
         self.clock = clock
-        self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
     def run(self, start: Floats | None = None) -> Changed:
         """The best shape, from variables (p,) that nearly stand; from zero when left out.
@@ -64,8 +55,6 @@ class ShapeSearch(ShapeValues):
         stands, on weak ground from the beginning. Where blocks cross themselves on stiff ground,
         the search begins again, and edges keep a length from then on.
         """
-        if self.options.aim is not ShapeAim.STAND:
-            return self.best_that_stands()
         if start is not None:
             return self.made_to_stand(start, GROUND)
         none = np.zeros(self.moves.count)
@@ -97,7 +86,7 @@ class ShapeSearch(ShapeValues):
         if options.margin.stands(now):
             offer = f"{stands_already(options.margin)}, or for the least volume"
             return self.answer(x, now, 0, offer)
-        trust, rounds, words = options.trust, 0, _USED_UP
+        trust, rounds, words = options.trust, 0, USED_UP
         self.ground = ground
         try:
             for rounds in range(1, options.rounds + 1):
@@ -119,7 +108,7 @@ class ShapeSearch(ShapeValues):
                 if self.ground > GROUND and (ends or trust < options.close):
                     self.ground, trust = 0.1 * self.ground, options.trust
                 elif ends or trust < options.close:
-                    words = _ended(ends)
+                    words = ended(ends)
                     break
         except Stopped:
             words = "it was stopped"
@@ -140,103 +129,13 @@ class ShapeSearch(ShapeValues):
             self.found_anew(model, place)
             return model if self.help_at(place)[0] < before else None
 
-        return _farthest(x, target, kept, 0.25)
-
-    def best_that_stands(self) -> Changed:
-        """The best shape that stands."""
-        options, now, x = self.options, self.model, np.zeros(self.moves.count)
-        if not options.margin.stands(now):
-            raise InputError(
-                "it does not stand as it is, at the margin that is asked for",
-                remedy="shape it to stand first",
-            )
-        trust, slack, rounds, centred, words = options.trust, 1.0, 0, False, _USED_UP
-        self.ground = GROUND
-        try:
-            for rounds in range(1, options.rounds + 1):
-                self.clock.tell("shaping", rounds - 1, options.rounds)
-                self.found_anew(now, x)
-                before = self.objective(x)[0]
-                enough = options.close * abs(before)
-                self.seen(x)
-                target = self.step(x, trust, slack)
-                share, place, found = self.still_stands(x, target, before)
-                if share < 0.5 and centred and before - self.objective(target)[0] <= enough:
-                    words = "the next round would gain almost nothing"
-                    break
-                if share < 0.5 and not centred:
-                    centred, share = True, 0.5
-                    self.centre(x)
-                elif share > 0.5:
-                    centred = False
-                if found is not None:
-                    x, now = place, found
-                gained = 0.0 if found is None else before - self.objective(x)[0]
-                trust = self.trusted(trust, share)
-                slack *= 1.0 if share == 1.0 else 0.25
-                ends = share > 0.5 and gained <= enough
-                if ends or trust < options.close:
-                    words = _ended(ends)
-                    break
-        except Stopped:
-            words = "it was stopped"
-        return self.answer(*self.confirmed(x, now), rounds, words)
-
-    def still_stands(
-        self, x: Floats, target: Floats, before: float
-    ) -> tuple[float, Floats, Model | None]:
-        """How far of the way to a target the shape stands, its variables, and the model there.
-
-        A target that falls is drawn back towards the shape that needed least help, as long as that
-        leads further than ``x``, else towards ``x``.
-        """
-
-        def kept(place: Floats) -> Model | None:
-            model = self.made(place)
-            return model if model is not None and self.options.margin.stands(model) else None
-
-        whole = None if np.array_equal(x, target) else kept(target)
-        if whole is not None or np.array_equal(x, target):
-            return 1.0, target, whole
-        for share in _DRAWN:
-            place = target + share * (self.firmest[1] - target)
-            if self.objective(place)[0] >= before:
-                break
-            found = kept(place)
-            if found is not None:
-                return 1.0 - share, place, found
-        return _farthest(x, target, kept, _CLOSE, fell=True)
+        return farthest(x, target, kept, 0.25)
 
     def trusted(self, trust: float, share: float) -> float:
         """The next largest change of a variable, after a share of the way was gone."""
         if share == 0.5:
             return trust
         return min(2.0 * trust, self.options.trust) if share > 0.5 else 0.5 * trust
-
-    def seen(self, x: Floats) -> None:
-        """Keep a shape that stands as the firmest if none needed less help."""
-        self.firmest = min(self.firmest, (self.help_at(x)[0], x), key=lambda p: p[0])
-
-    def confirmed(self, x: Floats, now: Model) -> tuple[Floats, Model]:
-        """The shape, or one nearer to the firmest, that stands by the check with settlement.
-
-        Where hardly anything presses on some blocks at first, as between vertical joints, rest
-        states are not enough.
-        """
-        margin, inner = self.options.margin, self.firmest[1]
-        for share in (0.0, *_DRAWN):
-            place = x + share * (inner - x)
-            model = self.made(place) if share else now
-            if model is not None and margin.meets(margin.holds(model)):
-                return place, model
-        return x, now
-
-    def centre(self, x: Floats) -> None:
-        """Take the shape near variables (p,) that needs least help as the firmest, if it stands."""
-        place = self.step(x, self.options.trust, None)
-        model = self.made(place)
-        if model is not None and self.options.margin.stands(model):
-            self.seen(place)
 
     def step(self, x: Floats, trust: float, slack: float | None) -> Floats:
         """Where the optimiser goes from variables (p,) within a region of trust.
@@ -334,7 +233,7 @@ class ShapeSearch(ShapeValues):
         )  # fmt: skip
 
 
-def _farthest(
+def farthest(
     x: Floats,
     target: Floats,
     kept: Callable[[Floats], Model | None],
@@ -360,7 +259,7 @@ def _farthest(
     return share, x + share * (target - x), found.get(share)
 
 
-def _ended(ends: bool) -> str:
+def ended(ends: bool) -> str:
     """Why a search ends: the last step led to its end, or no step leads further."""
     if ends:
         return "the last round gained almost nothing"

@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.design.best_shape import BestShapeSearch
 from drystone.design.changed import Changed
 from drystone.design.search import bracket
 from drystone.design.shape_search import ShapeSearch
@@ -90,7 +91,9 @@ def shape(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",
         )
-    search = ShapeSearch(model, variables, chosen, clock)
+    stand_only = chosen.aim in (ShapeAim.STAND, ShapeAim.TILT)
+    kind = ShapeSearch if stand_only else BestShapeSearch
+    search = kind(model, variables, chosen, clock)
     shortest = search.shortest(vertex)
     if shortest < chosen.least_edge:
         raise InputError(

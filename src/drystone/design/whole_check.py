@@ -18,7 +18,8 @@ from drystone.design.changed import Changed, Kept
 from drystone.design.changes import Change
 from drystone.design.diagnosed import Region
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import KnownNeeds, holding
+from drystone.design.mend_kinds import holding
+from drystone.design.proposals import KnownNeeds
 from drystone.design.search import least
 from drystone.model import Model
 from drystone.results import Result, Verdict
