@@ -5,23 +5,23 @@ Source: the tree-structured Parzen estimator, Bergstra et al. 2011, as Optuna ha
 
 from __future__ import annotations
 
-import json
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import FormatError, MissingDependency
+from drystone.base.journal import Journal
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.design.margin import DesignMargin
 from drystone.design.tune_goals import Outcome, outcome_of, refuse_goals
 from drystone.design.tuned_values import Parameter, Tuned, TuneTrial
 
-SETTINGS = "settings"
 FALLS = "falls"
 
 
@@ -137,85 +137,54 @@ class _ValueSearch:
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
         self.options, self.pool, self.clock, self.built = options, pool, clock, built
-        self.study = self.opened(store)
+        self.journal = None if store is None else Journal(store, self.asked())
+        self.kept = [] if self.journal is None else list(self.journal.records)
+        self.told: list[TuneTrial] = []
+        self.study = optuna.create_study(
+            sampler=self.sampler(options.seed),
+            directions=["maximize" if goal.startswith("-") else "minimize" for goal in goals],
+        )
 
-    def opened(self, store: str | Path | None) -> Any:
-        """The study, new or as it was left."""
-        optuna = self.optuna
-        storage = None
-        if store is not None:
-            try:
-                backend = optuna.storages.journal.JournalFileBackend(str(store))
-                storage = optuna.storages.JournalStorage(backend)
-            except OSError as error:
-                raise InputError(
-                    f"cannot be used: {error.strerror}",
-                    where=str(store),
-                    remedy="name a file in a folder where you may write",
-                ) from error
-            except ValueError as error:
-                raise InputError(
-                    "does not have the trials of a search",
-                    where=str(store),
-                    remedy="name another file",
-                ) from error
-        study = optuna.create_study(
-            storage=storage,
-            study_name="drystone",
-            sampler=self.sampler(self.options.seed),
-            load_if_exists=True,
-            directions=["maximize" if goal.startswith("-") else "minimize" for goal in self.goals],
-        )
-        settings = json.dumps(
-            {
-                "parameters": [
-                    [one.name, *(one.choices or (one.low, one.high, one.whole))]
-                    for one in self.parameters
-                ],
-                "goals": self.goals,
-                "build": self.built,
-                "margin": str(self.options.margin),
-                "props": self.options.props,
-                "seed": self.options.seed,
-                "batch": self.options.batch,
-            },
-            default=str,
-        )
-        before = study.user_attrs.get(SETTINGS, settings)
-        if before != settings:
-            raise InputError(
-                "has the trials of another search: its structures, parameters, goals, seed or "
-                "batch differ",
-                where=str(store),
-                remedy="name another file",
-            )
-        study.set_user_attr(SETTINGS, settings)
-        return study
+    def asked(self) -> dict[str, Any]:
+        """What is searched for: trials of another search are of no use."""
+        options = self.options
+        return {
+            "format": "drystone-trials",
+            "version": version(),
+            "version of Optuna": self.optuna.__version__,
+            "parameters": [[one.name, *map(str, self.range_of(one))] for one in self.parameters],
+            "goals": self.goals,
+            "structures": self.built,
+            "margin": str(options.margin),
+            "number of props": options.props,
+            "seed": options.seed,
+            "batch": options.batch,
+        }
+
+    @staticmethod
+    def range_of(one: Parameter) -> list[Any]:
+        return [*one.choices] if one.choices else [one.low, one.high, one.whole]
 
     def run(self) -> Tuned:
-        """Ask and tell, batch by batch, until all trials are known or the time is up."""
-        options = self.options
-        while not self.clock.late():
-            asked, waiting = len(self.study.trials), len(self.waiting)
-            whole = options.batch * (1 + (asked - (waiting > 0)) // options.batch)
-            for number in range(asked, min(options.trials, whole)):
-                self.ask(number)
-            if not self.waiting:
+        """Ask for trials batch by batch; those of a run that was ended are asked for again."""
+        most, batch = self.options.trials, self.options.batch
+        for first in range(0, most, batch):
+            asked = (
+                []
+                if self.clock.late()
+                else list(map(self.ask, range(first, min(first + batch, most))))
+            )
+            self.answer(asked)
+            if len(self.told) < first + len(asked) or not asked:
                 break
-            self.answer(self.waiting)
-        return Tuned(self.goals, tuple(self.trials()))
-
-    @property
-    def waiting(self) -> list[Any]:
-        """The trials that were asked for and not told; those of a run that was ended, too."""
-        return [one for one in self.study.trials if not one.state.is_finished()]
+        return Tuned(self.goals, tuple(self.told))
 
     def sampler(self, seed: int) -> Any:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", self.optuna.exceptions.ExperimentalWarning)
             return self.optuna.samplers.TPESampler(seed=seed, constant_liar=True)
 
-    def ask(self, number: int) -> None:
+    def ask(self, number: int) -> Any:
         """Ask for the values of a trial; they depend on its number and on what is known."""
         self.study.sampler = self.sampler(1_000_003 * self.options.seed + number)
         trial = self.study.ask()
@@ -226,35 +195,38 @@ class _ValueSearch:
                 trial.suggest_int(one.name, int(one.low), int(one.high))
             else:
                 trial.suggest_float(one.name, one.low, one.high)
+        return trial
 
     def answer(self, batch: list[Any]) -> None:
         """Evaluate trials, and tell what came of them in the order of their numbers."""
-        values = [one.params for one in batch]
+        values = [one.params for one in batch if one.number >= len(self.kept)]
         answers = self.pool.answers(self.evaluate, values, self.clock.late, failed=_failed)
-        for frozen, outcome in zip(batch, answers, strict=False):
+        for trial in batch:
+            known = trial.number < len(self.kept)
+            outcome = self.outcome(trial) if known else next(answers, None)
             if outcome is None:  # ended before its answer was known: the next run evaluates it
                 break
             goals, stands, message = outcome
-            trial = self.optuna.trial.Trial(self.study, frozen._trial_id)
-            if FALLS not in frozen.user_attrs:  # else it was ended before this trial was told
-                trial.set_constraint(FALLS, 0.0 if stands else 1.0)
-            trial.set_user_attr(FALLS, not stands)
-            trial.set_user_attr("message", message)
+            if self.journal is not None and not known:
+                self.journal.add([[trial.params, goals, stands, message]])
+            trial.set_constraint(FALLS, 0.0 if stands else 1.0)
             if goals:
                 self.study.tell(trial, list(goals))
             else:
                 self.study.tell(trial, state=self.optuna.trial.TrialState.FAIL)
-            most = self.options.trials
-            self.clock.tell("trials", min(frozen.number + 1, most), most)
+            self.told.append(TuneTrial(trial.number, trial.params, goals, stands, message))
+            self.clock.tell("trials", trial.number + 1, self.options.trials)
 
-    def trials(self) -> Iterator[TuneTrial]:
-        for one in self.study.trials:
-            if one.state.is_finished():
-                stands = not one.user_attrs.get(FALLS, True)
-                goals = tuple(one.values or ())
-                yield TuneTrial(
-                    one.number, one.params, goals, stands, one.user_attrs.get("message", "")
-                )
+    def outcome(self, trial: Any) -> Outcome:
+        """What came of a trial in the run that was ended."""
+        params, goals, stands, message = self.kept[trial.number]
+        if params != trial.params:
+            raise FormatError(
+                f"trial {trial.number} had other values than it gets now",
+                where=str(self.journal.path if self.journal else ""),
+                remedy="go on where it was begun, or name another file",
+            )
+        return tuple(goals), bool(stands), str(message)
 
 
 def told(made: Any) -> str:

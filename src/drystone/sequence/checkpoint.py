@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drystone.base.errors import FormatError
-from drystone.base.files import read_bytes, write_bytes
+from drystone.base.files import PathLike
+from drystone.base.journal import Journal
+from drystone.base.version import version
 from drystone.results import Verdict
 from drystone.sequence.stages import Stage, StageAnswer
 from drystone.sequence.structure import Structure
 
-FORMAT, VERSION = "drystone-stages", 5
+FORMAT = "drystone-stages"
 
 
 def _fingerprint(model: Structure) -> str:
@@ -39,55 +39,41 @@ def _named(check: Any) -> str:
     return str(getattr(check, "__qualname__", type(check).__qualname__))
 
 
-def write_checkpoint(path: Path, model: Structure, known: dict[Stage, StageAnswer]) -> None:
-    """Write answers without their forces as JSON, to a temporary file that is renamed."""
-    data = {
-        "format": FORMAT,
-        "version": VERSION,
-        "model": _fingerprint(model),
-        "parts": [
-            {
-                "placed": f"{part.placed:x}",
-                "held": f"{part.held:x}",
-                "quick": part.quick,
-                "verdict": found.verdict.name,
-                "message": found.message,
-                "falling": list(found.falling),
-                "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
-                "used": found.used,
-                "settled": found.settled,
-            }
-            for part, found in known.items()
-        ],
-    }
-    write_bytes(path, json.dumps(data).encode("ascii"))
-
-
-def read_checkpoint(path: Path, model: Structure) -> dict[Stage, StageAnswer]:
-    """The answers in a checkpoint.
+class Checkpoint:
+    """Answers about stages in a journal.
 
     Raises
     ------
     FormatError
-        It cannot be read, or belongs to another model.
+        It belongs to another model, check or version, is damaged, or cannot be read or written.
     """
-    try:
-        data = json.loads(read_bytes(path))
-        if data["format"] != FORMAT or data["version"] != VERSION:
-            raise FormatError("is no checkpoint of this version", where=str(path))
-        if data["model"] != _fingerprint(model):
+
+    def __init__(self, path: PathLike, model: Structure) -> None:
+        about = {"format": FORMAT, "version": version(), "model": _fingerprint(model)}
+        self._journal = Journal(path, about)
+        try:
+            self.known = {_stage(one): _answer(one) for one in self._journal.records}
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
             raise FormatError(
-                "the checkpoint belongs to another model",
-                where=str(path),
-                remedy="name another file, or remove this one",
-            )
-        return {_stage(one): _answer(one) for one in data["parts"]}
-    except FormatError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise FormatError(
-            "the checkpoint cannot be read", where=str(path), remedy="remove it to start anew"
-        ) from error
+                "the checkpoint has a record that is no answer",
+                where=str(self._journal.path),
+                remedy="remove it to start anew",
+            ) from error
+
+    def add(self, part: Stage, found: StageAnswer) -> None:
+        """Write an answer without its forces."""
+        record = {
+            "placed": f"{part.placed:x}",
+            "held": f"{part.held:x}",
+            "quick": part.quick,
+            "verdict": found.verdict.name,
+            "message": found.message,
+            "falling": list(found.falling),
+            "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
+            "used": found.used,
+            "settled": found.settled,
+        }
+        self._journal.add([record])
 
 
 def _stage(record: Any) -> Stage:
@@ -105,4 +91,4 @@ def _answer(record: Any) -> StageAnswer:
     )
 
 
-__all__ = ["read_checkpoint", "write_checkpoint"]
+__all__ = ["Checkpoint"]

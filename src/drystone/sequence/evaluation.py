@@ -14,18 +14,14 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.files import PathLike, as_path
+from drystone.base.files import PathLike
 from drystone.base.progress import Stopped
 from drystone.base.workers import ExecutorFactory, WorkerPool
-from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
+from drystone.sequence.checkpoint import Checkpoint
 from drystone.sequence.solving import PartSolver, combined
 from drystone.sequence.stages import Check, Stage, StageAnswer, members
 from drystone.sequence.structure import Structure
 from drystone.stability.attempts import Candidate
-
-SAVE_EVERY_S = 10.0
-"""Time between two writes of the checkpoint: an interruption loses at most this."""
-
 
 _Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
 """A part, and its known rest states: of similar stages, and with uniform stiffness."""
@@ -79,10 +75,9 @@ class Evaluator(OneLine):
         # of parts that nobody asked for yet: from the checkpoint, and with where they begin ahead
         self._early: dict[Stage, StageAnswer] = {}
         self._pool = WorkerPool(executor, needed=False)
-        self._file = None if checkpoint is None else as_path(checkpoint)
-        self._saved = time.monotonic()
-        if self._file is not None and self._file.exists():
-            self._early = read_checkpoint(self._file, model)
+        self._checkpoint = None if checkpoint is None else Checkpoint(checkpoint, model)
+        if self._checkpoint is not None:
+            self._early.update(self._checkpoint.known)
 
     def _summary(self) -> str:
         return f"{self.model!r}, {self.solved} parts checked"
@@ -101,7 +96,6 @@ class Evaluator(OneLine):
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.save()
         self._pool.end()
 
     def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> StageAnswer:
@@ -159,7 +153,10 @@ class Evaluator(OneLine):
         early = self._early.get(part, self._early.get(key))
         if early is None or not enough(early):
             return True
-        self._known[key] = early
+        if self._checkpoint is not None and key in self._checkpoint.known:  # it has it already
+            self._known[key] = early
+        else:
+            self._keep(key, early)
         return False
 
     def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage]) -> None:
@@ -173,12 +170,10 @@ class Evaluator(OneLine):
         parts = [*missing, *further]
         for number, (part, found) in enumerate(zip(parts, self._solved(parts), strict=True)):
             if number < len(missing):
-                self._known[part._replace(near=None)] = found
+                self._keep(part._replace(near=None), found)
             else:
                 self._early[part] = found
             self.solved += 1
-            if time.monotonic() - self._saved > SAVE_EVERY_S:
-                self.save()
         self.solve_s += time.perf_counter() - began
 
     def settled(self, stage: Stage, check: Check) -> StageAnswer:
@@ -190,15 +185,14 @@ class Evaluator(OneLine):
                 self.solved += 1
                 if not found.stands:
                     return found
-                self._known[part] = found
+                self._keep(part, found)
         return self.answer(stage)
 
-    def save(self) -> None:
-        """Write the checkpoint, if there is one."""
-        self._saved = time.monotonic()
-        if self._file is not None:
-            kept = {part: one for part, one in self._early.items() if part.near is None}
-            write_checkpoint(self._file, self.model, kept | self._known)
+    def _keep(self, part: Stage, found: StageAnswer) -> None:
+        """An answer, for this run and the next one."""
+        self._known[part] = found
+        if self._checkpoint is not None:
+            self._checkpoint.add(part, found)
 
     def _key(self, part: Stage) -> Stage:
         """The part whose answer is that of a part: checked, or where it is enough looked at."""

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import csv
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from contextlib import AbstractContextManager, nullcontext
-from io import FileIO, StringIO
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from itertools import islice
-from pathlib import Path
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
+from drystone.base.files import PathLike
+from drystone.base.journal import Journal
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, supported_model
@@ -29,16 +27,10 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.verdict import decided
 
-COLUMNS: Mapping[str, Callable[[str], Any]] = {
-    "number": int,
-    "name": str,
-    "verdict": str,
-    "stiffnesses_standing": int,
-    "stiffnesses_tried": int,
-    "falling": str,
-    "message": str,
-    "time_s": float,
-}
+COLUMNS = (
+    "number", "name", "verdict", "stiffnesses_standing", "stiffnesses_tried", "falling", "message",
+    "time_s",
+)  # fmt: skip
 Row: TypeAlias = list[Any]
 Task: TypeAlias = tuple[int, str, tuple[Any, ...]]
 """Number, name, and the model with its options."""
@@ -66,9 +58,9 @@ def check_many(
         Models, assemblies or files, such as ``sorted(Path("piles").glob("*.json"))``. They may come
         from a generator.
     out
-        A file of comma-separated values. Each answer is added as soon as it is known. Where the
-        file has answers already, those models are not checked again: work that was ended goes on
-        when it is called again with the same models.
+        A file that keeps each answer as soon as it is known. Models whose answers it has are not
+        checked again: work that was ended goes on when it is called again with the same models and
+        options.
     options
         Of every check.
     each_s : [s]
@@ -84,8 +76,9 @@ def check_many(
     Raises
     ------
     InputError
-        ``models`` is a single model; the file has answers about other models, or cannot be written,
-        as on a full disk; or an executor died that cannot be started again.
+        ``models`` is a single model; the file has answers about other models, of other options or
+        of another version, is damaged before its end, or cannot be written, as on a full disk; or
+        an executor died that cannot be started again.
 
     Examples
     --------
@@ -100,24 +93,27 @@ def check_many(
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop)
-    rows = [] if out is None else _earlier(out)
-    opened: AbstractContextManager[FileIO | None]
-    opened = nullcontext() if out is None else _opened(out)
+    chosen = CheckOptions.of(options)
+    journal = None if out is None else Journal(out, _about(chosen, each_s, how))
+    rows: list[Row] = [] if journal is None else list(journal.records)
     total = len(models) if isinstance(models, Sized) else 0
-    with opened as file, WorkerPool(executor) as pool:
-        if file is not None and not file.tell():
-            _add(file, list(COLUMNS))
-        tasks = islice(
-            _tasks(models, rows, (CheckOptions.of(options), each_s, how)), len(rows), None
-        )
+    with WorkerPool(executor) as pool:
+        tasks = islice(_tasks(models, rows, (chosen, each_s, how)), len(rows), None)
         for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
             rows.append(row)
-            if file is not None:
-                _add(file, row)
+            if journal is not None:
+                journal.add([row])
             if progress is not None:
                 progress("checking models", len(rows), max(total, len(rows)))
     columns = {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}
     return Table("verdicts", columns, {"time_s": "s"})
+
+
+def _about(options: CheckOptions, each_s: float, how: Mapping[str, Any]) -> dict[str, str]:
+    """What the answers depend on beside the models."""
+    asked = {"options": repr(options), "each_s": repr(each_s)}
+    asked |= {name: repr(how[name]) for name in sorted(how)}
+    return {"format": "drystone-verdicts", "version": version(), **asked}
 
 
 def _tasks(
@@ -168,51 +164,6 @@ def _told(found: Result | DrystoneError) -> Row:
 def _failed(task: Task) -> Row:
     """The row of a model that ended its worker twice."""
     return [*task[:2], "failed", 0, 0, "", "its worker was ended twice", 0.0]
-
-
-def _earlier(out: PathLike) -> list[Row]:
-    """The answers that a file has; half a row at its end, of work that was killed, is removed."""
-    path = plain_target(out)
-    if not path.exists() or not path.stat().st_size:
-        return []
-    data = read_bytes(path)
-    whole = data.rfind(b"\n") + 1
-    lines = list(csv.reader(StringIO(data[:whole].decode("utf-8", "replace"), newline="")))
-    try:
-        if lines[:1] != [list(COLUMNS)]:
-            raise ValueError("other columns")
-        kinds = COLUMNS.values()
-        rows = [[k(x) for k, x in zip(kinds, line, strict=True)] for line in lines[1:]]
-    except ValueError as error:
-        raise InputError(
-            f"has no verdicts that could be continued: {error}",
-            where=str(path),
-            remedy="choose another name",
-        ) from error
-    if whole < len(data):
-        os.truncate(path, whole)
-    return rows
-
-
-def _opened(out: PathLike) -> FileIO:
-    """The file, to add rows to it."""
-    path = plain_target(out)
-    try:
-        return path.open("ab", buffering=0)
-    except OSError as error:
-        raise unwritable(path, error) from error
-
-
-def _add(file: FileIO, row: Row) -> None:
-    """One row, on the disk before the next model is answered."""
-    text = StringIO()
-    csv.writer(text, lineterminator="\n").writerow(row)
-    data = text.getvalue().encode("utf-8", "replace")
-    try:
-        while data:  # the last bytes of a disk are written before it is told to be full
-            data = data[file.write(data) :]
-    except OSError as error:
-        raise unwritable(Path(str(file.name)), error) from error
 
 
 def _line(text: str | bytes) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import drystone
-from drystone import Assembly, InputError
+from drystone import Assembly, FormatError, InputError
 from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
 from drystone.design.tune_goals import outcome_of, planned_counts
@@ -83,13 +83,13 @@ def test_a_search_that_was_ended_goes_on_to_the_same_answer(tmp_path: Path) -> N
     whole = tune(STACK, [edge], store=store, options=options)
     once = tune(STACK, [edge], options=options)
     assert [one.values for one in whole.trials] == [one.values for one in once.trials]
-    with pytest.raises(InputError, match="cannot be used: No such file or directory"):
+    with pytest.raises(FormatError, match="cannot be written: No such file or directory"):
         tune(STACK, [edge], store=tmp_path / "nowhere" / "search.log", options=options)
-    with pytest.raises(InputError, match="has the trials of another search"):
+    with pytest.raises(FormatError, match="other work: parameters differ"):
         tune(STACK, [Parameter("edge", 0.5, 3.0)], store=store, options=options)
-    with pytest.raises(InputError, match="has the trials of another search"):
+    with pytest.raises(FormatError, match="other work: structures differ"):
         tune(partial(tower, 2), [edge], store=store, options=options)
-    with pytest.raises(InputError, match="has the trials of another search"):
+    with pytest.raises(FormatError, match="other work: structures differ"):
         tune(STACK, [edge], how={"friction": 0.2}, store=store, options=options)
 
 

@@ -1,7 +1,6 @@
 """The same plan with no worker, two, one that dies, a cluster, and after an interruption."""
 
 import functools
-import json
 import os
 import subprocess
 import sys
@@ -210,7 +209,7 @@ def test_an_interrupted_plan_goes_on_from_its_checkpoint(checked, tmp_path):
     CALLS["left"] = 6
     with pytest.raises(KeyboardInterrupt):
         arch_plan(check=interrupted, checkpoint=file)
-    assert len(json.loads(file.read_text())["parts"]) == 6
+    assert len(file.read_text().splitlines()) == 1 + 6
     CALLS["left"] = 1000
     assert essence(arch_plan(check=interrupted)) == checked
     whole = 1000 - CALLS["left"]
@@ -229,7 +228,7 @@ def test_an_interrupted_plan_with_quick_looks_ends_with_the_same_order_and_help(
 
     with pytest.raises(KeyboardInterrupt):
         arch_plan(checkpoint=file, progress=stop)
-    assert json.loads(file.read_text())["parts"]
+    assert len(file.read_text().splitlines()) > 1
     found = essence(arch_plan(checkpoint=file))
     assert [step[:3] for step in found] == [step[:3] for step in alone]
 
@@ -239,13 +238,11 @@ def test_a_checkpoint_of_another_model_is_refused(tmp_path):
     arch_plan(checkpoint=file)
     assembly = arch(0.25, 7)
     contacts = find_contacts(assembly, friction=0.4).contacts
-    with pytest.raises(FormatError, match="another model"):
+    with pytest.raises(FormatError, match="model differ"):
         plan(Model(assembly, contacts), checkpoint=file)
 
 
-@pytest.mark.parametrize(
-    "text", ["", "{", "[]", '{"format": "x"}', '{"format": "drystone-stages"}']
-)
+@pytest.mark.parametrize("text", ["{", "[]", '{"format": "x"}', '{"format": "drystone-stages"}'])
 def test_a_broken_checkpoint_is_named(tmp_path, text):
     file = tmp_path / "stages.json"
     file.write_text(text)

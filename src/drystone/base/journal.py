@@ -1,0 +1,142 @@
+"""Records in a file that survive what cuts it: a full disk, a killed process, a damaged byte."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import zlib
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from io import BytesIO
+from typing import Any
+
+from drystone.base.display import shortened
+from drystone.base.errors import FormatError
+from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
+
+_LOG = logging.getLogger(__name__)
+_DIGITS = 8
+"""Hexadecimal digits of a CRC-32."""
+
+
+class Journal:
+    """Records that are added one by one, each on the disk before the next.
+
+    Every line is a checksum and a JSON value. The first says what the records are about. Half a
+    line at the end, of a process that was killed or of a full disk, is dropped and told to the log.
+
+    Parameters
+    ----------
+    path
+        Made by the first record; continued where it exists.
+    about
+        What the records are about, such as the fingerprint of a model and the version.
+
+    Raises
+    ------
+    FormatError
+        The file is no journal, is about something else, is damaged before its end, or cannot be
+        read.
+    """
+
+    def __init__(self, path: PathLike, about: Mapping[str, Any]) -> None:
+        self.path = plain_target(path)
+        self.records: list[Any] = []
+        self._about = json.loads(json.dumps(about))
+        self._whole = self._size = 0
+        if self.path.exists() and self.path.stat().st_size:
+            self._read()
+
+    def add(self, records: Iterable[Any]) -> None:
+        """Write records to the end.
+
+        Raises
+        ------
+        FormatError
+            The file cannot be written, as on a full disk; what was whole stays. Or another process
+        wrote to it.
+        """
+        new = list(records)
+        lines = b"".join(map(_line, new if self._whole else [self._about, *new]))
+        try:
+            with self.path.open("ab", buffering=0) as file:
+                if file.tell() != self._size:
+                    raise FormatError(
+                        "was changed by another process",
+                        where=str(self.path),
+                        remedy="let each process have a file of its own",
+                    )
+                file.truncate(self._whole)
+                rest = lines
+                while rest:
+                    rest = rest[file.write(rest) :]
+        except OSError as error:
+            with suppress(OSError):  # else the next run drops the part that was written
+                os.truncate(self.path, self._whole)
+                self._size = self._whole
+            raise unwritable(self.path, error) from error
+        self._whole = self._size = self._whole + len(lines)
+        self.records += new
+
+    def _read(self) -> None:
+        data = read_bytes(self.path)
+        self._size = len(data)
+        lines = BytesIO(data).readlines()
+        values = []
+        for number, line in enumerate(lines, start=1):
+            try:
+                values.append(_value(line))
+            except ValueError as error:
+                if number == 1:
+                    raise FormatError(
+                        "is no journal, or its first line is damaged",
+                        where=str(self.path),
+                        remedy="name another file, or remove this one to start anew",
+                    ) from error
+                if number < len(lines):
+                    raise FormatError(
+                        f"line {number} of {len(lines)} is damaged: {error}",
+                        where=str(self.path),
+                        remedy=f"remove it and all after it to go on with the {number - 2} records "
+                        "before it, or remove the file to start anew",
+                    ) from error
+                _LOG.warning("%s: the last record is cut off or damaged, and left out", self.path)
+            else:
+                self._whole += len(line)
+        if values[0] != self._about:
+            was = values[0] if isinstance(values[0], dict) else {}
+            differ = [k for k in self._about | was if was.get(k) != self._about.get(k)]
+            raise FormatError(
+                f"is of other work: {shortened(', '.join(differ), 60)} differ",
+                where=str(self.path),
+                remedy="name another file, or remove this one to start anew",
+            )
+        self.records = values[1:]
+
+
+def _line(value: Any) -> bytes:
+    text = json.dumps(value, separators=(",", ":")).encode("ascii")
+    return b"%08x %s\n" % (zlib.crc32(text), text)
+
+
+def _value(line: bytes) -> Any:
+    """The value of a line.
+
+    Raises
+    ------
+    ValueError
+        It has no end, or its checksum differs.
+    """
+    if not line.endswith(b"\n"):
+        raise ValueError("it has no end")
+    text = line[_DIGITS + 1 : -1]
+    if line[: _DIGITS + 1] != b"%08x " % zlib.crc32(text):
+        raise ValueError("its checksum differs")
+    try:
+        return json.loads(text)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+
+
+__all__ = ["Journal"]

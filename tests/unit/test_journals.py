@@ -1,0 +1,114 @@
+"""What work keeps on disk survives what cuts or damages it: plans, searches, many checks."""
+
+import logging
+import os
+import resource
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone.design import Parameter, TuneOptions, tune
+from drystone.models import tower
+
+
+def planned(file: Path) -> object:
+    found = drystone.plan(tower(3), checkpoint=file)
+    return [(step.blocks, step.props, step.answer.verdict) for step in found.steps]
+
+
+def tuned(file: Path) -> object:
+    options = TuneOptions(trials=3, batch=2)
+    found = tune(partial(tower, 2), [Parameter("edge", 0.5, 2.0)], store=file, options=options)
+    return [(one.values, one.goals, one.stands) for one in found.trials]
+
+
+def checked(file: Path) -> object:
+    found = drystone.check_many([tower(1), tower(2), tower(3)], out=file, friction=0.6)
+    return [found[name].tolist() for name in ("number", "verdict", "falling", "message")]
+
+
+WORK = pytest.mark.parametrize("work", [planned, tuned, checked])
+
+
+def again(work: Callable[[Path], object], file: Path, data: bytes) -> object:
+    """The answer that goes on from a file, or why it does not."""
+    file.write_bytes(data)
+    try:
+        return work(file)
+    except drystone.FormatError as error:
+        return "refused" if str(file) in str(error) else str(error)
+
+
+@WORK
+def test_a_file_that_is_cut_anywhere_goes_on_to_the_same_answer(work, tmp_path, caplog) -> None:
+    file = tmp_path / "kept"
+    whole, data = work(file), file.read_bytes()
+    assert work(file) == whole
+    assert file.read_bytes().startswith(data)
+    head = data.index(b"\n") + 1
+    for cut in range(0, len(data), 100):
+        found = again(work, file, data[:cut])
+        assert found == ("refused" if 0 < cut < head else whole)
+        torn = cut > head and data[cut - 1 : cut] != b"\n"
+        assert torn == ("left out" in caplog.text)
+        caplog.clear()
+
+
+@WORK
+def test_a_damaged_byte_never_gives_another_answer(work, tmp_path, caplog) -> None:
+    caplog.set_level(logging.CRITICAL)
+    file = tmp_path / "kept"
+    whole, data = work(file), file.read_bytes()
+    for place in range(0, len(data), 89):
+        damaged = bytearray(data)
+        damaged[place] ^= 1 << place % 8
+        assert again(work, file, bytes(damaged)) in ("refused", whole)
+
+
+def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(tmp_path) -> None:
+    file = tmp_path / "kept"
+    whole = checked(file)
+    lines = file.read_bytes().splitlines(keepends=True)
+    bad = [*lines[:2], lines[2].replace(b"stable", b"stab1e"), lines[3]]
+    file.write_bytes(b"".join(bad))
+    with pytest.raises(drystone.FormatError, match=r"line 3 of 4 is damaged.*the 1 records before"):
+        checked(file)
+    file.write_bytes(b"".join(lines[:2]))
+    assert checked(file) == whole
+
+
+@WORK
+def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, tmp_path) -> None:
+    file = tmp_path / "kept"
+    whole = work(tmp_path / "other")
+    room = (tmp_path / "other").stat().st_size * 2 // 3
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        with pytest.raises(drystone.FormatError, match=r"kept.*cannot be written"):
+            work(file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    data = file.read_bytes()
+    assert len(data) <= room
+    assert data == b"" or data.endswith(b"\n")
+    assert work(file) == whole
+
+
+def test_answers_of_other_options_and_of_other_processes_are_not_mixed(tmp_path) -> None:
+    file = tmp_path / "kept"
+    checked(file)
+    with pytest.raises(drystone.FormatError, match="is of other work: friction differ"):
+        drystone.check_many([tower(1)], out=file, friction=0.5)
+
+    def meddle(*_: object) -> bool:
+        with file.open("ab") as other:
+            other.write(os.urandom(4))
+        return False
+
+    file.unlink()
+    with pytest.raises(drystone.FormatError, match="changed by another process"):
+        drystone.check_many([tower(1), tower(2)], out=file, executor=None, progress=meddle)
