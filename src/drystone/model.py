@@ -22,6 +22,7 @@ from drystone.detection.resample import resampled_lines
 from drystone.detection.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
+from drystone.mesh_objects import assembly_of
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
 
 _REPRESENTED = (1e-100, 1e100)
@@ -183,7 +184,7 @@ class Model(Card):
     @classmethod
     def of(
         cls,
-        assembly: Assembly,
+        assembly: Any,
         *,
         supports: str | Sequence[int | str] | GroundPlane | None = None,
         friction: float | None = None,
@@ -197,6 +198,8 @@ class Model(Card):
         Parameters
         ----------
         assembly
+            Or meshes of trimesh, pyvista or COMPAS, their scenes and lists; see
+            :func:`drystone.mesh_objects.assembly_of`.
         supports
             Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or positions and
             names of blocks. ``ground``, ``ground:Z`` and :class:`drystone.supports.GroundPlane`
@@ -218,7 +221,7 @@ class Model(Card):
         InputError
             Two blocks share more than a tenth of the smaller one.
         """
-        of_type(assembly, Assembly, "the assembly of a model")
+        assembly = assembly_of(assembly)
         of_type(anyway, bool, "anyway")
         if density is not None:
             assembly = assembly.with_density(density)

@@ -246,7 +246,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     Parameters
     ----------
     given
-        A model, an assembly or the path of a file.
+        A model, an assembly, meshes of other packages, or the path of a file.
     how
         Arguments of :func:`drystone.read` for a file; of :meth:`drystone.Model.of` for an assembly.
         Of a model ``load``, ``friction`` and ``supports`` can be changed.
@@ -262,14 +262,9 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             raise InputError(f"there is no argument '{name}'", remedy=remedy)
     if is_paths(given):
         return read(given, **how)
-    if isinstance(given, Assembly):
+    if not isinstance(given, Model):
         _refuse(how, _FILE_ONLY, "an assembly")
         return Model.of(given, **how)  # type: ignore[misc]
-    if not isinstance(given, Model):
-        raise InputError(
-            f"{shortened(repr(given), 60)} cannot be analysed",
-            remedy="give a Model, an Assembly or the path of a file",
-        )
     _refuse(how, (*_FILE_ONLY, "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:

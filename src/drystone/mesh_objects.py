@@ -1,0 +1,110 @@
+"""Blocks of the mesh objects of other packages: trimesh, pyvista and COMPAS.
+
+They are recognised by the attributes that their packages document; none of them is imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly, Block, replace_block
+from drystone.base.arrays import Floats
+from drystone.base.display import shortened
+from drystone.base.errors import InputError
+from drystone.geometry.halfedge import merge_coplanar
+from drystone.repair import mended_block
+
+_PLANE = 1e-6
+"""Neighbours whose corners are nearer to one plane than this share of a block become one polygon.
+Chosen: the rounding of single precision."""
+
+
+def assembly_of(given: Any) -> Assembly:
+    """An assembly as it is, or one block for each mesh of a scene or a list.
+
+    Parameters
+    ----------
+    given
+        An assembly; a mesh: ``Trimesh``, ``PolyData``, ``Mesh`` of COMPAS; a ``Scene`` of trimesh,
+        a ``MultiBlock`` of pyvista; or a list of meshes. No block is fixed; lengths are in metres.
+
+    Raises
+    ------
+    InputError
+        Another type, no mesh, or a mesh that is no block: its name is told.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> from drystone.models import box
+    >>> cube = box((1.0, 1.0, 1.0))
+    >>> mesh = SimpleNamespace(vertices=cube.vertices, faces=cube.faces)
+    >>> assembly_of([mesh]).names
+    ('block-0',)
+    """
+    if isinstance(given, Assembly):
+        return given
+    blocks: list[Block] = []
+    taken: set[str] = set()
+    for name, points, faces in _meshes(given, ""):
+        own = name or f"block-{len(blocks)}"
+        if own in taken:
+            own = f"{own}-{len(blocks)}"
+        taken.add(own)
+        block = mended_block(points, faces, own)
+        loops = merge_coplanar([block.vertices], [block.faces], _PLANE)[0]
+        merged = replace_block(block, faces=tuple(loops))
+        blocks.append(replace_block(merged, repairs=block.repairs))  # corners inside faces go
+    if not blocks:
+        raise InputError("holds no mesh", where=type(given).__name__, remedy="give closed meshes")
+    return Assembly(tuple(blocks), np.zeros(len(blocks), dtype=bool))
+
+
+def _meshes(given: Any, name: str) -> Iterator[tuple[str, Floats, list[Sequence[int]]]]:
+    """Name, vertices (v, 3) and faces of each mesh in an object."""
+    if hasattr(given, "to_vertices_and_faces"):
+        points, faces = given.to_vertices_and_faces()
+        yield name or _own_name(given), np.array(points, dtype=np.float64), list(faces)
+    elif hasattr(given, "graph") and hasattr(given, "geometry"):
+        for node in given.graph.nodes_geometry:
+            matrix, key = given.graph[node]
+            mesh = given.geometry[key]
+            if hasattr(mesh, "faces"):
+                copy = mesh.copy()
+                copy.apply_transform(matrix)  # turns its faces where the matrix mirrors
+                yield from _meshes(copy, str(node))
+    elif hasattr(given, "regular_faces") or hasattr(given, "irregular_faces"):
+        yield name, np.array(given.points, dtype=np.float64), _padded(given.faces)
+    elif hasattr(given, "vertices") and hasattr(given, "faces"):
+        faces = [tuple(int(corner) for corner in face) for face in given.faces]
+        yield name, np.array(given.vertices, dtype=np.float64), faces
+    elif hasattr(given, "keys") and hasattr(given, "n_blocks"):
+        for key in given.keys():  # noqa: SIM118  # iterating gives the blocks
+            yield from _meshes(given[key], str(key or ""))
+    elif isinstance(given, Iterable) and not isinstance(given, str | bytes | dict):
+        for one in given:
+            yield from _meshes(one, "")
+    else:
+        raise InputError(
+            f"{shortened(repr(given), 60)} cannot be analysed",
+            remedy="give a Model, an Assembly or the path of a file, or meshes of trimesh, pyvista "
+            "or COMPAS",
+        )
+
+
+def _own_name(mesh: Any) -> str:
+    """The name of a COMPAS mesh, where it is more than that of its class."""
+    name = str(getattr(mesh, "name", "") or "")
+    return "" if name == type(mesh).__name__ else name
+
+
+def _padded(faces: Any) -> list[Sequence[int]]:
+    """Loops of an array in which each is preceded by its number of corners."""
+    values, at, loops = np.asarray(faces).tolist(), 0, []
+    while at < len(values):
+        loops.append(values[at + 1 : at + 1 + values[at]])
+        at += 1 + values[at]
+    return loops
