@@ -38,8 +38,8 @@ SINGLE = 1e-6
 """Distance of coincident points, relative to the extent, in single precision."""
 
 
-def read(data: bytes, path: Path) -> Draft:
-    """Blocks of a GLB file: the nodes of its scene that have a mesh."""
+def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
+    """Blocks of a GLB file, turned by ``upright`` (3, 3): the nodes of its scene with a mesh."""
     top, binary = _chunks(data, path)
     required = [one.text() for one in top.get("extensionsRequired", []).elements()]
     if required:
@@ -71,8 +71,8 @@ def read(data: bytes, path: Path) -> Draft:
         where = f"node {number}"
         told[where] = ours
         with np.errstate(all="ignore"):  # overflow is found with the vertices
-            upright = vertices @ Z_UP.T
-        soups.append(FaceSoup(upright, faces.tolist(), name, where, split=ours is None))
+            turned = vertices @ upright.T
+        soups.append(FaceSoup(turned, faces.tolist(), name, where, split=ours is None))
     shapes, notes = shapes_of(soups, SINGLE, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     if None not in told.values():

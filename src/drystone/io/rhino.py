@@ -7,10 +7,6 @@ the file is read, if there is one, with a note. Needs rhino3dm (extra ``cad``).
 
 from __future__ import annotations
 
-import importlib.util
-import json
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,9 +16,10 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError, InputError, MissingDependency
+from drystone.base.errors import FormatError, InputError
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
+from drystone.io import outside
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
@@ -33,18 +30,18 @@ YES, NO = ("true", "yes", "1"), ("false", "no", "0")
 TEXT = "drystone"
 """User text for data that a mesh of Rhino cannot hold."""
 PROGRAM = Path(__file__).with_name("rhino_extract.py")
-CPU_S, CPU_S_PER_MIB = 3, 2
-"""[s] of processor time, chosen: a file of some hundred KiB takes 0.2 s."""
-WALL_S, WALL_S_PER_MIB = 4.0, 60.0
-"""[s] of elapsed time: any small file is answered within 5 s; a large file has more time, for busy
-machines."""
+WALL_S = 4.0
+"""[s] Any small file is answered within 5 s; one of some hundred KiB takes 0.2 s."""
 EXACT, SINGLE = 1e-9, 1e-6
 
 
 def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:
     """Blocks of a 3dm file: visible objects, objects on ``layers``, or hidden objects too."""
     require("reading 3dm")
-    top = _extracted(data, path, {"layers": list(layers), "hidden": hidden})
+    wanted = {"layers": list(layers), "hidden": hidden}
+    top = parse(outside.content_of(data, path, PROGRAM, wanted, WALL_S), path)
+    if top.has("error"):
+        raise FormatError(top["error"].text(), where=str(path), remedy="save it again in Rhino")
     units = UNITS.get(top["units"].text())
     notes = [f"{count.integer()} x {kind} left out" for kind, count in top["skipped"].items()]
     unread = {layer: count.integer() for layer, count in top["hidden"].items()}
@@ -64,41 +61,7 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
 
 def require(purpose: str) -> None:
     """Refuse where rhino3dm is not installed."""
-    if importlib.util.find_spec("rhino3dm") is None:
-        raise MissingDependency("rhino3dm", extra="cad", purpose=purpose)
-
-
-def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
-    """The content of the file, read by a separate process that may hang or crash."""
-    size = len(data) // 2**20
-    patience = WALL_S + WALL_S_PER_MIB * size
-    try:
-        done = subprocess.run(
-            [
-                *(sys.executable, "-P", str(PROGRAM)),
-                *(str(CPU_S + CPU_S_PER_MIB * size), json.dumps(wanted)),
-            ],
-            input=data,
-            capture_output=True,
-            timeout=patience,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise FormatError(
-            f"was not read within {patience:g} s: it is damaged, or the machine is very busy",
-            where=str(path),
-            remedy="try again; if that does not help, save it again in Rhino",
-        ) from error
-    if done.returncode != 0:
-        raise FormatError(
-            "is damaged: reading it does not end",
-            where=str(path),
-            remedy="save it again",
-        )
-    top = parse(done.stdout, path)
-    if top.has("error"):
-        raise FormatError(top["error"].text(), where=str(path), remedy="save it again in Rhino")
-    return top
+    outside.require("rhino3dm", "cad", purpose)
 
 
 def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], list[str]]:

@@ -1,31 +1,12 @@
-"""The content of a 3dm file as JSON: run as a separate program, never imported.
-
-The library that reads 3dm can hang or crash on a damaged file. As a separate process it cannot stop
-drystone. The program reads the file from stdin and writes one JSON object to stdout. It needs
-rhino3dm and nothing of drystone.
-"""
+"""The content of a 3dm file: run by ``extract.py``. Needs rhino3dm and nothing of drystone."""
 
 import importlib
-import json
-import sys
 from typing import Any
 
-_MEMORY = 2 * 2**30
-"""[bytes], chosen: enough for large models. It also stops files that announce a wrong size."""
 _DEPTH = 16
 """Nesting of block definitions, chosen."""
 PICTURE = "drystone-picture"
 """User text of what drystone drew of a result: forces, joints, a motion. It is no block."""
-
-
-def limit(cpu_s: int) -> None:
-    """Bound processor time and memory where the system can."""
-    try:
-        import resource
-    except ImportError:  # Windows: only the caller's timeout
-        return
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
 
 
 def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
@@ -175,8 +156,3 @@ def _loops(brep: Any) -> dict[str, Any]:
             (outer if loop.LoopType.name == "Outer" else inner).append(corners)
         faces.append(outer + inner)
     return {"vertices": vertices, "loops": faces, "exact": True}
-
-
-if __name__ == "__main__":
-    limit(int(sys.argv[1]))
-    json.dump(content(sys.stdin.buffer.read(), json.loads(sys.argv[2])), sys.stdout)
