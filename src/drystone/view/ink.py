@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import shapely
 from scipy.spatial.transform import Rotation
 
-from drystone.answer.question import UP
-from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.geometry.frames import rotation_about
 from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.triangulate import triangulate
 from drystone.view.depth import SortedPolygons, ordered_patches
-from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, ramp_colours, rgb
-from drystone.view.section import Plane, clip_loop, cut_faces, plane_of
+from drystone.view.palette import STATE_COLOUR, ramp_colours, rgb
+from drystone.view.section import clip_loop, cut_faces
+from drystone.view.sheet import Sheet
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.path import Path
 
-_FINE_BLOCK = 0.5
-"""[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
-_MANY_FALLING = 200
-"""With more falling blocks the motion is not drawn: it would hide the model. Chosen by eye."""
 _WIDEST = 5.0
 """[points], line of the largest force in a network."""
 _SHADES = 12
@@ -37,139 +28,8 @@ _FINEST = 0.02
 """[inches], about, parts that are not divided any more. Chosen: half a millimetre."""
 
 
-@dataclass(frozen=True, eq=False)
-class Sheet:
-    """The drawing of one stage.
-
-    Attributes
-    ----------
-    axes
-    scene, stage
-    toward : (3,) unit, from the model to the eye, where up is up
-    width : [inches], of the axes
-    height : [inches], of the axes
-    opacity
-        Of the blocks.
-    theme
-        ``light`` or ``dark``.
-    """
-
-    axes: Axes
-    scene: Scene
-    stage: SceneStage
-    toward: Floats
-    width: float
-    height: float
-    opacity: float = 1.0
-    theme: str = "light"
-
-    @cached_property
-    def colours(self) -> dict[str, str]:
-        """By role."""
-        return ROLE_COLOUR[self.theme]
-
-    @cached_property
-    def states(self) -> Floats:
-        """(s, 3) components of the colour of each state."""
-        palette = np.zeros((len(State), 3))
-        for state, colour in STATE_COLOUR[self.theme].items():
-            palette[state] = rgb(colour)
-        return palette
-
-    @cached_property
-    def paper(self) -> Floats:
-        """(2, 3), right and up on the paper; up is up unless one looks straight down or up."""
-        straight = abs(self.toward[2]) > 0.999
-        helper = np.array([0.0, 1.0, 0.0]) if straight else np.array([0.0, 0.0, 1.0])
-        right = np.cross(helper, self.toward)
-        right /= np.linalg.norm(right)
-        made: Floats = np.stack([right, np.cross(self.toward, right)]) @ self._tilt
-        return made
-
-    @cached_property
-    def eye(self) -> Floats:
-        """(3,) unit, from the model to the eye, in the axes of the model."""
-        turned: Floats = self.toward @ self._tilt
-        return turned
-
-    @cached_property
-    def plane(self) -> Plane | None:
-        """Of the section, if there is one."""
-        return plane_of(self.scene, self.eye)
-
-    @cached_property
-    def _tilt(self) -> Floats:
-        """(3, 3), turns the direction that is up in the picture to z."""
-        axis = np.cross(self.stage.up, UP)
-        size = float(np.linalg.norm(axis))
-        if size < 1e-12:
-            return np.diag([1.0, 1.0, 1.0] if self.stage.up[2] > 0.0 else [1.0, -1.0, -1.0])
-        angle = np.rad2deg(np.arctan2(size, float(self.stage.up @ UP)))
-        return rotation_about(axis, float(angle))
-
-    def project(self, points: Floats) -> Floats:
-        """Points (p, 3) on the paper (p, 2) [m], about the middle of the model."""
-        flat: Floats = (points - self.scene.centre) @ self.paper.T
-        return flat
-
-    @cached_property
-    def scale(self) -> float:
-        """[inches/m], about, of the drawing."""
-        span = np.ptp(self.project(self.scene.assembly.bounds.reshape(-1, 3)), axis=0)
-        return float(min(self.width / max(span[0], 1e-300), self.height / max(span[1], 1e-300)))
-
-    @cached_property
-    def thin(self) -> float:
-        """Factor on the width of lines, below 1 where blocks are drawn small."""
-        return float(np.clip(self.scene.block_size * self.scale / _FINE_BLOCK, 0.15, 1.0))
-
-    @property
-    def shows_motion(self) -> bool:
-        """Whether the motion of falling blocks is drawn."""
-        falling = int((self.stage.state == State.FALLING).sum())
-        return self.stage.motion is not None and 0 < falling <= _MANY_FALLING
-
-
-def draw_shadow(sheet: Sheet) -> None:
-    """A shadow on the ground, in rings that fade outwards."""
-    from matplotlib.collections import PathCollection
-    from matplotlib.path import Path as Line
-
-    bounds = sheet.scene.assembly.bounds
-    if sheet.eye[2] <= 0.0:
-        return  # seen from below the ground
-    faces = sheet.scene.assembly.faces
-    owner = np.repeat(faces.owner, np.diff(faces.start))
-    seen = shapely.multipoints(faces.point[faces.loop][:, :2], indices=owner)
-    cover = shapely.union_all(shapely.convex_hull(seen))
-    if sheet.plane is not None and sheet.plane.normal[2] == 0.0:
-        low, high = bounds[:, 0, :2].min(axis=0), bounds[:, 1, :2].max(axis=0)
-        side, offset = sheet.plane.normal[:2], sheet.plane.offset
-        high = np.where(side > 0.0, offset, high)
-        low = np.where(side < 0.0, -offset, low)
-        cover = shapely.intersection(cover, shapely.box(*low, *high))
-    size = float(np.ptp(bounds[..., :2].reshape(-1, 2), axis=0).max())
-    ground = float(bounds[:, 0, 2].min())
-    for reach in np.linspace(0.05, -0.03, 9) * size:
-        grown = cover.buffer(reach, quad_segs=6).simplify(1e-3 * size)
-        paths = []
-        for part in shapely.get_parts(grown):
-            if part.is_empty or part.geom_type != "Polygon":
-                continue
-            rings = [part.exterior, *part.interiors]
-            flat = [np.asarray(ring.coords) for ring in rings]
-            at = [sheet.project(np.c_[xy, np.full(len(xy), ground)]) for xy in flat]
-            paths.append(Line.make_compound_path(*(Line(one, closed=True) for one in at)))
-        if paths:
-            sheet.axes.add_collection(
-                PathCollection(paths, facecolors="black", alpha=0.02, linewidths=0, zorder=0.5),
-                autolim=False,
-            )
-
-
 def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
     """The blocks of the stage and the polygons of layers, hidden ones under those in front."""
-    from matplotlib.collections import PathCollection
     from matplotlib.path import Path as Line
 
     scene, stage, paper = sheet.scene, sheet.stage, sheet.paper
@@ -183,16 +43,8 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
     corners = faces.point[faces.loop]
     flat = sheet.project(corners)
     height = None if sheet.plane is None else sheet.plane.heights(corners)
-    normal = faces.normals[patches.face]
-    light = 0.72 * sheet.eye + 0.42 * paper[1] - 0.55 * paper[0]
-    shade = 0.58 + 0.36 * np.maximum(normal @ light, 0.0) + 0.08 * normal[:, 2]
     state = stage.state[present][faces.owner[patches.face]]
-    base = sheet.states[state]
-    glass = np.full(len(base), sheet.opacity)
-    if sheet.opacity < 1.0:
-        glass += 0.3 * (1.0 - np.abs(normal @ sheet.eye)) ** 3
-    fills = np.c_[np.clip(base * shade[:, None], 0.0, 1.0), np.minimum(glass, 1.0)]
-    edge = np.where((base @ [0.3, 0.6, 0.1] < 0.2)[:, None], 0.62, rgb(sheet.colours["edge"]))
+    fills, edge = _shaded(sheet, sheet.states[state], faces.normals[patches.face])
     wide = np.where(state == State.FALLING, 1.2, 0.5) * sheet.thin
     between = _between(sheet, layers, patches, faces.owner, present)
     paths: list[Line] = []
@@ -224,6 +76,25 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
         look.append((np.r_[rgb(sheet.colours["cut"]), glass_of], sheet.colours["edge"], 0.8, ""))
     if not paths:
         return
+    _paint(sheet, paths, look)
+
+
+def _shaded(sheet: Sheet, base: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """Fills (p, 4) and edges (p, 3) of faces by their colours (p, 3) and normals (p, 3)."""
+    light = 0.72 * sheet.eye + 0.42 * sheet.paper[1] - 0.55 * sheet.paper[0]
+    shade = 0.58 + 0.36 * np.maximum(normal @ light, 0.0) + 0.08 * normal[:, 2]
+    glass = np.full(len(base), sheet.opacity)
+    if sheet.opacity < 1.0:
+        glass += 0.3 * (1.0 - np.abs(normal @ sheet.eye)) ** 3
+    fills = np.c_[np.clip(base * shade[:, None], 0.0, 1.0), np.minimum(glass, 1.0)]
+    edge = np.where((base @ [0.3, 0.6, 0.1] < 0.2)[:, None], 0.62, rgb(sheet.colours["edge"]))
+    return fills, edge
+
+
+def _paint(sheet: Sheet, paths: list[Path], look: list[tuple[Any, Any, float, str]]) -> None:
+    """Add paths, each with its fill, edge, width of the edge and hatch."""
+    from matplotlib.collections import PathCollection
+
     # one collection keeps the order; hatched ones are in another
     fill, line, width, hatches = zip(*look, strict=True)
     sheet.axes.add_collection(

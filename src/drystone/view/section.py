@@ -109,6 +109,12 @@ def plane_of(scene: Scene, eye: Floats) -> Plane | None:
     return Plane(normal, side * at)
 
 
+def seen_behind(layers: list[Layer], plane: Plane, block_size: float) -> list[Layer]:
+    """The parts of layers that a section leaves, of those of which something is left."""
+    left = [behind(layer, plane, block_size) for layer in layers]
+    return [layer for layer in left if layer.count]
+
+
 def behind(layer: Layer, plane: Plane, block_size: float) -> Layer:
     """The part of a layer that a section leaves; ``block_size`` [m] tells what is in the plane."""
     plane = Plane(plane.normal, plane.offset + _NEAR * block_size)

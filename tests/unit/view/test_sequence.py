@@ -9,7 +9,7 @@ from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
 from drystone.view.instructions import instructions_text
-from drystone.view.labels import shown_middle
+from drystone.view.sheet import shown_middle
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,11 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
+from drystone.base.units import quantity
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
 from drystone.view.exploded import taken_apart
-from drystone.view.figure import draw, quantity
+from drystone.view.figure import draw
 from drystone.view.palette import first_preset
 from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 

@@ -1,0 +1,159 @@
+"""What stands around the drawing of a figure: title, legend, scale bar, gravity, colour bar."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drystone.answer.question import asked_line
+from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.base.units import quantity
+from drystone.results import Verdict
+from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, ramp_colours
+from drystone.view.sheet import Sheet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_VERDICT_COLOUR = {
+    "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
+    "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
+}
+
+
+def draw_scale_bar(sheet: Sheet) -> None:
+    """A scale bar of a round length, about a sixth of the width of the drawing."""
+    axes = sheet.axes
+    low, high = axes.dataLim.min, axes.dataLim.max
+    span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * sheet.width / sheet.height)
+    if span <= 0.0:
+        return
+    decade = 10.0 ** np.floor(np.log10(span / 6.0))
+    length = decade * max(f for f in (1.0, 2.0, 5.0) if f * decade <= span / 6.0)
+    share = length / span
+    axes.plot(
+        [0.01, 0.01 + share], [0.015, 0.015], color=sheet.colours["edge"], linewidth=2.0,
+        transform=axes.transAxes, solid_capstyle="butt", clip_on=False,
+    )  # fmt: skip
+    axes.text(
+        0.01 + 0.5 * share, 0.025, quantity(float(length), "m"), transform=axes.transAxes,
+        ha="center", va="bottom", fontsize=8, color=sheet.colours["edge"],
+    )  # fmt: skip
+
+
+def draw_gravity(figure: Figure, sheet: Sheet) -> None:
+    """An arrow along gravity, in the lower right corner."""
+    pull = sheet.paper @ sheet.stage.gravity
+    if np.linalg.norm(pull) < 0.2:
+        return  # it points along the line of sight
+    width, height = figure.get_size_inches()
+    inch = 0.3 * pull
+    tip = (1.0 - 0.35 / width, 0.3 / height)  # below the drawing, which may fill its place
+    tail = (tip[0] - inch[0] / width, tip[1] - inch[1] / height)
+    colour = sheet.colours["edge"]
+    sheet.axes.annotate(
+        "", xy=tip, xytext=tail, xycoords="figure fraction", textcoords="figure fraction",
+        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.5}, annotation_clip=False,
+    )  # fmt: skip
+    figure.text(
+        tip[0], tip[1] - 0.05 / height, "gravity", ha="center", va="top", fontsize=7, color=colour
+    )
+
+
+def write_title(
+    figure: Figure, scene: Scene, stage: SceneStage, size: tuple[float, float], theme: str
+) -> None:
+    """The headline, what was asked, and the message, above the drawing."""
+    known = _VERDICT_COLOUR[theme]
+    ink = ROLE_COLOUR[theme]["edge"]
+    colour = known.get(stage.verdict, ink) if stage.verdict else ink
+    characters = max(20, int(size[0] * 11.0))  # up to the colour bar
+    top = 0.975
+    if stage.headline:
+        figure.text(
+            0.02, top, textwrap.shorten(stage.headline, int(0.75 * characters), placeholder=" ..."),
+            fontsize=13, fontweight="bold", color=colour, va="top", parse_math=False,
+        )  # fmt: skip
+        top -= 0.32 / size[1]
+    facts = {**scene.facts, **stage.facts}
+    asked = asked_line(facts, scene.made) if facts else ""
+    asked = asked.replace(
+        " \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}"
+    )  # no line begins with one
+    lines = textwrap.wrap(asked, characters, max_lines=2, placeholder=" ...")
+    lines += textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
+    figure.text(0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False)
+
+
+def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
+    """What the colours of blocks, the lines and the marks mean, below the drawing."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [
+        Patch(
+            facecolor=STATE_COLOUR[sheet.theme][state], edgecolor="#555555", label=label,
+            hatch="////" if state == State.LATER else None,
+        )
+        for state, label in STATE_LABEL.items()
+        if (sheet.stage.state == state).any()
+    ]  # fmt: skip
+    if sheet.shows_motion:
+        colour = STATE_COLOUR[sheet.theme][State.FALLING]
+        name = f"{sheet.stage.motion_name.lower()}, scaled"
+        handles.append(Line2D([], [], color=colour, linestyle="--", label=name))
+    for layer in layers:
+        colour = sheet.colours[layer.colour]
+        if layer.kind is LayerKind.POLYGONS:
+            if layer.value is None:
+                handles.append(Patch(facecolor=colour, alpha=0.75, label=layer.label))
+            continue
+        text = layer.label
+        if layer.kind is LayerKind.MARKERS:
+            shape = "D" if layer.shape is MarkerShape.DIAMOND else "o"
+            handles.append(
+                Line2D(
+                    [], [], color=colour, marker=shape, linestyle="", markersize=5.5,
+                    markeredgecolor=sheet.colours["edge"], label=f"{text} ({layer.count})",
+                )
+            )  # fmt: skip
+            continue
+        wide = 1.6 * layer.width
+        if layer.kind is LayerKind.ARROWS or layer.value is not None:
+            text += f", up to {quantity(layer.largest, layer.unit)}"
+            wide = 1.6 * layer.width if layer.value is None else 3.0
+        handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
+    figure.legend(
+        handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=4, frameon=False,
+        fontsize=8, handlelength=1.6, columnspacing=1.6, labelcolor=sheet.colours["edge"],
+    )  # fmt: skip
+
+
+def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
+    """The legend of the colours of interfaces, in the upper right corner."""
+    filled = [
+        layer for layer in layers if layer.kind is LayerKind.POLYGONS and layer.value is not None
+    ]
+    for number, layer in enumerate(filled):
+        bar = figure.add_axes((0.76, 0.945 - 0.1 * number, 0.21, 0.018))
+        steps = np.linspace(0.0, 1.0, 33)
+        colours = ramp_colours(steps[:-1] + 1.0 / 64.0, sheet.theme)
+        wide = 1.5 / 32.0  # each reaches below the next one: no seams in an SVG
+        bar.bar(steps[:-1], 1.0, width=wide, align="edge", color=colours, linewidth=0.0)
+        bar.set_xlim(0.0, 1.0)
+        bar.set_ylim(0.0, 1.0)
+        top = sheet.scene.top(layer.key)
+        more = "\N{GREATER-THAN OR EQUAL TO} " if layer.largest > 1.001 * top else ""
+        told = [
+            f"{100.0 * x * top:.0f} %" if layer.unit == "" else quantity(x * top, layer.unit)
+            for x in (0.0, 0.5, 1.0)
+        ]
+        bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=7)
+        bar.set_yticks([])
+        ink = sheet.colours["edge"]
+        bar.tick_params(length=2, colors=ink)
+        for side in bar.spines.values():
+            side.set(linewidth=0.5, color=ink)
+        bar.set_title(layer.label, fontsize=8, color=ink, pad=3)
