@@ -93,7 +93,7 @@ def built(kind: str, size: int) -> Built:
     found = find_contacts(shell.assembly, options=TIGHTEST)
     detect = time.process_time() - start
     error = areas_by_pair(shell, found.contacts)
-    ratio = shell.volume / shape_volume(shell.shape, SAMPLES[kind][size].thickness)
+    ratio = shell.volume / shape_volume(shell.shape, SAMPLES[kind][size][1])
     for block in shell.assembly.blocks:
         assert edge_defects(block.faces) == ([], [], True), block.name
         assert block.volume > 0.0, block.name
@@ -165,7 +165,7 @@ def _stands(
 
 def flat(size: int) -> str:
     """The plan of the form-found shell, left flat."""
-    layout = SAMPLES["form-found"][size].layout
+    layout = SAMPLES["form-found"][size][0]
     shell = build_shell(rectangular_plan(6.0, 5.0), layout, ShellBody(thickness=0.2))
     contacts = find_contacts(shell.assembly, options=TIGHTEST).contacts
     start = time.process_time()

@@ -86,7 +86,7 @@ def test_every_joint_is_found_at_the_tightest_tolerance_with_its_area(kind):
 
 def test_the_blocks_have_the_volume_of_the_shell(kind):
     shell = SHELLS[kind]
-    thickness = SAMPLES[kind][40].thickness
+    thickness = SAMPLES[kind][40][1]
     assert shell.volume == pytest.approx(shape_volume(shell.shape, thickness), rel=0.01)
 
 
@@ -103,7 +103,7 @@ def test_the_shells_stand(kind):
 
 
 def test_the_plan_of_the_form_found_shell_does_not_stand_flat():
-    layout = SAMPLES["form-found"][40].layout
+    layout = SAMPLES["form-found"][40][0]
     flat = build_shell(rectangular_plan(6.0, 5.0), layout, ShellBody(thickness=0.2))
     contacts = find_contacts(flat.assembly, options=TIGHTEST).contacts
     assert check(Model(flat.assembly, contacts), options=QUICK).verdict is Verdict.UNSTABLE

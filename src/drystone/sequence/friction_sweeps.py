@@ -15,9 +15,9 @@ from drystone.base.table import Table
 from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.margins import in_turn
-from drystone.sequence.order_search import overloads
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import strength
+from drystone.sequence.stage_tree import overloads
 from drystone.sequence.stages import mask_of
 from drystone.sequence.step_checks import checked_step, falling_words, without_help
 

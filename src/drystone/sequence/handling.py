@@ -128,21 +128,13 @@ class Handling(OneLine):
 
     def table(self) -> Table:
         """A row per placement: robot, mass, position, path and grips, and its hold."""
+        keys = (
+            "step", "block", "robot", "mass", "at", "turning", "poses", "grip_faces", "grip",
+            "held_until", "hold",
+        )  # fmt: skip
         held = {one.name: one for one in self.holds}
-        holds = [held.get(one.name) for one in self.placements]
-        columns = {
-            "step": [one.step + 1 for one in self.placements],
-            "block": [one.name for one in self.placements],
-            "robot": [one.robot for one in self.placements],
-            "mass": [one.mass for one in self.placements],
-            "at": np.array([one.frame[:3, 3] for one in self.placements]).reshape(-1, 3),
-            "turning": [one.turning for one in self.placements],
-            "poses": [len(one.approach) for one in self.placements],
-            "grip_faces": [" ".join(str(g.face) for g in one.grips) for one in self.placements],
-            "grip": [one.pairs[0][2] if one.pairs else np.nan for one in self.placements],
-            "held_until": ["" if one is None else one.until for one in holds],
-            "hold": [0.0 if one is None else float(np.linalg.norm(one.force)) for one in holds],
-        }
+        rows = [_row(one, held.get(one.name)) for one in self.placements]
+        columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
         return Table("handling", columns, {"mass": "kg", "at": "m", "grip": "m", "hold": "N"})
 
     def save_json(self, path: PathLike) -> None:
@@ -266,3 +258,14 @@ def _placed(
     return Placement(
         step, body.name, robot, frame, approach, clearance, turning, body.mass, tuple(grips), pairs
     )
+
+
+def _row(one: Placement, hold: Hold | None) -> tuple[object, ...]:
+    faces = " ".join(str(grip.face) for grip in one.grips)
+    wide = one.pairs[0][2] if one.pairs else np.nan
+    until, force = ("", 0.0) if hold is None else (hold.until, float(np.linalg.norm(hold.force)))
+    at = tuple(one.frame[:3, 3].tolist())
+    return (
+        one.step + 1, one.name, one.robot, one.mass, at, one.turning, len(one.approach), faces,
+        wide, until, force,
+    )  # fmt: skip

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from drystone.sequence.order_search import Cost, FoundOrder, Node, OrderSearch
+from drystone.sequence.order_search import FoundOrder, OrderSearch
+from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
 
 POLISHED = 8

@@ -35,13 +35,10 @@ class RemovalTest(OneLine):
     Parameters
     ----------
     model
-    tolerance
-        See ``drystone.sequence.freedom.TOLERANCE``.
     """
 
-    def __init__(self, model: Structure, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, model: Structure) -> None:
         self.model = model
-        self.tolerance = tolerance
         self._all: dict[int, Joints] = {}
         self._known: dict[tuple[int, int], Freedom] = {}
         self._free: dict[tuple[int, int], bool] = {}
@@ -55,14 +52,11 @@ class RemovalTest(OneLine):
         key = self._key(block, placed)
         if key not in self._known:
             normals = self._normals(*key)
-            self._known[key] = freedom(normals, self.model.up, self.tolerance)
+            self._known[key] = freedom(normals, self.model.up)
         return self._known[key]
 
     def direction(self, block: int, placed: int) -> Floats | None:
         """The free direction (3,) nearest to up; None when blocked."""
-        normals = self._normals(*self._key(block, placed))
-        if (normals @ self.model.up >= 0.0).all():
-            return self.model.up
         return self.freedom(block, placed).preferred
 
     def free(self, block: int, placed: int) -> bool:
@@ -73,7 +67,7 @@ class RemovalTest(OneLine):
             # most blocks can move straight up or away from all joints; opposite joints have no sum
             away = normals.sum(axis=0)
             length = float(np.linalg.norm(away))
-            quick = np.stack([self.model.up, away] if length > self.tolerance else [self.model.up])
+            quick = np.stack([self.model.up, away] if length > TOLERANCE else [self.model.up])
             leaves = bool((normals @ quick.T >= 0.0).all(axis=0).any())
             self._free[key] = leaves or not self.freedom(*key).blocked
         return self._free[key] or self._turns(block, placed)
@@ -92,8 +86,9 @@ class RemovalTest(OneLine):
 
     def _turns(self, block: int, placed: int) -> bool:
         """Whether a block without a straight path has one with rotation."""
-        joints = Joints.of(self.model.contacts, *self._around(block, placed))
-        if free_twists(joints.rows(self.model.assembly.blocks[block]), self.tolerance).blocked:
+        around = self._here(self._key(block, placed)[1])
+        joints = Joints.of(self.model.contacts, block, around)
+        if free_twists(joints.rows(self.model.assembly.blocks[block])).blocked:
             return False
         return isinstance(self.path(block, placed), RemovalPath)
 
@@ -110,9 +105,6 @@ class RemovalTest(OneLine):
         here = np.array(self.model.assembly.fixed)
         here[list(members(placed))] = True
         return here
-
-    def _around(self, block: int, placed: int) -> tuple[int, Bools]:
-        return block, self._here(self._key(block, placed)[1])
 
     def _normals(self, block: int, placed: int) -> Floats:
         """Normals (j, 3) into a block of its joints with those in place."""

@@ -266,16 +266,7 @@ def gravity_region(
             raise InputError(
                 "no block is held", where="key", remedy="name a block, or leave it out"
             )
-    if isinstance(directions, int):
-        if directions < 1:
-            raise InputError(f"{directions} directions", remedy="give one or more")
-        unit = _spread(directions)
-    else:
-        given_ones = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
-        length = np.linalg.norm(given_ones, axis=1, keepdims=True)
-        if not (len(length) and np.isfinite(length).all() and (length > 0.0).all()):
-            raise InputError("a direction is zero or not finite", where="directions")
-        unit = given_ones / length
+    unit = _unit_directions(directions)
     jobs = [(model, tuple(one), stands) for one in unit.tolist()]
     found: list[tuple[bool, bool, bool]] = []
     clock = Clock(time_limit_s, stop)
@@ -287,6 +278,20 @@ def gravity_region(
     table = np.array(found, dtype=bool).reshape(-1, 3)
     unit = unit[: len(found)]
     return GravityRegion(model, unit, table[:, 0], table[:, 1], table[:, 2] if stands else None)
+
+
+def _unit_directions(directions: int | Floats) -> Floats:
+    """Unit directions (g, 3): so many, or those given."""
+    if isinstance(directions, int):
+        if directions < 1:
+            raise InputError(f"{directions} directions", remedy="give one or more")
+        return _spread(directions)
+    given = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
+    length = np.linalg.norm(given, axis=1, keepdims=True)
+    if not (len(length) and np.isfinite(length).all() and (length > 0.0).all()):
+        raise InputError("a direction is zero or not finite", where="directions")
+    unit: Floats = given / length
+    return unit
 
 
 def _held(job: tuple[Model, tuple[float, float, float], bool]) -> tuple[bool, bool, bool]:

@@ -43,8 +43,6 @@ from drystone.sequence.sweeps import (
 
 STEP = 0.1
 """Longest straight step along a path with rotation, relative to the size of the block. Chosen."""
-LINES = 200
-"""Number of rotations tried at each pose. Chosen: about the edges of some twenty joints."""
 
 
 def find_path(
@@ -223,58 +221,54 @@ class _PathSearch:
         number = itertools.count()
         queue = [_PathNode((0, 0.0), next(number), (HERE,))]
         seen: list[Pose] = []
-        while queue and self.around.sweeps < self.finder.options.effort:
+        while queue and not self._spent:
             node = heapq.heappop(queue)
             pose = node.poses[-1]
             if self._known(pose, seen):
                 continue
             seen.append(pose)
-            for twist, centre in self._twists(pose, free):
-                if self.around.sweeps >= self.finder.options.effort:
+            for twist in self._twists(pose, free):
+                if self._spent:
                     break
-                reached = self._follow(pose, twist, centre)
-                for i in range(1, len(reached)):
-                    if i % 3 and i < len(reached) - 1:
-                        continue
+                reached = self._follow(pose, twist)
+                last = len(reached) - 1
+                for i in sorted({*range(3, last, 3), last} - {0}):
                     out = self._exit(reached[i])
                     if out is not None:
                         return self._found((*node.poses, *reached[1 : i + 1]), out, turning=True)
-                if len(reached) > 1:
-                    end = reached[-1]
-                    lifted = float(end.of(self.body.centroid[None])[0] @ self.finder.up)
+                if last:
+                    lifted = float(self._centre(reached[-1]) @ self.finder.up)
                     cost = (node.cost[0] + 1, -lifted)
                     heapq.heappush(
                         queue, _PathNode(cost, next(number), (*node.poses, *reached[1:]))
                     )
         return None
 
-    def _twists(self, pose: Pose, free: Floats) -> Iterator[tuple[Floats, Floats]]:
-        """Twists (6,) [size / s, rad / s] to try from a pose, and the points of their axes.
+    def _twists(self, pose: Pose, free: Floats) -> Iterator[Floats]:
+        """Twists (6,) [m / s, rad / s] of the centroid to try from a pose.
 
         In the block's place, twists that close a joint are omitted.
         """
-        start = pose is HERE
-        size, centre = self.body.size, pose.of(self.body.centroid[None])[0]
+        start, unit = pose is HERE, np.repeat([self.body.size, 1.0], 3)
         if start:
-            for twist in free:
-                yield twist * np.repeat([size, 1.0], 3), centre
-        axes = self._axes(pose)
-        for axis in axes:
+            yield from free * unit
+        axes, centre, still = self._axes(pose), self._centre(pose), np.zeros(3)
+        shifts = ((self.body.size * axis, still) for axis in axes)
+        turns = ((np.cross(axis, centre - at), axis) for axis, at in self._lines(pose, axes))
+        for motion in itertools.chain(shifts, turns):
             for sign in (1.0, -1.0):
-                twist = np.concatenate([sign * axis, np.zeros(3)])
-                if not start or opens(self.rows, twist):
-                    yield twist * size, centre
-        count = 0
-        for axis, point in self._lines(pose, axes):
-            for sign in (1.0, -1.0):
-                spin = sign * axis
-                velocity = np.cross(spin, centre - point)
-                if start and not opens(self.rows, np.concatenate([velocity / size, spin])):
-                    continue
-                count += 1
-                yield np.concatenate([velocity, spin]), centre
-            if count >= LINES:
-                return
+                twist = sign * np.concatenate(motion)
+                if not start or opens(self.rows, twist / unit):
+                    yield twist
+
+    def _centre(self, pose: Pose) -> Floats:
+        """The centroid (3,) of the block in a pose."""
+        return pose.of(self.body.centroid[None])[0]
+
+    @property
+    def _spent(self) -> bool:
+        """Whether as many swept volumes were tested as are allowed."""
+        return self.around.sweeps >= self.finder.options.effort
 
     def _axes(self, pose: Pose) -> list[Floats]:
         """Unit axes: up and across, the normals of the joints, and the edges between them."""
@@ -304,7 +298,7 @@ class _PathSearch:
                     found.append(flat)
                     yield axis, point
 
-    def _follow(self, pose: Pose, twist: Floats, centre: Floats) -> list[Pose]:
+    def _follow(self, pose: Pose, twist: Floats) -> list[Pose]:
         """Poses along a constant twist until a collision, half a turn or the block's size."""
         spin, speed = float(np.linalg.norm(twist[3:])), float(np.linalg.norm(twist[:3]))
         size, play = self.body.size, self.finder.options.play * self.body.size
@@ -315,9 +309,9 @@ class _PathSearch:
         last = min(
             np.pi / spin if radius else np.inf, 1.5 * size / speed if speed > 1e-9 else np.inf
         )
-        reached, amount = [pose], 0.0
+        reached, amount, centre = [pose], 0.0, self._centre(pose)
         finest = min(step, play / (2.0 * self.mover.reach * spin)) if radius else step
-        while amount < last and self.around.sweeps < self.finder.options.effort:
+        while amount < last and not self._spent:
             free = self._free_until(pose, twist, centre, (amount, amount + step), finest)
             if free > amount:
                 reached.append(pose.then(moved_along(twist, centre, free)))
@@ -339,7 +333,7 @@ class _PathSearch:
         first, second = (pose.then(moved_along(twist, centre, at)) for at in span)
         if not self._blocked(first, second):
             return end
-        if end - begin <= finest or self.around.sweeps >= self.finder.options.effort:
+        if end - begin <= finest or self._spent:
             return begin
         middle = 0.5 * (begin + end)
         reached = self._free_until(pose, twist, centre, (begin, middle), finest)

@@ -18,12 +18,13 @@ from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.order_search import NO_HELP, Node, OrderSearch
+from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
+from drystone.sequence.stage_tree import NO_HELP, Node
 from drystone.sequence.stages import (
     Check,
     Stage,
@@ -284,32 +285,36 @@ class _Planner:
         if not steps:
             return "no block can be removed" if impossible else "there is no block to place"
         screened = self.model.quick is not None and not self.model.small
-        unsure = [step for step in steps if not step.answer.stands]
-        stands = f"every stage stands{' with uniform contact stiffness' if screened else ''}"
         settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
-        words = []
-        if not complete.stands:
-            words.append("the complete structure does not stand without its props")
-        if impossible:
-            words.append(f"{counted(len(impossible), 'block')} cannot be inserted")
-        if unsure:
-            last = self.model.assembly.names[unsure[0].blocks[-1]]
-            words.append(
-                f"{counted(len(unsure), 'stage')} could not be shown to stand, the first when "
-                f"'{last}' is placed: {unsure[0].answer.message}"
-            )
-            refused = "" if self.scaffold is None else self.scaffold.refusal
-            words += [refused] if refused else []
+        words = self.flaws(complete, steps, len(impossible))
+        if not words:
+            words = [f"every stage stands{' with uniform contact stiffness' if screened else ''}"]
         if settled:
-            words = words or [stands]
             words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
-        words = words or [stands]
         if screened:
             words.append(
                 f"above {CHECKED} corners a stage is only looked at, and not followed (--thorough, "
                 "or check=check_both in Python, checks it)"
             )
         return "; ".join(words)
+
+    def flaws(self, complete: StageAnswer, steps: Sequence[Step], impossible: int) -> list[str]:
+        """What does not stand, or cannot be inserted."""
+        words = []
+        if not complete.stands:
+            words.append("the complete structure does not stand without its props")
+        if impossible:
+            words.append(f"{counted(impossible, 'block')} cannot be inserted")
+        unsure = [step for step in steps if not step.answer.stands]
+        if unsure:
+            last = self.model.assembly.names[unsure[0].blocks[-1]]
+            words.append(
+                f"{counted(len(unsure), 'stage')} could not be shown to stand, the first when "
+                f"'{last}' is placed: {unsure[0].answer.message}"
+            )
+            if self.scaffold is not None and self.scaffold.refusal:
+                words.append(self.scaffold.refusal)
+        return words
 
     def proves(self, complete: StageAnswer, proved: bool, steps: list[Step]) -> bool:
         """Whether no order needs less help: there is no help, or the search was complete."""

@@ -195,19 +195,18 @@ class Plan(PlannedSteps, Answer):
 
     def table(self) -> Table:
         """A row per block in the order of assembly: stage, status, partners, prop, friction."""
-        names = self.model.assembly.names
-        prop = {one.block: one for one in self.props}
-        placed = [(i, step, b) for i, step in enumerate(self.steps) for b in step.blocks]
-        columns = {
-            "stage": [number + 1 for number, _, _ in placed],
-            "block": [names[b] for *_, b in placed],
-            "status": [self.status[b].value for *_, b in placed],
-            "with": [" ".join(names[p] for p in self.partners(b)) for *_, b in placed],
-            "prop_force": [prop[b].force if b in prop else 0.0 for *_, b in placed],
-            "prop_stages": [prop[b].stages if b in prop else 0 for *_, b in placed],
-            "propped_now": [len(step.props) for _, step, _ in placed],
-            "friction_used": [step.answer.used for _, step, _ in placed],
-        }
+        names, prop = self.model.assembly.names, {one.block: one for one in self.props}
+        keys = (
+            "stage", "block", "status", "with", "prop_force", "prop_stages", "propped_now",
+            "friction_used",
+        )  # fmt: skip
+        rows = [
+            (number, names[b], self.status[b].value, " ".join(names[p] for p in self.partners(b)),
+             prop[b].force if b in prop else 0.0, prop[b].stages if b in prop else 0,
+             len(step.props), step.answer.used)
+            for number, step in enumerate(self.steps, 1) for b in step.blocks
+        ]  # fmt: skip
+        columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
         return Table("assembly plan", columns, {"prop_force": "N"})
 
     def layers(self) -> Scene:

@@ -203,10 +203,7 @@ def distances(model: Structure) -> Floats:
         step += 1
         out[list(members(frontier))] = step
         seen |= frontier
-        near = 0
-        for block in members(frontier):
-            near |= model.neighbours[block]
-        frontier = near & ~seen
+        frontier = model.around(frontier) & ~seen
     return out
 
 

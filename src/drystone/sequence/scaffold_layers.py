@@ -16,24 +16,13 @@ _WIDE = 3.0
 """Width of a strut or a rope, by that of other lines; chosen by eye."""
 
 
-def block_name(item: ScaffoldItem, names: Sequence[str]) -> str:
-    """The name of the block that it holds."""
-    return item.block if isinstance(item.block, str) else names[item.block]
-
-
-def named_kind(support: Support, count: int) -> str:
-    """The kind of the scaffolding, in plural where there are several."""
-    kind = support.value
-    return kind if count == 1 or kind == "centring" else f"{kind}s"
-
-
 def scaffold_layers(
     items: Sequence[ScaffoldItem], support: Support, assembly: Assembly
 ) -> tuple[Layer, ...]:
     """Bars of struts and ropes, edges of centring, a mark for each clamp."""
     if not items:
         return ()
-    label = f"{len(items)} {named_kind(support, len(items))}"
+    label = f"{len(items)} {support.words(len(items))}"
     ends: list[tuple[Floats, Floats]] = []
     for item in items:
         if isinstance(item, Strut):

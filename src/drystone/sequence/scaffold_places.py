@@ -42,6 +42,10 @@ class Support(enum.Enum):
     CENTRING = "centring"
     """Centring under the lower face."""
 
+    def words(self, count: int) -> str:
+        """The kind, in plural where there are several."""
+        return self.value if count == 1 or self is Support.CENTRING else f"{self.value}s"
+
     @classmethod
     def named(cls, support: Support | str) -> Support:
         """The kind of a name.

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import pairwise, product
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from drystone.sequence import planner
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import Order
 from drystone.sequence.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
-from drystone.sequence.scaffold_layers import block_name, named_kind, scaffold_layers
+from drystone.sequence.scaffold_layers import scaffold_layers
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Check, check_once, mask_of
@@ -91,11 +91,9 @@ class Scaffolding(Answer):
     def title(self) -> str:
         """Whether every stage stands with it."""
         if self.works:
-            return f"Every stage stands with {named_kind(self.support, 2)}"
+            return f"Every stage stands with {self.support.words(2)}"
         failed = f"{counted(len(self.failed), 'step')} of {len(self.plan.steps)} do not stand"
-        return (
-            f"Not every stage stands with {named_kind(self.support, 2)}: {self.stopped or failed}"
-        )
+        return f"Not every stage stands with {self.support.words(2)}: {self.stopped or failed}"
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether every stage stands, and what it takes."""
@@ -148,9 +146,8 @@ class Scaffolding(Answer):
 
     def _stage(self, number: int, stage: SceneStage) -> SceneStage:
         """A stage with what is set up at it, and with its verdict."""
-        names, kind = self.assembly.names, self.support
-        held = {names[block] for block in self.plan.steps[number].props}
-        items = [item for item in self.items if block_name(item, names) in held]
+        kind, held = self.support, self.plan.steps[number].props
+        items = [item for item in self.items if int(self.assembly.indices([item.block])[0]) in held]
         layers = scaffold_layers(items, kind, self.assembly)
         stage = replace(stage, layers=(*stage.layers, *layers))
         row = next((one for one in self.stages if one["step"] == number), None)
@@ -158,11 +155,11 @@ class Scaffolding(Answer):
             return stage
         over, verdict = int(row["overloaded"]), Verdict(row["verdict"])
         if verdict is Verdict.STABLE:
-            said = f"{named_kind(kind, over)} overloaded: {over} of {len(items)}"
+            said = f"{kind.words(over)} overloaded: {over} of {len(items)}"
             verdict = Verdict.UNSTABLE
         else:
             known = "does not stand" if verdict is Verdict.UNSTABLE else "not known to stand"
-            said = f"{known} with {named_kind(kind, len(items))}"
+            said = f"{known} with {kind.words(len(items))}"
         block = stage.headline.partition(":")[0]
         return replace(stage, headline=f"{block}: {said}", verdict=verdict)
 
@@ -213,42 +210,55 @@ def scaffolding(
     The crown slides off its one neighbour; struts along the load do not push sideways.
     """
     stages = ScaffoldedStages(plan.model.model, support, options, check)
-    chosen, names = stages.options, plan.model.assembly.names
     clock = Clock(time_limit_s, stop)
-    held_before = [frozenset[int](), *(frozenset(step.props) for step in plan.steps)]
-    moves = sum(len(now - before) for before, now in pairwise(held_before))
     propped = [(number, step) for number, step in enumerate(plan.steps) if step.props]
-    rows: list[tuple[object, ...]] = []
-    failed: list[int] = []
-    total = peak = 0.0
+    rows: list[_Row] = []
     with WorkerPool(executor) as pool:
         several = [(step.placed, mask_of(step.props)) for _, step in propped]
         answers = pool.answers(partial(_checked, stages), several, clock.late)
         for (number, step), (whole, result) in zip(propped, answers, strict=False):
-            bad = whole.overloaded(result) if result.force is not None else ()
-            largest = float(whole.force(result).max()) if result.force is not None else np.nan
-            length = sum(
-                item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items
-            )
-            total += length
-            peak = max(peak, largest) if largest == largest else peak
-            if not result.stable or bad:
-                failed.append(number)
-            told = ", ".join(names[b] for b in sorted(step.props))
-            count = len(whole.items)
-            rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
+            told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
+            rows.append(_row(number, told, whole, result))
             if progress is not None:
                 progress("scaffolding", len(rows), len(propped))
+    failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
     failed += [i for i, one in enumerate(plan.steps) if not (one.props or one.answer.stands)]
-    stopped = clock.reason if len(rows) < len(propped) else ""
-    keys = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
-    columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
-    table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
-    cost = chosen.stage_cost * total + chosen.move_cost * moves
-    items = tuple(item for prop in plan.props for item in stages.items(prop.block))
+    columns = {key: [getattr(row, key) for row in rows] for key in _Row._fields}
+    held = [set[int](), *(set(step.props) for step in plan.steps)]
+    moves = sum(len(now - before) for before, now in pairwise(held))
+    metres = sum(row.length for row in rows)
     return Scaffolding(
-        plan, stages.support, table, total, peak, moves, cost, items, tuple(sorted(failed)), stopped
+        plan,
+        stages.support,
+        Table("scaffolding", columns, {"length": "m", "peak_force": "N"}),
+        metres,
+        max((row.peak_force for row in rows if row.peak_force == row.peak_force), default=0.0),
+        moves,
+        stages.options.stage_cost * metres + stages.options.move_cost * moves,
+        tuple(item for prop in plan.props for item in stages.items(prop.block)),
+        tuple(sorted(failed)),
+        clock.reason if len(rows) < len(propped) else "",
     )
+
+
+class _Row(NamedTuple):
+    """A stage with its items: what of them is there, and what they carry."""
+
+    step: int
+    blocks: str
+    verdict: str
+    items: int
+    length: float
+    peak_force: float
+    overloaded: int
+
+
+def _row(number: int, held: str, whole: ScaffoldedModel, result: Result) -> _Row:
+    largest, over = np.nan, 0
+    if result.force is not None:
+        largest, over = float(whole.force(result).max()), len(whole.overloaded(result))
+    length = sum(1.0 if isinstance(item, Clamp) else item.length for item in whole.items)
+    return _Row(number, held, result.verdict.value, len(whole.items), length, largest, over)
 
 
 def _plain(item: ScaffoldItem) -> dict[str, Any]:
@@ -313,11 +323,7 @@ def compare_scaffolding(
     model = as_model(given, **how)
     chosen = planner.PlanOptions.of(options)
     named = [Support.named(one) for one in kinds]
-    known = (*(one.value for one in Order), FEWEST)
-    names = [order.value if isinstance(order, Order) else order for order in orders]
-    for name in names:
-        if name not in known:
-            raise InputError(f"order '{name}' is not known", remedy=f"use {', '.join(known)}")
+    names = [_order_name(order) for order in orders]
     if not named or not names:
         raise InputError("nothing to compare", remedy="give a kind and an order")
     clock = Clock(time_limit_s, stop)
@@ -345,13 +351,21 @@ def compare_scaffolding(
                 executor=executor,
                 stop=clock.late,
             )
-        rows.append(_row(name, kind, planned, None if made is None or made.stopped else made))
+        rows.append(_compared(name, kind, planned, None if made is None or made.stopped else made))
     rows.sort(key=lambda row: (row["cost"] != row["cost"], row["failed_stages"], row["cost"]))
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     return Table("scaffolding compared", columns, {"metre_stages": "m", "peak_force": "N"})
 
 
-def _row(name: str, kind: Support, plan: Plan, made: Scaffolding | None) -> dict[str, object]:
+def _order_name(order: Order | str) -> str:
+    name = order.value if isinstance(order, Order) else order
+    known = (*(one.value for one in Order), FEWEST)
+    if name not in known:
+        raise InputError(f"order '{name}' is not known", remedy=f"use {', '.join(known)}")
+    return name
+
+
+def _compared(name: str, kind: Support, plan: Plan, made: Scaffolding | None) -> dict[str, object]:
     """What a model takes with one kind in one order."""
     counts = plan.counts
     numbers = ("metre_stages", "peak_force", "moves", "cost")

@@ -86,46 +86,39 @@ class PartSolver(OneLine):
             moving = tuple(members(part.placed & ~part.held))
             return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
         blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
-        some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
-        start = None if near is None else near[blocks]
-        uniform = None
-        if part.quick:
-            level = PATIENT if self.structure.quick is None else self.structure.quick
-            result = try_rest(found.problem, screening=level, start=start)
-            uniform = _rest_of(result)
-        elif self.structure.check is check_both:
-            result = check_both_near(found.problem, start, rest)
-        else:
-            result = self.structure.check(stage)
+        result = self._result(part, found.problem, None if near is None else near[blocks], rest)
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
             return StageAnswer(result.verdict, result.message, falling, settled=settled)
-        reaction = {}
-        if held:
-            unloaded = stage.with_load(LoadCase(np.zeros_like(stage.load.wrench)))
-            pressing, _ = unbalanced_wrench(unloaded, result.force)
-            pressing[:, 3:] *= some.size[:, None]
-            place = np.searchsorted(blocks, held)
-            reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
-        used = _friction_used(contacts, result.force)
-        corner = np.flatnonzero(chosen[self.structure.contacts.interface])
-        force = np.array(result.force)
         moved = np.zeros((0, 6))
         if result.displacement is not None:
-            moved = result.displacement[~some.fixed]
+            moved = result.displacement[~stage.assembly.fixed]
+        held = list(members(part.held))
+        pressing = _pressing(stage, result.force) if held else np.zeros((0, 6))
+        place = np.searchsorted(blocks, held).tolist()
         return StageAnswer(
             result.verdict,
             result.message,
-            (),
-            reaction,
-            used,
-            corner,
-            force,
-            moved,
-            settled,
-            uniform,
+            reaction={b: -pressing[i] for b, i in zip(held, place, strict=True)},
+            used=_friction_used(stage.contacts, result.force),
+            corner=np.flatnonzero(chosen[self.structure.contacts.interface]),
+            force=np.array(result.force),
+            rest=moved,
+            settled=settled,
+            uniform=_rest_of(result) if part.quick else None,
         )
+
+    def _result(
+        self, part: Stage, problem: Problem, start: Floats | None, rest: Candidate | None
+    ) -> Result:
+        """A quick look at a part, or its check."""
+        if part.quick:
+            level = PATIENT if self.structure.quick is None else self.structure.quick
+            return try_rest(problem, screening=level, start=start)
+        if self.structure.check is check_both:
+            return check_both_near(problem, start, rest)
+        return self.structure.check(problem.model)
 
     def _part(self, placed: int, held: int) -> _Part | None:
         """A connected part as a problem; None if nothing supports it."""
@@ -191,6 +184,14 @@ def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -
         np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
         settled="; ".join(one.settled for one in found if one.settled),
     )
+
+
+def _pressing(stage: Model, force: Floats) -> Floats:
+    """What contact forces press (n, 6) [N, N m] each block with."""
+    unloaded = stage.with_load(LoadCase(np.zeros_like(stage.load.wrench)))
+    pressing, _ = unbalanced_wrench(unloaded, force)
+    pressing[:, 3:] *= stage.assembly.size[:, None]
+    return pressing
 
 
 def _rest_of(result: Result) -> Candidate | None:

@@ -91,23 +91,30 @@ class Structure(OfModel, OneLine):
         out: Floats = self.assembly.centroid @ self.up
         return out
 
+    def around(self, blocks: int) -> int:
+        """The set of free blocks that touch some blocks."""
+        near = 0
+        for block in members(blocks):
+            near |= self.neighbours[block]
+        return near
+
+    def _reached(self, start: int, within: int) -> int:
+        """The set of blocks that are connected to some blocks through blocks of a set."""
+        reached = frontier = start
+        while frontier:
+            frontier = self.around(frontier) & within & ~reached
+            reached |= frontier
+        return reached
+
     def parts(self, stage: Stage) -> list[Stage]:
         """The connected parts of a stage, each with its adjacent held blocks."""
-        moving = stage.placed & ~stage.held
+        left = moving = stage.placed & ~stage.held
         out = []
-        while moving:
-            reached = frontier = moving & -moving
-            touched = 0
-            while frontier:
-                near = 0
-                for block in members(frontier):
-                    near |= self.neighbours[block]
-                touched |= near
-                frontier = near & moving & ~reached
-                reached |= frontier
-            held = touched & stage.held
+        while left:
+            reached = self._reached(left & -left, moving)
+            held = self.around(reached) & stage.held
             out.append(Stage(reached | held, held, stage.quick, stage.near))
-            moving &= ~reached
+            left &= ~reached
         return out
 
     @cached_property
@@ -128,14 +135,7 @@ class Structure(OfModel, OneLine):
 
     def floating(self, placed: int) -> int:
         """Blocks in place that are not connected to a support through blocks in place."""
-        reached = frontier = placed & self.grounded
-        while frontier:
-            near = 0
-            for block in members(frontier):
-                near |= self.neighbours[block]
-            frontier = near & placed & ~reached
-            reached |= frontier
-        return placed & ~reached
+        return placed & ~self._reached(placed & self.grounded, placed)
 
     @cached_property
     def grounded(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools
 from drystone.base.errors import InputError, counted
 from drystone.geometry import boxes
 from drystone.geometry.selfcontact import convex_bodies
@@ -35,9 +35,13 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground
         The surface crosses itself; two parts of it are closer than the thickness; or a strongly
         curved block reaches into its neighbour.
     """
-    a, b, depth = overlaps(assembly, _TOLERANCE * width)
-    if len(a) == 0:
+    least, bounds, blocks = _TOLERANCE * width, assembly.bounds, assembly.blocks
+    a, b = boxes.overlapping(bounds[:, 0] + 0.5 * least, bounds[:, 1] - 0.5 * least)
+    convex = convex_bodies([block.vertices for block in blocks], [block.faces for block in blocks])
+    found = shared_volumes(assembly.faces, a, b, np.full(len(a), least), convex)
+    if not len(found.row):
         return
+    a, b, depth = a[found.row], b[found.row], found.depth
     beneath = ground[a] | ground[b]
     worst = int(np.lexsort((-depth, beneath))[0])
     one, other = int(a[worst]), int(b[worst])
@@ -55,19 +59,3 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground
         where=f"blocks '{mesh.names[one]}' and '{mesh.names[other]}'",
         remedy=remedy,
     )
-
-
-def overlaps(assembly: Assembly, least: float) -> tuple[Ints, Ints, Floats]:
-    """Pairs of blocks, first before second, that overlap deeper than ``least`` [m].
-
-    Returns
-    -------
-    first, second : (p,)
-    depth : (p,) [m]
-    """
-    bounds = assembly.bounds
-    a, b = boxes.overlapping(bounds[:, 0] + 0.5 * least, bounds[:, 1] - 0.5 * least)
-    blocks = assembly.blocks
-    convex = convex_bodies([block.vertices for block in blocks], [block.faces for block in blocks])
-    found = shared_volumes(assembly.faces, a, b, np.full(len(a), least), convex)
-    return a[found.row], b[found.row], found.depth

@@ -11,7 +11,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
-from drystone.shells.lengths import numbers, refuse_unless_positive
+from drystone.shells.lengths import arc_lengths, numbers, refuse_unless_positive
 from drystone.shells.patch import Patch
 
 _MOST_COURSES = 5_000
@@ -78,8 +78,7 @@ class Courses:
         """Function from (share of the length along u, v) to u."""
         u, v = np.linspace(0.0, 1.0, _TABLE_U), np.linspace(0.0, 1.0, _TABLE_V)
         points = self.patch.point(u[:, None], v[None, :])
-        step = np.linalg.norm(np.diff(points, axis=0), axis=2)
-        length = np.concatenate([np.zeros((1, _TABLE_V)), np.cumsum(step, axis=0)])
+        length = arc_lengths(points)
         share = length / length[-1]
         table = np.stack([np.interp(u, share[:, j], u) for j in range(_TABLE_V)], axis=1)
         return RegularGridInterpolator((u, v), table)
@@ -131,7 +130,7 @@ def lay_courses(
         raise InputError("give one of count, height and heights", where=where)
     v = np.linspace(0.0, 1.0, _TABLE_V)
     points = patch.point(np.linspace(0.0, 1.0, _TABLE_U)[:, None], v[None, :])
-    length = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
+    length = arc_lengths(points)[-1]
     if heights is not None:
         relative = np.atleast_1d(numbers(heights, "heights of courses", where)).ravel()
         count = len(relative)
@@ -165,7 +164,7 @@ def lay_courses(
         raise InputError("a closed patch has no longer side", where=where, remedy="partial=0")
     start, end = np.zeros(full + extra), np.ones(full + extra)
     order = np.ones(full + extra)
-    across = float(np.linalg.norm(np.diff(points[_TABLE_U // 2], axis=0), axis=1).sum())
+    across = float(arc_lengths(points[_TABLE_U // 2])[-1])
     taper = max(nominal / across, 0.02)
     slots = _spread(full, extra)
     order[np.setdiff1d(np.arange(full + extra), slots)] = relative

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.shells.courses import Courses
-from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.lengths import arc_lengths, refuse_unless_positive
 
 SAMPLES = 257
 """Samples along a course for its length."""
@@ -125,8 +125,7 @@ def _along(courses: Courses, course: int) -> tuple[Floats, Floats, float]:
     """v, share of the course's length, and the length [m]; closed courses extend by half a turn."""
     end = 1.5 if courses.patch.closed else float(courses.end[course])
     v = np.linspace(float(courses.start[course]), end, SAMPLES)
-    step = np.linalg.norm(np.diff(courses.middle(course, v), axis=0), axis=1)
-    length = np.concatenate([[0.0], np.cumsum(step)])
+    length = arc_lengths(courses.middle(course, v))
     total = float(np.interp(1.0, v, length)) if courses.patch.closed else float(length[-1])
     return v, length / total, total
 

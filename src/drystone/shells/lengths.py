@@ -1,4 +1,4 @@
-"""Checks of lengths and numbers."""
+"""Lengths along lines, and checks of lengths and numbers."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from numbers import Real
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
 
-_LONGEST = 40
-"""Characters of a wrong value that an error repeats."""
+
+def arc_lengths(points: Floats) -> Floats:
+    """Length (p, ...) [m] of polylines (p, ..., 3) from their first point to each one."""
+    step = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    return np.concatenate([np.zeros_like(step[:1]), np.cumsum(step, axis=0)])
 
 
 def refuse_unless_positive(where: str = "", **metres: float) -> None:
@@ -42,8 +46,7 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        told = repr(values)
-        told = told if len(told) <= _LONGEST else f"{told[:_LONGEST]}..."
+        told = shortened(repr(values))
         raise InputError(
             f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
         ) from error

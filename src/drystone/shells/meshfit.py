@@ -15,7 +15,8 @@ from drystone.base.arrays import Floats, dot, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
-from drystone.geometry.polyhedron import edges_of, loop_edges
+from drystone.geometry.polyhedron import edges_of, loop_edges, rings
+from drystone.shells.lengths import arc_lengths
 from drystone.shells.patch import Patch, check_patch
 
 _DEGREE = 3
@@ -166,17 +167,16 @@ def _border(loops: list[list[int]], name: str) -> list[int]:
         raise InputError(
             "the mesh is closed", where=f"mesh '{name}'", remedy="give an open surface"
         )
-    run = [min(after)]
-    while after.get(run[-1], run[0]) != run[0] and len(run) <= len(after):
-        run.append(after[run[-1]])
-    if len(run) != len(after):
+    run, *more = rings(after)
+    if more:
         raise InputError(
             "the mesh has several borders: it has a hole, or it is closed to a ring like a dome",
             where=f"mesh '{name}'",
             remedy="close its holes; for a ring use patch_from_grid with closed=True, or cut the "
             "mesh open from border to border",
         )
-    return run
+    first = run.index(min(run))
+    return [*run[first:], *run[:first]]
 
 
 def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
@@ -221,9 +221,8 @@ def _layout(
     uv = np.full((len(points), 2), np.nan)
     for k in range(4):
         side = _between(border, corners[k], corners[(k + 1) % 4])
-        step = np.linalg.norm(np.diff(points[side], axis=0), axis=1)
-        share = np.concatenate([[0.0], np.cumsum(step)]) / step.sum()
-        uv[side] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
+        share = arc_lengths(points[side])
+        uv[side] = square[k] + share[:, None] / share[-1] * (square[(k + 1) % 4] - square[k])
     ends = edges_of([tuple(loop) for loop in loops])
     weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     shape = (len(points), len(points))

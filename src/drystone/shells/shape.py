@@ -9,6 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.shells.lengths import arc_lengths
 from drystone.shells.patch import Patch, Side, check_patch
 
 _SEAM_GAP = 1e-4
@@ -149,6 +150,6 @@ class Shape(OneLine):
 
 def _resample(points: Floats, count: int) -> Floats:
     """(count, 3) points evenly along a polyline (p, 3)."""
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    length = arc_lengths(points)
     at = np.linspace(0.0, length[-1], count)
     return np.stack([np.interp(at, length, points[:, i]) for i in range(3)], axis=1)

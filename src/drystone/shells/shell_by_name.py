@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
@@ -152,37 +151,29 @@ def shell_by_name(
     return build_shell(shape, layout, ShellBody(thickness=thickness, joggle_deg=joggle))
 
 
-@dataclass(frozen=True)
-class _Sample:
-    """One size of a sample: its layout and thickness [m]."""
-
-    layout: Layout
-    thickness: float
-
-
-SAMPLES: Mapping[str, Mapping[int, _Sample]] = {
+SAMPLES: Mapping[str, Mapping[int, tuple[Layout, float]]] = {
     "barrel": {
-        40: _Sample(Layout(courses=9, blocks=4, wedge=0.2), 0.3),
-        400: _Sample(Layout(courses=27, blocks=15, wedge=0.2), 0.3),
-        4000: _Sample(Layout(courses=85, blocks=47, wedge=0.2), 0.2),
+        40: (Layout(courses=9, blocks=4, wedge=0.2), 0.3),
+        400: (Layout(courses=27, blocks=15, wedge=0.2), 0.3),
+        4000: (Layout(courses=85, blocks=47, wedge=0.2), 0.2),
     },
     "dome": {
-        40: _Sample(Layout(courses=4, blocks=10, wedge=0.2), 0.4),
-        400: _Sample(Layout(courses=16, blocks=25, wedge=0.2), 0.4),
-        4000: _Sample(Layout(courses=50, blocks=80, wedge=0.2), 0.4),
+        40: (Layout(courses=4, blocks=10, wedge=0.2), 0.4),
+        400: (Layout(courses=16, blocks=25, wedge=0.2), 0.4),
+        4000: (Layout(courses=50, blocks=80, wedge=0.2), 0.4),
     },
     "freeform": {
-        40: _Sample(Layout(courses=5, width=1.3, wedge=-0.1), 0.2),
-        400: _Sample(Layout(courses=16, width=0.35, wedge=-0.1), 0.2),
-        4000: _Sample(Layout(courses=50, width=0.11, wedge=-0.1), 0.1),
+        40: (Layout(courses=5, width=1.3, wedge=-0.1), 0.2),
+        400: (Layout(courses=16, width=0.35, wedge=-0.1), 0.2),
+        4000: (Layout(courses=50, width=0.11, wedge=-0.1), 0.1),
     },
     "form-found": {
-        40: _Sample(Layout(courses=6, width=1.0, wedge=0.2), 0.2),
-        400: _Sample(Layout(courses=16, width=0.3, wedge=0.2), 0.2),
-        4000: _Sample(Layout(courses=60, width=0.108, wedge=0.2), 0.1),
+        40: (Layout(courses=6, width=1.0, wedge=0.2), 0.2),
+        400: (Layout(courses=16, width=0.3, wedge=0.2), 0.2),
+        4000: (Layout(courses=60, width=0.108, wedge=0.2), 0.1),
     },
 }
-"""Kinds, and the approximate number of voussoirs of each size."""
+"""Per kind and approximate number of voussoirs the layout and the thickness [m]."""
 
 
 def _sample_shape(kind: str, thickness: float) -> Shape:
@@ -222,8 +213,6 @@ def sample_shell(kind: str, size: int = 40, *, progress: Progress | None = None)
             f"there is no sample '{kind}' of {size} blocks",
             remedy=f"kinds are {', '.join(SAMPLES)}; sizes 40, 400, 4000",
         )
-    sample = SAMPLES[kind][size]
-    shape = _sample_shape(kind, sample.thickness)
-    return build_shell(
-        shape, sample.layout, ShellBody(thickness=sample.thickness), progress=progress
-    )
+    layout, thickness = SAMPLES[kind][size]
+    shape = _sample_shape(kind, thickness)
+    return build_shell(shape, layout, ShellBody(thickness=thickness), progress=progress)

@@ -19,7 +19,7 @@ from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
-from drystone.geometry.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges, rings
 from drystone.model import Model
 from drystone.shells.blocks_apart import refuse_overlaps
 from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
@@ -356,13 +356,8 @@ def _around_openings(mesh: Tessellation) -> set[int]:
     after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening left
     supported = set(mesh.supported)
     around: set[int] = set()
-    while after:
-        start, vertex = next(iter(after.items()))
-        del after[start]
-        run = [(vertex, start)]
-        while vertex in after:
-            run.append((after[vertex], vertex))
-            vertex = after.pop(vertex)
-        if vertex == start and not supported & set(run):
+    for ring in rings(after):
+        run = [(b, a) for a, b in loop_edges(ring)]
+        if after.get(ring[-1]) == ring[0] and not supported & set(run):
             around.update(cell_of[edge] for edge in run)
     return around

@@ -16,7 +16,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
-from drystone.shells.lengths import numbers
+from drystone.shells.lengths import arc_lengths, numbers
 from drystone.shells.patch import Patch, check_patch
 
 _Curve: TypeAlias = Callable[[Floats], Any]
@@ -49,13 +49,13 @@ def curve_through(points: Any) -> _Curve:
     corners = frozen_floats(points, (None, 3), "curve points")
     if len(corners) < 2:
         raise InputError("a curve needs two or more points")
-    chord = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    at = arc_lengths(corners)
+    chord = np.diff(at)
     if not (chord > 0.0).all():
         raise InputError(f"curve point {int(np.argmin(chord)) + 1} repeats the one before")
-    at = np.concatenate([[0.0], np.cumsum(chord)]) / chord.sum()
     if len(corners) == 2:
         return partial(_line, *corners)
-    spline: _Curve = CubicSpline(at, corners)
+    spline: _Curve = CubicSpline(at / at[-1], corners)
     return spline
 
 

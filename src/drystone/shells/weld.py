@@ -10,7 +10,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.geometry.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges, rings
+from drystone.shells.lengths import arc_lengths
 from drystone.shells.patch import Side
 from drystone.shells.pattern import Pattern, Tessellation
 from drystone.shells.shape import Edge, Seam, Shape
@@ -156,8 +157,7 @@ def _share(state: _Weld, vertex: int, edge: Edge, along: float) -> None:
 
 def _arc_length(shape: Shape, edge: Edge) -> tuple[Floats, Floats]:
     """Positions along the side and the share of the stretch's length there."""
-    points = shape.points_along(edge, 513)
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    length = arc_lengths(shape.points_along(edge, 513))
     return np.linspace(edge.start, edge.end, 513), length / length[-1]
 
 
@@ -252,10 +252,8 @@ def _with_keystone(state: _Weld, renumber: Ints, mesh: Tessellation) -> Tessella
         return mesh
     around = _edges_on(state, renumber, state.shape.keystone, mesh.cells)
     after = {b: a for a, b in around}
-    loop = [around[0][1]]
-    while after.get(loop[-1]) not in (None, loop[0]) and len(loop) <= len(after):
-        loop.append(after[loop[-1]])
-    if len(loop) != len(around) or len(after) != len(around) or after.get(loop[-1]) != loop[0]:
+    loop, *more = rings(after)
+    if more or len(after) != len(around) or after.get(loop[-1]) != loop[0]:
         raise InputError(
             "the border that a keystone should close is not one ring",
             where=f"shape '{state.shape.name}'",
