@@ -29,6 +29,8 @@ from drystone.base.errors import InputError, meant
 _SECTIONS = ("Attributes", "Parameters")
 _ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
 """Markup of a name in a docstring."""
+_ONLY_PYTHON = re.compile(r" (In Python|See) .*|; see [^;.]*")
+"""What a docstring says to those who write Python."""
 _KIND = re.compile(
     r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"
     r" ?(?:(?P<sign>>=?) ?(?P<bound>[-\d.e]+))?(?P<rest>(?<=\] ).*)?"
@@ -101,9 +103,22 @@ class Declared(OneLine):
         shown = (f"{default:g}" if isinstance(default, float) else str(default)) if known else ""
         unit = "" if self.unit == COEFFICIENT else self.unit
         more = " ".join(one for one in (shown, unit) if one)
-        text = self.text.removeprefix("Whether to ")
+        text = _ONLY_PYTHON.sub("", self.text.removeprefix("Whether to "))
         text = text[:1].upper() + text[1:]
+        if more and text.endswith(")."):
+            return f"{text[:-2]} {more})."
         return f"{text.rstrip('.')} ({more})." if more else text
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Its values as a JSON schema."""
+        kinds = [one for one in map(_schema, self.kinds) if one]
+        if self.unit == COEFFICIENT:
+            kinds.append({"type": "string"})
+        kind = {"anyOf": kinds} if len(kinds) > 1 else kinds[0] if kinds else {}
+        ends = {"minimum": self.least, "exclusiveMinimum": self.above}
+        bounds = {name: one for name, one in ends.items() if math.isfinite(one)}
+        return {"description": self.told(), **kind, **bounds}
 
     def value(self, given: Any) -> Any:
         """The value of what was given: a text, or a value of JSON.
@@ -213,13 +228,32 @@ def value_of(given: Any, hint: Any, unit: str = "") -> Any:
     """
     if given is None and types.NoneType in get_args(hint):
         return None
-    *first, last = kinds_of(hint)
+    *first, last = [kind for kind in kinds_of(hint) if unit != COEFFICIENT or kind is not str]
     for kind in first:
         try:
             return _of_kind(given, kind, unit)
         except InputError:
             continue
     return _of_kind(given, last, unit)
+
+
+def _schema(kind: Any) -> dict[str, Any]:
+    """The JSON schema of a type; empty where JSON has no such values."""
+    plain = {bool: "boolean", int: "integer", float: "number", str: "string"}
+    if kind in plain:
+        return {"type": plain[kind]}
+    if get_origin(kind) is Literal:
+        return {"enum": list(get_args(kind))}
+    if isinstance(kind, type) and issubclass(kind, enum.Enum):
+        return {"enum": [one.value for one in kind]}
+    if is_many(kind):
+        inner = [one for one in map(_schema, kinds_of(get_args(kind)[0])) if one]
+        return {"type": "array", "items": {"anyOf": inner} if len(inner) > 1 else inner[0]}
+    if hasattr(kind, "of_words"):
+        return {"type": "array", "items": {"type": "string"}}
+    if get_origin(kind) is Mapping:
+        return {"type": "object"}
+    return {"type": "string"} if hasattr(kind, "named") else {}
 
 
 def _of_kind(given: Any, kind: Any, unit: str) -> Any:
@@ -238,7 +272,8 @@ def _of_kind(given: Any, kind: Any, unit: str) -> Any:
         return kind.of_words([given] if isinstance(given, str) else given)
     if hasattr(kind, "named") and isinstance(given, str):
         return kind.named(given)
-    return of_type(given, str, "it", "give a text") if kind is str else given
+    own = get_origin(kind) or kind
+    return of_type(given, own, "it") if isinstance(own, type) else given
 
 
 def _number(given: Any, kind: type, unit: str) -> float:

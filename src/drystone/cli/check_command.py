@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import Annotated
 
-from drystone.cli import checking, loading, mend_command, options
+from drystone.cli import checking, mend_command, options
 from drystone.cli.command import command
-from drystone.cli.model_input import Finding, Subject
+from drystone.cli.model_input import Subject
 from drystone.cli.offered import Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
@@ -22,8 +21,6 @@ from drystone.cli.written import Written
 def check(
     *,
     subject: Subject,
-    seismic: loading.Seismic = None,
-    finding: Finding,
     strict: Annotated[
         bool,
         Option(
@@ -40,12 +37,9 @@ def check(
     Exit code 0: it stands. 1: it falls, or it is undecided. 2: bad input. 130: stopped by Ctrl-C,
     with what is known so far.
     """
-    model = subject.prepared(waiting, finding, seismic)
+    model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
     result = checking.solve(model, waiting, time_limit, strict)
-    if result.falls and not result.stopped:
-        said = subject.upright(result.model, waiting)
-        result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=checking.exit_code(result, strict), notes=result.model.notes,

@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import click
@@ -62,7 +61,7 @@ class Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> int:
         """Call its function, print the answer; the exit code."""
-        return _run(self.function, self.parts, ctx.params)
+        return _run(self.function, self.parts, dict(ctx.params))
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse options and arguments; refuse unknown ones."""
@@ -73,9 +72,7 @@ class Command(click.Command):
             raise
         if ctx.args and not ctx.resilient_parsing:
             what = f"'{ctx.args[0]}' is one argument too many"
-            several = "for several files give their folder, or a pattern in quotes; "
-            remedy = f"{several if Path(ctx.args[0]).is_file() else ''}{kinds.see(ctx)}"
-            raise UsageFault(what, remedy=remedy)
+            raise UsageFault(what, remedy=kinds.see(ctx))
         return rest
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -196,7 +193,7 @@ def _run(function: Callable[..., Printed | Told], parts: list[Part], given: dict
     as_json = given.pop("as_json")
     try:
         made = {part.name: part.made(given) for part in parts}
-        with Waiting() as waiting:
+        with Waiting(asks=not as_json) as waiting:
             if "waiting" in inspect.signature(function).parameters:
                 made["waiting"] = waiting
             told = finish(function(**made), waiting, as_json)
@@ -210,8 +207,7 @@ def _flag_of(error: InputError, parts: list[Part]) -> str:
     name = error.where or error.what.partition(" ")[0]
     for part in parts:
         for one in part.params:
-            own = (one.name or "").removeprefix(f"{part.name}_").removeprefix("options_")
-            if own == name:
+            if name and name in (one.name, getattr(one, "about", "")):
                 return kinds.named(one)
     return ""
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.base.files import same_place
-from drystone.cli import kinds, options
+from drystone.cli import kinds
 from drystone.cli.command import command
-from drystone.cli.model_input import Source, warnings_of
+from drystone.cli.model_input import Converted, warnings_of
 from drystone.cli.offered import CONTACTS, OUTPUT, Argument, Option
 from drystone.cli.output import Screen
 from drystone.cli.told import Printed
@@ -27,13 +27,10 @@ if TYPE_CHECKING:
 )
 def convert(
     *,
-    source: Source,
+    source: Converted,
     target: Annotated[
         str, Argument("TARGET", "File to write; its suffix determines the format.", kinds.FILE)
     ],
-    skip_defects: options.SkipDefects = False,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
     contacts: Annotated[bool, Option("Find the contacts and write them too.", CONTACTS)] = False,
     to: Annotated[
         str | None,
@@ -52,17 +49,19 @@ def convert(
     from drystone.model import Model
     from drystone.supports import select
 
-    model = source.model
+    how = source.how
+    friction = how.pop("friction", None)
+    supports = how.get("supports")
     chosen = io.format_of(target, to, writing=True)
     _refuse_other_suffix(target, chosen)
-    if not overwrite and same_place(target) == same_place(model):
+    if not overwrite and any(same_place(target) == same_place(file) for file in source.each):
         raise InputError(
             "the model would be written over itself",
             where=f"'{target}'",
             remedy="name another file, or add --overwrite",
         )
-    waiting.stage("read", f"reading {model}")
-    read = io.read_file(model, skip_defects=skip_defects, supports=supports, **source.how())
+    waiting.stage("read", f"reading {source.name}")
+    read = io.read_file(source.place, **how)
     notes = list(read.notes)
     if supports is not None:
         read = replace(read, assembly=select(read.assembly, supports), results=(), loads=())
@@ -74,7 +73,7 @@ def convert(
     waiting.stage("write", f"writing {target}")
     io.write(read, target, format=to)
     data = {
-        "model": model,
+        "model": source.name,
         "format": chosen.name,
         "blocks": len(read.assembly),
         "fixed": int(read.assembly.fixed.sum()),

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from drystone.cli import kinds, loading, options
+from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Option
@@ -33,7 +33,6 @@ associated."""
 def fall(
     *,
     subject: Subject,
-    seismic: loading.Seismic = None,
     duration: Annotated[
         float,
         Option(
@@ -66,7 +65,7 @@ def fall(
     from drystone.fall.simulation import require_mujoco
 
     require_mujoco()
-    model = subject.prepared(waiting, seismic=seismic)
+    model = subject.prepared(waiting)
     pictures.require_through(model.assembly)
     notes = list(model.notes)
     motion, falls = None, False

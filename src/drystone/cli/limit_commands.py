@@ -6,9 +6,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli import loading
 from drystone.cli.command import command
-from drystone.cli.model_input import Subject
+from drystone.cli.model_input import OneFile, Subject
 from drystone.cli.offered import Analysis, Argument, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
@@ -24,8 +23,8 @@ _GROWS = (
 )
 
 
-def _prepared(subject: Subject, seismic: str | None, files: Pictures, waiting: Waiting) -> Model:
-    model = subject.prepared(waiting, seismic=seismic)
+def _prepared(subject: Subject, files: Pictures, waiting: Waiting) -> Model:
+    model = subject.prepared(waiting)
     files.require_through(model.assembly)
     return model
 
@@ -62,7 +61,7 @@ def tilt(
         from drystone.limits import tilt_sweep
 
         asked = asked.instead(tilt_sweep, directions=polar)
-    model = _prepared(subject, None, pictures, waiting)
+    model = _prepared(subject, pictures, waiting)
     return _told(asked.of(waiting, model), model, pictures)
 
 
@@ -73,13 +72,12 @@ def tilt(
 def friction(
     *,
     subject: Subject,
-    seismic: loading.Seismic = None,
     asked: Annotated[Analysis, Of("drystone.limits.limit_friction", shown=("scaled",))],
     pictures: Pictures,
     waiting: Waiting,
 ) -> Told:
     """The least friction coefficient at which a model stands."""
-    model = _prepared(subject, seismic, pictures, waiting)
+    model = _prepared(subject, pictures, waiting)
     return _told(asked.of(waiting, model), model, pictures)
 
 
@@ -91,14 +89,13 @@ def load(
     *,
     subject: Subject,
     live: Annotated[str, Argument("CASE", f"{_GROWS}.")],
-    seismic: loading.Seismic = None,
     asked: Annotated[Analysis, Of("drystone.limits.limit_load", shown=("upper",))],
     pictures: Pictures,
     waiting: Waiting,
 ) -> Told:
     """The largest factor of a load on top of the weight and of --load."""
-    model = _prepared(subject, seismic, pictures, waiting)
-    grows = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
+    model = _prepared(subject, pictures, waiting)
+    grows = subject.case_of(live, model)
     return _told(asked.of(waiting, model, grows), model, pictures, grows.notes)
 
 
@@ -109,13 +106,12 @@ def load(
 def shrink(
     *,
     subject: Subject,
-    seismic: loading.Seismic = None,
     asked: Annotated[Analysis, Of("drystone.limits.limit_shrink")],
     pictures: Pictures,
     waiting: Waiting,
 ) -> Told:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
-    model = _prepared(subject, seismic, pictures, waiting)
+    model = _prepared(subject, pictures, waiting)
     return _told(asked.of(waiting, model), model, pictures)
 
 
@@ -125,7 +121,7 @@ def shrink(
 )
 def push(
     *,
-    subject: Subject,
+    subject: OneFile,
     live: Annotated[str | None, Argument("CASE", f"{_GROWS} (seismic:1,0).")] = None,
     lose_friction: Annotated[
         bool, Option("Let all friction decay to zero instead of a load that grows.")
@@ -147,7 +143,7 @@ def push(
             "--lose-friction and a load that grows contradict each other",
             remedy="leave out CASE and --to",
         )
-    model = _prepared(subject, None, wanted, waiting)
+    model = _prepared(subject, wanted, waiting)
     subjects: list[Any] = [model]
     notes: tuple[str, ...] = ()
     if lose_friction:
@@ -155,9 +151,7 @@ def push(
 
         asked = asked.instead(reduce_friction)
     else:
-        case = loading.chosen_case(
-            live or "seismic:1,0", model.assembly, model.cases, subject.gravity
-        )
+        case = subject.case_of(live or "seismic:1,0", model)
         subjects.append(case)
         notes = case.notes
     found = asked.of(waiting, *subjects, doing="pushing")

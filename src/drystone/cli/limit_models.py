@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli import families, kinds, loading, options
+from drystone.cli import families, kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Analysis, Argument, Of, Option
@@ -126,7 +126,6 @@ def imperfections(
             flags={"loading": "--order"},
         ),
     ],
-    seismic: loading.Seismic = None,
     files: Drawn,
     waiting: Waiting,
 ) -> Told:
@@ -139,7 +138,7 @@ def imperfections(
             "nothing is imperfect",
             remedy="give --tolerance, --friction-range, --corner-loss, --offset or --turn",
         )
-    model = subject.prepared(waiting, seismic=seismic)
+    model = subject.prepared(waiting)
     found = asked.of(waiting, model, imperfect, doing="drawing")
     draws = asked.given.get("draws", found.draws)
     notes = list(model.notes)

@@ -5,38 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli import kinds, loading, options
+from drystone.cli import kinds, options
 from drystone.cli.command import command
-from drystone.cli.model_input import Finding, Subject
-from drystone.cli.offered import OUTPUT, Option
+from drystone.cli.model_input import Subject
+from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files
-    from drystone.design import Changed, DesignMargin, Diagnosis, Mends
+    from drystone.design import Changed, Diagnosis, MendOptions, Mends
     from drystone.results import Result
 
 _SHORT = 3
 """Regions that ``check`` prints; ``mend`` prints all."""
-
-
-KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glue or merge"
-
-
-Margin: TypeAlias = Annotated[
-    tuple[str, ...],
-    Option(
-        "Margin with which it has to stand: tilt=2deg to each side, load=1.2 times the load, "
-        "friction=0.9x, or sensitive, where STABLE after settling is enough.",
-        metavar="WHAT",
-        expert=True,
-    ),
-]
 
 
 @command(
@@ -46,8 +32,6 @@ Margin: TypeAlias = Annotated[
 def mend(
     *,
     subject: Subject,
-    seismic: loading.Seismic = None,
-    finding: Finding,
     diagnose: Annotated[
         bool,
         Option("Say why it falls and what is missing, without a search for mends.", expert=True),
@@ -55,24 +39,14 @@ def mend(
     auto: Annotated[
         bool, Option("Make the cheapest mend of each region until the model stands.")
     ] = False,
-    only: Annotated[
-        tuple[str, ...],
-        Option(
-            f"Try this kind of mend only: {KIND}. Can be given several times.",
-            metavar="KIND",
-            expert=True,
+    chosen: Annotated[
+        MendOptions,
+        Of(
+            "drystone.design.MendOptions",
+            flags={"kinds": "--kind"},
+            metavars={"margin": "WHAT", "kinds": "KIND", "keep": "BLOCKS"},
         ),
-    ] = (),
-    keep: Annotated[
-        tuple[str, ...],
-        Option(
-            "Blocks that may not be changed: names and patterns, separated by commas, as for "
-            "--supports. Can be given several times.",
-            metavar="BLOCK",
-            expert=True,
-        ),
-    ] = (),
-    margin: Margin = (),
+    ],
     apply: Annotated[
         int | None,
         Option(
@@ -109,17 +83,15 @@ def mend(
         raise InputError(
             "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
         )
-    asked = margins(margin)
     from drystone import design  # work is imported when there is some
 
-    model = subject.prepared(waiting, finding, seismic)
+    model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
     waiting.stage("diagnose", "diagnosing")
     with waiting.keywords(time_limit) as common:
         if diagnose:
             why = design.diagnose(model, **common)
             return Told(why, notes=model.notes, files=partial(wanted.of, why))
-        chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, **common)
@@ -178,43 +150,10 @@ def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> 
         )
 
 
-def margins(asked: tuple[str, ...]) -> DesignMargin:
-    """The margin of ``--margin`` options.
-
-    Raises
-    ------
-    InputError
-        One of them is not known, has no number, or is given twice.
-    """
-    from drystone.design import DesignMargin
-
-    ends = {"tilt": "deg", "load": "", "friction": "x"}
-    given: dict[str, Any] = {}
-    for text in asked:
-        name, _, value = text.partition("=")
-        number: float | bool
-        remedy = "write tilt=2deg, load=1.2, friction=0.9x or sensitive"
-        if name == "sensitive" and not value:
-            name, number = "robust", False
-        else:
-            if name not in ends:
-                raise InputError(f"'{text}' is no margin", where="--margin", remedy=remedy)
-            try:
-                number = float(value.removesuffix(ends[name]))
-            except ValueError as error:
-                what = f"'{text}' has no number"
-                raise InputError(what, where="--margin", remedy=remedy) from error
-        if name in given:
-            raise InputError(f"{name} is given twice", where="--margin", remedy="give it once")
-        given[name] = number
-    return DesignMargin(**given)
-
-
 @dataclass(frozen=True)
 class ChangedFiles(Pictures):
-    """The margin and the files of a command that changes a model."""
+    """The files of a command that changes a model."""
 
-    margin: Margin = ()
     out: Annotated[
         Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
     ] = None

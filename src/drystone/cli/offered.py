@@ -109,7 +109,8 @@ class Of:
         Names on the command line, where they are not the last part of the name.
     metavars
         Placeholders of values in the help.
-    group
+    group, groups
+        Of the options in the help, and names in other groups.
     """
 
     place: str
@@ -119,6 +120,7 @@ class Of:
     flags: Mapping[str, str] = field(default_factory=dict)
     metavars: Mapping[str, str] = field(default_factory=dict)
     group: str = ANALYSIS
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @cached_property
     def target(self) -> Callable[..., Any]:
@@ -177,9 +179,12 @@ class Of:
             found.append(
                 GroupedOption(
                     [flag, _key(before, name)],
-                    group=self.group,
+                    group=next(
+                        (one for one in self.groups if name in self.groups[one]), self.group
+                    ),
                     expert=name not in self.shown,
                     help=text,
+                    about=_last(name),
                     **more,
                 )
             )
@@ -192,10 +197,11 @@ class Of:
         values: dict[str, Any] = {}
         for name, one in self._declared().items():
             value = given[_key(before, name)]
-            if value not in (None, (), False):
+            if not (value is None or value is False or value == ()):  # 0 is a value
                 values[name] = one.default is not True if value is True else value
-                if one.several:
-                    values[name] = one.value(value)
+                if one.several:  # one word alone is not the same as a list of one
+                    alone = len(value) == 1 and str in one.kinds
+                    values[name] = one.value(value[0] if alone else value)
         if is_dataclass(self.target):
             return made_of(self.target, values)
         limit, workers = values.pop("time_limit_s", None), values.pop("executor", 1)
@@ -226,13 +232,17 @@ class Argument:
     metavar: str
     help: str
     kind: kinds.OptionKind = kinds.TEXT
+    several: bool = False
 
 
 class GroupedOption(click.Option):
-    """An option that knows its group, and whether it is for experts."""
+    """An option that knows its group, whether it is for experts, and what it was declared as."""
 
-    def __init__(self, *names: Any, group: str = OUTPUT, expert: bool = False, **more: Any) -> None:
+    def __init__(
+        self, *names: Any, group: str = OUTPUT, expert: bool = False, about: str = "", **more: Any
+    ) -> None:
         super().__init__(*names, **more)
+        self.about = about
         self.group = group
         self.expert = expert
 
@@ -254,7 +264,8 @@ def param_of(name: str, hint: Any, default: Any) -> click.Parameter:
     plain, told = get_args(hint)[:2]
     left_out = {"required": True} if default is MISSING else {"required": False, "default": default}
     if isinstance(told, Argument):
-        return HelpedArgument([name], told.help, metavar=told.metavar, type=told.kind, **left_out)
+        more = {"nargs": -1, "required": True} if told.several else left_out
+        return HelpedArgument([name], told.help, metavar=told.metavar, type=told.kind, **more)
     several = get_origin(plain) is tuple
     base = next(part for part in (*get_args(plain), plain) if part is not type(None))
     flags = told.flags or (f"--{name.replace('_', '-')}",)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
-from drystone.base.errors import InputError
 from drystone.cli import kinds
 from drystone.cli.offered import MODEL, OUTPUT, Option
 
@@ -92,42 +91,3 @@ TimeLimit: TypeAlias = Annotated[
 Workers: TypeAlias = Annotated[
     int, Option("Processes that work side by side (1).", kind=kinds.whole(1), expert=True)
 ]
-
-
-def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
-    """Three finite numbers separated by commas, such as the example.
-
-    Raises
-    ------
-    InputError
-        Not three, or not finite.
-    """
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError as error:
-        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
-    if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
-        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
-    return values[0], values[1], values[2]
-
-
-def gravity_vector(text: str) -> tuple[float, float, float]:
-    """Acceleration (3,) [m/s2] from its size or its components.
-
-    Raises
-    ------
-    InputError
-        Neither one number above zero nor three that are not all zero.
-    """
-    if "," in text:
-        given = vector(text)
-        if given == (0.0, 0.0, 0.0):
-            raise InputError("is zero", remedy="give a direction")
-        return given
-    try:
-        size = float(text)
-    except ValueError as error:
-        raise InputError(f"'{text}' is neither a number nor X,Y,Z", remedy="write 9.81") from error
-    if not 0.0 < size < float("inf"):
-        raise InputError(f"is {text}", remedy="give a number above zero")
-    return (0.0, 0.0, -size)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from drystone.base.display import differing
 from drystone.base.errors import InputError
-from drystone.cli import families
-from drystone.cli.mend_command import Margin, margins
-from drystone.cli.offered import MODEL, OUTPUT, Option
+from drystone.cli import families, options
+from drystone.cli.offered import MODEL, OUTPUT, Of, Option
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
-    from drystone.design import Parameter, Tuned
+    from drystone.design import Parameter, Tuned, TuneOptions
 
 
 @dataclass(frozen=True)
@@ -39,16 +39,16 @@ class SearchRequest:
         ),
     ] = ()
     most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = ()
-    margin: Margin = ()
-    props: Annotated[
-        int | None,
-        Option(
-            "Largest number of blocks that may need a prop while it is built, course by course."
+    chosen: Annotated[
+        TuneOptions,
+        Of(
+            "drystone.design.TuneOptions",
+            without=("batch",),
+            shown=("props", "trials"),
+            metavars={"margin": "WHAT"},
         ),
-    ] = None
-    trials: Annotated[int | None, Option("Structures that are built and checked (100).")] = None
-    workers: Annotated[int | None, Option("Processes (1).")] = None
-    seed: Annotated[int | None, Option("Of the search (0).", expert=True)] = None
+    ] = None  # type: ignore[assignment]  # made by the command
+    workers: options.Workers = 1
     store: Annotated[
         Path | None,
         Option("File that keeps the trials: an interrupted search continues from it.", OUTPUT),
@@ -56,13 +56,14 @@ class SearchRequest:
 
     def refuse_without_vary(self) -> None:
         """Raise InputError where an option of the search is given, and nothing is varied."""
-        for name, value in vars(self).items():
-            if name != "vary" and value not in (None, ()):
-                raise InputError(
-                    "is for a search of parameters",
-                    where=f"--{name}",
-                    remedy="give --vary NAME=LOW:HIGH with it",
-                )
+        given = [name for name in ("least", "most", "store") if getattr(self, name)]
+        given += differing(self.chosen)
+        if given or self.workers > 1:
+            raise InputError(
+                "is for a search of parameters",
+                where=f"--{[*given, 'workers'][0]}",
+                remedy="give --vary NAME=LOW:HIGH with it",
+            )
 
     def run(
         self,
@@ -84,23 +85,13 @@ class SearchRequest:
                 "nothing is varied", where="--vary", remedy="write --vary NAME=LOW:HIGH"
             )
         ranges = [parameter_range(text, known) for text in self.vary]
-        stands_at = margins(self.margin)
         from drystone import design  # work is imported when there is some
 
         goals = (*self.least, *(f"-{goal}" for goal in self.most)) or ("volume",)
-        chosen = design.TuneOptions(
-            trials=100 if self.trials is None else self.trials,
-            seed=self.seed or 0,
-            margin=stands_at,
-            props=self.props,
-        )
-        workers = 1 if self.workers is None else self.workers
-        if workers < 1:
-            raise InputError(f"is {workers}", where="--workers", remedy="give 1 or more")
         waiting.stage("tune", "searching")
-        with waiting.keywords(time_limit, workers) as common:
+        with waiting.keywords(time_limit, self.workers) as common:
             return design.tune(
-                build, ranges, goals=goals, how=how, store=self.store, options=chosen, **common
+                build, ranges, goals=goals, how=how, store=self.store, options=self.chosen, **common
             )
 
 

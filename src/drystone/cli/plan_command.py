@@ -11,7 +11,7 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli import kinds
 from drystone.cli.command import command
-from drystone.cli.model_input import Finding, Subject
+from drystone.cli.model_input import Subject
 from drystone.cli.offered import Option
 from drystone.cli.plan_files import PlanFiles
 from drystone.cli.scaffold_command import (
@@ -70,7 +70,6 @@ def _robot(text: str) -> Robot:
 def plan(
     *,
     subject: Subject,
-    finding: Finding,
     order: Annotated[
         str,
         Option(
@@ -148,12 +147,12 @@ def plan(
     rules = _rules(order, hands, payload, before, reach, robot)
     executor = _executor(workers, dask)
     waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
-    model = subject.prepared(waiting, finding)
+    model = subject.prepared(waiting)
     from drystone import sequence
 
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
-        rules=rules, patience=float("inf") if best else None, anyway=finding.anyway,
+        rules=rules, patience=float("inf") if best else None, anyway=subject.anyway,
         scaffold=scaffold,
         scaffold_options=scaffold_options(scaffold_limit, scaffold_foot, scaffold_length),
     )  # fmt: skip

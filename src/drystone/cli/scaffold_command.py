@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
-from drystone.cli.model_input import Finding, Subject
+from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.told import Printed, show_table
 from drystone.cli.waiting import Waiting
@@ -66,7 +66,6 @@ def refuse_strutless(kinds: Sequence[str], *limits: float | str | None, flag: st
 def scaffold(
     *,
     subject: Subject,
-    finding: Finding,
     with_: Annotated[
         tuple[str, ...],
         Option(
@@ -102,7 +101,7 @@ def scaffold(
     from drystone import sequence
 
     refuse_strutless(with_, foot, length, flag="--")
-    model = subject.prepared(waiting, finding)
+    model = subject.prepared(waiting)
     few = len(model.assembly.free) <= _FEW
     orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))
     waiting.stage("plan", "planning")
@@ -113,13 +112,13 @@ def scaffold(
             orders,
             options=sequence.PlanOptions(
                 rules=sequence.Rules(hands),
-                anyway=finding.anyway,
+                anyway=subject.anyway,
                 scaffold_options=scaffold_options(limit, foot, length),
             ),
             **common,
         )
     rows = list(table)
-    data: dict[str, Any] = {"model": subject.model, "compared": rows}
+    data: dict[str, Any] = {"model": subject.name, "compared": rows}
     jobs = [(csv, table.to_csv)] if csv is not None else []
     code = 0 if any(row["failed_stages"] == 0 and row["cost"] == row["cost"] for row in rows) else 1
     return Printed(

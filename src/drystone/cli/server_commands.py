@@ -13,10 +13,11 @@ import click
 
 from drystone.base.errors import InputError
 from drystone.base.files import write_bytes
-from drystone.cli import kinds, options, output
+from drystone.cli import kinds, output
 from drystone.cli.command import command
 from drystone.cli.kinds import POSITIVE
-from drystone.cli.offered import ANALYSIS, OUTPUT, Argument, Option
+from drystone.cli.model_input import HOW
+from drystone.cli.offered import ANALYSIS, OUTPUT, Analysis, Argument, Option
 from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting
 
@@ -30,11 +31,7 @@ def live(
     model: Annotated[
         str | None, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
     ] = None,
-    units: options.Units = None,
-    up: options.Up = "z",
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
+    reading: Annotated[Analysis, HOW()],
     port: Annotated[int, Option("First port that is tried; 0 for any.", OUTPUT)] = 8377,
     no_browser: Annotated[bool, Option("Print the link and open no browser.", OUTPUT)] = False,
     client: Annotated[
@@ -70,9 +67,6 @@ def live(
 
     if not 0 <= port < 2**16:
         raise InputError(f"is {port}", where="--port", remedy="give 0 to 65535")
-    how = {"units": units, "supports": supports, "friction": friction, "density": density}
-    if up != "z":
-        how["up"] = up
     ctx = click.get_current_context()
     waiting.stage("read", f"reading {model}")
 
@@ -83,8 +77,8 @@ def live(
             output.say("no browser could be opened: open the link in one")
             sys.stdout.flush()
 
-    given = {key: value for key, value in how.items() if value is not None}
-    serve(model, began=began, port=port, how=given, time_limit=time_limit, size_limit=size_limit)
+    how = reading.given
+    serve(model, began=began, port=port, how=how, time_limit=time_limit, size_limit=size_limit)
     return ctx.exit()
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.cli import kinds, loading, options
+from drystone.cli import kinds, options
 from drystone.cli.command import command
-from drystone.cli.model_input import Finding, Subject
-from drystone.cli.offered import OUTPUT, Option
+from drystone.cli.model_input import Subject
+from drystone.cli.offered import LOADS, OUTPUT, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Curves, Written
@@ -31,10 +31,16 @@ LARGE = 0.1
 )
 def settle(
     *,
-    move: loading.Moves = (),
+    move: Annotated[
+        tuple[str, ...],
+        Option(
+            "Motion of a support: a translation in m, and a rotation vector in degrees about its "
+            "centroid. Can be given several times.",
+            LOADS,
+            metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
+        ),
+    ] = (),
     subject: Subject,
-    seismic: loading.Seismic = None,
-    finding: Finding,
     to: Annotated[
         float | None,
         Option(
@@ -70,7 +76,7 @@ def settle(
     Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
     input.
     """
-    model = subject.prepared(waiting, finding, seismic, move, settling=True)
+    model = subject.prepared(waiting, move, settling=True)
     wanted.require_through(model.assembly)
     if model.load.motion is None and (move or to is not None):
         raise InputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -44,9 +45,12 @@ class Waiting:
         Names of the files that are written.
     checkpoint
         File with answers for the next run.
+    asks
+        Whether questions may be asked in a terminal.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, asks: bool = True) -> None:
+        self.asks = asks
         self.time_s: dict[str, float] = {}
         self.shown = threading.Event()
         self.interrupted = False
@@ -157,6 +161,19 @@ class Waiting:
                 "nothing else was written"
             )
         return NOTHING
+
+    def ask(self, question: str) -> bool:
+        """The answer of whoever sits at the terminal; no where nobody does."""
+        if not self.asks or not (sys.stdin and sys.stdin.isatty() and self._console.is_terminal):
+            return False
+        with self._lock:  # the bar would be drawn over the question
+            if self._bar is not None:
+                self._bar.stop()
+        answer = self._console.input(f"{clean(question)} [y/N] ", markup=False)
+        with self._lock:
+            if self._bar is not None:
+                self._bar.start()
+        return answer.strip().lower() in ("y", "yes")
 
     def end_stage(self) -> None:
         """Add the time of the running stage."""

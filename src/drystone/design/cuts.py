@@ -51,10 +51,11 @@ class CutOptions(Options):
 
     Attributes
     ----------
-    blocks
+    blocks : >= 2
         Number of blocks; the lowest is the support.
-    friction
-    most
+    friction : coefficient >= 0
+        Of all joints.
+    most : >= 1
         Number of plans after which the loop ends.
     plan
         Options of the plans.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -27,8 +28,11 @@ from drystone.design.vertex_places import (
 from drystone.geometry.frames import unit
 from drystone.model import Model
 
+Prisms: TypeAlias = Literal["x", "y", "z", "none"] | None
+"""The axis along which blocks are prisms."""
 
-def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> str | None:
+
+def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> Prisms:
     """The first of y, x and z along which all free blocks but those to keep are prisms."""
     stay = {*np.flatnonzero(model.assembly.fixed).tolist(), *kept_blocks(model, keep)}
     some = [block for i, block in enumerate(model.assembly.blocks) if i not in stay]
@@ -42,10 +46,10 @@ def free_vertices(
     model: Model,
     most: float,
     directions: str | None = None,
-    along: str | None = "y",
-    mirror: str | None = None,
+    along: Prisms = "y",
+    mirror: Literal["x", "y", "z"] | None = None,
     keep: Sequence[int | str] = (),
-    keep_side: str | None = None,
+    keep_side: Literal["intrados", "extrados"] | None = None,
     sectors: int = 1,
 ) -> Moves:
     """Vertices that move freely; those at one place move together, so that joints stay shared.
@@ -57,13 +61,15 @@ def free_vertices(
     Parameters
     ----------
     model
-    most : [m]
-        Largest move of each vertex along each direction.
+    most : [m] > 0
+        Largest move of each vertex along each direction. On the command line, a tenth of a block
+        when left out.
     directions
         Axes along which they move, such as ``xz``; when left out, all but ``along``.
     along
         Vertices that differ along this axis only move together: blocks that are prisms along it
-        stay prisms. ``None`` for other blocks, such as those of domes and shells.
+        stay prisms; ``none`` for other blocks, such as those of domes and shells. On the command
+        line, the axis of all blocks when left out.
     mirror
         Vertices that are mirror images along this axis, about the middle of the model, move as
         mirror images.
@@ -72,7 +78,7 @@ def free_vertices(
         any case.
     keep_side
         ``intrados`` or ``extrados``: the vertices of that side stay.
-    sectors
+    sectors : >= 1
         Equal sectors about a vertical axis through the middle of the model that stay equal.
 
     Raises
@@ -81,6 +87,7 @@ def free_vertices(
         An axis or a side is unknown, the model does not have the symmetry, every move would bend a
         joint, or nothing is left to move.
     """
+    along = None if along == "none" else along
     if directions is None:
         directions = "".join(axis for axis in AXES if axis != along)
     ways = np.eye(3)[[axis_of(axis) for axis in directions]]
@@ -103,8 +110,8 @@ def free_vertices(
 def joint_moves(
     model: Model,
     most: float,
-    along: str | None = "y",
-    mirror: str | None = None,
+    along: Prisms = "y",
+    mirror: Literal["x", "y", "z"] | None = None,
     keep: Sequence[int | str] = (),
 ) -> Moves:
     """Joint planes that turn and move: the ends of each joint slide along the sides of its blocks.
@@ -127,6 +134,7 @@ def joint_moves(
     InputError
         An axis is unknown, a face would not stay plane, or no joint has ends that two blocks share.
     """
+    along = None if along == "none" else along
     kept = np.zeros(len(model), dtype=bool)
     kept[list(kept_blocks(model, keep))] = True
     if along is not None:

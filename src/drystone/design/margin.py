@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -140,6 +141,43 @@ class DesignMargin(Options):
         ):
             if not good:
                 raise InputError(f"the margin of {name} is {getattr(self, name)}", remedy=remedy)
+
+    @classmethod
+    def of_words(cls, words: Sequence[str]) -> DesignMargin:
+        """The margin of words: ``tilt=2deg``, ``load=1.2``, ``friction=0.9x``, ``sensitive``.
+
+        ``sensitive`` is for ``robust=False``: STABLE after settling is enough.
+
+        Raises
+        ------
+        InputError
+            One of them is not known, has no number, or is given twice.
+
+        Examples
+        --------
+        >>> DesignMargin.of_words(["tilt=2deg", "sensitive"])
+        DesignMargin(tilt=2, robust=False)
+        """
+        ends = {"tilt": "deg", "load": "", "friction": "x"}
+        remedy = "write tilt=2deg, load=1.2, friction=0.9x or sensitive"
+        given: dict[str, Any] = {}
+        for text in words:
+            name, _, value = text.partition("=")
+            number: float | bool = False
+            if name == "sensitive" and not value:
+                name = "robust"
+            elif name not in ends:
+                raise InputError(f"'{text}' is no margin", where="margin", remedy=remedy)
+            else:
+                try:
+                    number = float(value.removesuffix(ends[name]))
+                except ValueError as error:
+                    what = f"'{text}' has no number"
+                    raise InputError(what, where="margin", remedy=remedy) from error
+            if name in given:
+                raise InputError(f"{name} is given twice", where="margin", remedy="give it once")
+            given[name] = number
+        return cls(**given)
 
     def cases(self, model: Model) -> list[Model]:
         """The model in each additional case in which it must stand."""

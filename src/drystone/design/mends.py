@@ -35,14 +35,14 @@ class MendOptions(Options):
     Attributes
     ----------
     margin
-        The safety margin of the mended structure.
+        Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
+        ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough.
     kinds
         Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
-        ballast, glue and merge; all when left out.
+        ballast, glue and merge (all).
     keep
-        Positions of blocks that may not be changed, and texts that name them, read like supports:
-        names and patterns, separated by commas; see ``drystone.supports.select``. Their joints
-        are not changed either; what is added may touch them.
+        Blocks that may not be changed: names and patterns, separated by commas, or positions. Their
+        joints are not changed either; what is added may touch them.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)

@@ -38,7 +38,7 @@ class RecutOptions(Options):
     ----------
     angles_deg : [degrees]
         Each joint is turned by the angle about an edge, to both sides, then made a wedge of it.
-    most
+    most : >= 1
         Number of changes that are tried in all.
     plan
         Options of the plans.

@@ -52,16 +52,17 @@ class ShapeOptions(Options):
         To stand; the least volume, or the farthest reach, with which it stands at the margin; or
         the largest tilt to each of four sides at which it stands.
     margin
-        How far from falling the shape has to stand.
+        Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
+        ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough.
     reach : (3,)
         The direction of the farthest reach.
     block
         Name or position of the block that reaches out.
-    rounds
+    rounds : >= 1
         Steps of the search at most; contacts are found anew after each.
     iterations
         Iterations of the optimiser in one round at most.
-    least_edge : [m]
+    least_edge : [m] > 0
         No edge that moves gets shorter: the least thickness of blocks.
     trust
         Largest change of a variable in the first round, by its largest move.
@@ -110,7 +111,7 @@ class ShapeValues:
 
     Attributes
     ----------
-    least_edge : [m]
+    least_edge : [m] > 0
         No edge that moves gets shorter; the options' at first.
     crossed
         Whether a shape was refused because blocks crossed themselves.

@@ -37,16 +37,17 @@ class SharpenOptions(Options):
     Attributes
     ----------
     margin
-        How far from falling the sharpened structure has to stand. By default it stands for all
-        contact stiffnesses that the check tries.
-    step : [degrees]
-        By which joints that show tension are sharpened in each round.
-    most : [degrees]
+        Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
+        ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough
+        (it stands for all contact stiffnesses).
+    step : [degrees] > 0
+        By which joints with tension are sharpened in each round.
+    most : [degrees] > 0
         Largest sharpness of a wedge.
-    close : [degrees]
-        With any sharpened joint less sharp by so much, it no longer stands.
+    close : [degrees] > 0
+        Accuracy of each sharpness: with any joint less sharp by so much, it no longer stands.
     keep
-        Names, patterns or positions of blocks whose joints stay plane.
+        Blocks whose joints stay plane: names and patterns, separated by commas, or positions.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)

@@ -31,14 +31,16 @@ class TuneOptions(Options):
 
     Attributes
     ----------
-    trials
+    trials : >= 1
         Structures that are built and checked, those of an earlier run included.
     batch
         Trials that are asked for together. The answer depends on it, and not on an executor.
-    seed
+    seed : >= 0
+        The same seed gives the same search.
     margin
-        How far from falling each structure has to stand.
-    props
+        Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
+        ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough.
+    props : >= 0
         Largest number of blocks that need a prop while it is built course by course. Left out, no
         structure is planned unless a goal needs its plan.
     """

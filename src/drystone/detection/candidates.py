@@ -61,15 +61,16 @@ def granted_to(
     return distance, angle
 
 
-def reach(options: DetectionOptions) -> float:
-    """Largest distance of pairs in the search, relative to the block size."""
-    return max(options.gap, options.search)
+def reach(options: DetectionOptions, size: Floats) -> Floats:
+    """Largest distance [m] in the search, of blocks of a size [m], of any shape."""
+    distance: Floats = np.maximum(options.reach(size), options.search * size)
+    return distance
 
 
 def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
     """Blocks (a < b) whose boxes come within reach of each other."""
     most = patches.of_block.max(most_slack(patches, options))
-    margin = (0.5 * reach(options) * patches.size + most)[:, None]
+    margin = (0.5 * reach(options, patches.size) + most)[:, None]
     low, high = patches.boxes
     return boxes.overlapping(low - margin, high + margin)
 
@@ -80,7 +81,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     They face each other within the widest angle, and their boxes come within reach.
     """
     a, b = pairs
-    reach_of_pair = reach(options) * np.minimum(patches.size[a], patches.size[b])
+    reach_of_pair = reach(options, np.minimum(patches.size[a], patches.size[b]))
     granted = most_slack(patches, options)
     most = patches.of_block.max(granted)
     one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
@@ -92,7 +93,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     keep = cosine >= np.cos(np.minimum(limit, _WIDEST_ANGLE))
     f, g = f[keep], g[keep]
     smaller = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
-    margin = (reach(options) * smaller + granted[f] + granted[g])[:, None]
+    margin = (reach(options, smaller) + granted[f] + granted[g])[:, None]
     keep = boxes.touching(
         patches.low[f] - margin, patches.high[f] + margin, patches.low[g], patches.high[g]
     )

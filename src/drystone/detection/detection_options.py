@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
+import numpy as np
+
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.base.units import UNITS, measured
 
 LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "curve": 45.0, "search": 0.5}
 """The largest value of each tolerance. Chosen: with larger values, contacts reach through
@@ -60,6 +64,8 @@ class DetectionOptions(Options):
         Pairs up to this distance are reported as near misses, with the gap that would join them.
     edges
         When to search for contacts along edges and at corners.
+    gap_length : [m]
+        Replaces ``gap``; up to half the size of the smaller block.
     inexact
         Whether to join what small errors of the drawing keep apart: overlaps up to 8 % of the
         thinnest dimension of the smaller block, gaps up to three times the deepest overlap.
@@ -78,6 +84,7 @@ class DetectionOptions(Options):
     search: float = 0.05
     edges: EdgeContacts = EdgeContacts.ISOLATED
     inexact: bool = True
+    gap_length: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,3 +92,31 @@ class DetectionOptions(Options):
             value = getattr(self, name)
             if not 0.0 <= value <= largest:
                 raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}")
+        if self.gap_length is not None and not 0.0 <= self.gap_length < float("inf"):
+            raise InputError(f"gap is {self.gap_length} m", remedy="give a length above zero")
+
+    def with_gap(self, gap: float | str) -> DetectionOptions:
+        """The same with another gap: a share such as 0.005 or ``0.5%``, or a length as ``2mm``.
+
+        Raises
+        ------
+        InputError
+            It is neither.
+
+        Examples
+        --------
+        >>> DetectionOptions().with_gap("2mm").gap_length
+        0.002
+        """
+        text = str(gap).strip()
+        value = measured(text.removesuffix("%"), UNITS, 1.0, "gap")
+        if text.endswith("%"):
+            return replace(self, gap=value / 100.0)
+        return replace(self, gap_length=value) if text[-1].isalpha() else replace(self, gap=value)
+
+    def reach(self, size: Floats) -> Floats:
+        """Largest gap [m] of blocks of a size [m], of any shape."""
+        if self.gap_length is None:
+            return self.gap * size
+        reach: Floats = np.minimum(self.gap_length, LARGEST["gap"] * size)
+        return reach

@@ -127,11 +127,15 @@ class _EdgeSearch:
     def __init__(self, assembly: Assembly, patches: Patches, options: DetectionOptions) -> None:
         self._assembly = assembly
         self._patches = patches
-        self._gap = options.gap
+        self._options = options
         self._slack = warp_slack(patches, options)
         self._frame = frames_from_normals(patches.normal)
         self._wires: dict[int, _Wire] = {}
         self._regions: dict[int, Any] = {}
+
+    def _reach(self, size: float) -> float:
+        """Largest distance [m] of blocks of a size [m]."""
+        return float(self._options.reach(np.array(size)))
 
     def between(self, a: int, b: int) -> tuple[list[_Touch], bool]:
         """Contacts, and whether edges or corners meet without one."""
@@ -169,7 +173,7 @@ class _EdgeSearch:
     ) -> tuple[list[_Touch], bool]:
         """Edges and vertices of one block on faces of the other."""
         wire = self._wire(body)
-        resting = _Resting(wire, self._patches, self._frame, self._slack, self._gap * size)
+        resting = _Resting(wire, self._patches, self._frame, self._slack, self._reach(size))
         edge, edge_patch, vertex, vertex_patch = resting.on(other)
         touches: list[_Touch] = []
         meets = False
@@ -216,7 +220,7 @@ class _EdgeSearch:
                 continue
             flat = self._flat(wire.point[[i]], patch)
             point = shapely.points(flat[0])
-            if shapely.distance(point, outline) <= max(inside, self._gap * size):
+            if shapely.distance(point, outline) <= max(inside, self._reach(size)):
                 meets = True
             if shapely.contains(region, point) and shapely.distance(point, outline) > inside:
                 found.append(self._lifted(flat, patch, self._heights(wire, patch, [i])))
@@ -236,7 +240,7 @@ class _EdgeSearch:
         """Points where edges of the two blocks cross, outside of both."""
         one, two = self._wire(a), self._wire(b)
         touches = []
-        for i, j, p, q in _crossings(one, two, self._gap * size):
+        for i, j, p, q in _crossings(one, two, self._reach(size)):
             along = (
                 np.diff(one.point[one.edge[i]], axis=0)[0],
                 np.diff(two.point[two.edge[j]], axis=0)[0],

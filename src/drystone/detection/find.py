@@ -234,7 +234,7 @@ def _overlaps(
     """See :func:`block_overlaps`; ``joined`` are pairs as ``a * number + b``."""
     a, b = pairs
     most = patches.of_block.max(most_slack(patches, options))
-    tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
+    tolerance = options.reach(np.minimum(patches.size[a], patches.size[b])) + most[a] + most[b]
     together = np.flatnonzero(np.isin(a * len(assembly) + b, joined))
     return block_overlaps(assembly, patches, pairs, together, tolerance)
 

@@ -58,7 +58,7 @@ def compare_with_tolerances(
     """Compare every overlap with the tolerances."""
     f, g = planes.f, planes.g
     granted, turned = granted_to(patches, f, g, options)
-    tolerance = options.gap * planes.size + granted
+    tolerance = options.reach(planes.size) + granted
     angle = angles(patches, f, g)
     limit = np.deg2rad(options.angle) + turned
     corner_row = shared.corner_row
@@ -184,10 +184,10 @@ def edge_misses(
     undirected : (u, 2)
         Pairs whose edges or corners are near each other, where the contact has no defined normal.
     """
-    if len(pairs[0]) == 0 or options.search <= options.gap:
+    if len(pairs[0]) == 0 or (options.gap_length is None and options.search <= options.gap):
         return [], np.zeros((0, 2), dtype=np.intp)
     found, undirected = edge_contacts(
-        assembly, patches, pairs, replace(options, gap=options.search)
+        assembly, patches, pairs, replace(options, gap=options.search, gap_length=None)
     )
     return [_missed_edges(found, i, patches.origin) for i in range(found.count)], undirected
 

@@ -107,6 +107,6 @@ def _needed(
     row = shared.corner_row
     most = np.zeros(len(planes.f))
     np.maximum.at(most, row, np.abs(planes.gap_at(shared.corner, row)))
-    gap = np.maximum((most - checked.slack) / planes.size, options.gap)
+    gap = np.maximum((most - checked.slack) / planes.size, options.reach(planes.size) / planes.size)
     angle = np.rad2deg(np.maximum(checked.angle - checked.limit, 0.0)) + options.angle
     return gap, angle

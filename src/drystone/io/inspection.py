@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -91,7 +92,7 @@ class Inspection(Answer):
             if known
             else Question.of_nothing(made=self.when)
         )
-        sha256 = digest(self.file) if self.file else ""
+        sha256 = digest(self.file) if Path(self.file).is_file() else ""
         return replace(asked, load="", acceleration=(), file=self.file, sha256=sha256)
 
     @property

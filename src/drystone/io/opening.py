@@ -2,31 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeAlias, TypedDict, Unpack
+from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import of_type
+from drystone.base.arrays import Ints, of_type
+from drystone.base.declared import refuse_unknown
 from drystone.base.display import differing, shortened
-from drystone.base.errors import InputError, counted, meant
+from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
-from drystone.detection import DetectionOptions, find_overlaps
+from drystone.base.units import coefficient
+from drystone.detection import DetectionOptions, EdgeContacts, find_overlaps
 from drystone.detection.block_overlaps import overlap_lines, require_apart
+from drystone.io.capacity_words import with_joint_capacity
+from drystone.io.draft import Contents
+from drystone.io.load_options import Loads
 from drystone.io.registry import files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.loads import LoadCase
+from drystone.mesh_objects import assembly_of
 from drystone.model import Model, Origin, up_of_load
-from drystone.supports import GroundPlane, ground_of, require_supports
+from drystone.supports import GroundPlane, ground_of, require_supports, select
 
 UP = {
     "z": np.eye(3),
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 }
 """Rotations from the vertical axis of a file to z."""
+
+Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]
+
+Whole: TypeAlias = LoadCase | float | Sequence[float]
+"""The whole load of a model: a load case, a multiple of gravity, or an acceleration (3,) [m/s2]."""
+
+Load: TypeAlias = Whole | str | Mapping[str, Any] | Sequence[str | Mapping[str, Any]]
+"""The whole load; or loads in words or as in our JSON, which are added to the others."""
 
 Given: TypeAlias = Model | Assembly | Paths
 """The input of an analysis: a model, an assembly, or files."""
@@ -36,16 +50,25 @@ class How(TypedDict, total=False):
     """How a model is made of an assembly or a file; see :func:`drystone.read`."""
 
     supports: str | Sequence[int | str] | GroundPlane | None
-    friction: float | None
+    friction: float | str | None
     density: float | None
-    load: Any
+    gravity: float | str | Sequence[float] | None
+    load: Load | None
+    case: str | Sequence[str]
+    seismic: str | float | Sequence[float] | None
+    joint_capacity: str | None
+    gap: float | str | None
+    angle: float | None
+    edges: EdgeContacts | str | None
     detection: DetectionOptions | None
-    units: str | None
-    up: str
+    anyway: bool
+    only: str | Sequence[str]
+    without: str | Sequence[str]
+    units: Unit | None
+    up: Literal["z", "y"]
     split: bool
     repair: bool
     search: bool
-    anyway: bool
     skip_defects: bool
     layers: Sequence[str]
     hidden: bool
@@ -53,11 +76,13 @@ class How(TypedDict, total=False):
     max_size: float | None
 
 
-_FILE_ONLY = (
+_OF_FILES = (
     "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden",
     "thickness", "max_size",
 )  # fmt: skip
 """Arguments of :func:`drystone.read` that only a file has."""
+_OF_THE_SEARCH = ("anyway", "detection", "gap", "angle", "edges", "density")
+"""Those that a model, whose contacts are known, does not take."""
 
 
 @checked_call
@@ -65,16 +90,25 @@ def read(
     path: Paths,
     *,
     supports: str | Sequence[int | str] | GroundPlane | None = None,
-    friction: float | None = None,
+    friction: float | str | None = None,
     density: float | None = None,
-    load: Any = None,
+    gravity: float | str | Sequence[float] | None = None,
+    load: Load | None = None,
+    case: str | Sequence[str] = (),
+    seismic: str | float | Sequence[float] | None = None,
+    joint_capacity: str | None = None,
+    gap: float | str | None = None,
+    angle: float | None = None,
+    edges: EdgeContacts | str | None = None,
     detection: DetectionOptions | None = None,
-    units: str | None = None,
-    up: str = "z",
+    anyway: bool = False,
+    only: str | Sequence[str] = (),
+    without: str | Sequence[str] = (),
+    units: Unit | None = None,
+    up: Literal["z", "y"] = "z",
     split: bool = False,
     repair: bool = False,
     search: bool = False,
-    anyway: bool = False,
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
@@ -84,49 +118,75 @@ def read(
 ) -> Model:
     """Read a model that is ready to be checked.
 
+    The command line, the JSON interface and the tools for programs have the same options, and so
+    has every analysis that is given a file.
+
     Parameters
     ----------
     path
         Its suffix determines the format. A folder, a pattern such as ``parts/*.obj`` or a list of
         files is one model, each file with one block or more that are named by it.
     supports
-        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or a plane of
-        ``ground``; see ``drystone.supports.select``. Their surfaces may be open. Heights are
-        along z; if ``load`` is an acceleration, along the axis nearest to its opposite. When left
-        out: the blocks that the file marks as fixed.
-    friction
-        Coefficient of every interface. When left out: that of the file, else 0.6.
-    density : [kg/m3]
-        Of every block. When left out: that of the file, else 2400.
+        Fixed blocks: ``lowest``, ``below:Z``, or names and patterns, separated by commas;
+        ``ground`` or ``ground:Z`` lays a plane below (those marked in the file). See
+        ``drystone.supports.select``. Their surfaces may be open. Heights are along z; under another
+        gravity, along the axis nearest to its opposite.
+    friction : coefficient >= 0
+        Friction coefficient, or angle such as ``31deg``, of all joints (the file's, else 0.6).
+    density : [kg/m3] > 0
+        Density of all blocks (the file's, else 2400).
+    gravity : [m/s2]
+        Gravity: its size along -z, or a vector (9.81). It takes the place of the load of the file.
     load
-        A load case, a multiple of gravity, or an acceleration (3,) [m/s2]. When left out: the first
-        load case of the file, else self-weight.
+        A load at the centroid of a block or at a point in m, added to the others: a force such as
+        ``BLOCK:0,0,-500`` in N, ``BLOCK:2kN`` along gravity, a mass ``BLOCK:80kg``, a moment
+        ``BLOCK:m=0,0,25`` in N m, each with ``@X,Y,Z`` or without. Several are added up. In Python
+        also the whole load: a load case, a multiple of gravity, or an acceleration (3,) [m/s2].
+    case
+        A load case of the file in place of the weight, such as ``1.35*dead``. Several are added up
+        (the first one).
+    seismic
+        Horizontal forces as shares of the weight, along x and y.
+    joint_capacity
+        What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and
+        bending moment in Nm, such as ``tension=0.1MPa,cohesion=0.2MPa``; or a table
+        block_a,block_b,tension,cohesion,shear in N.
+    gap
+        Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
+        block, such as ``5%`` (0.5%).
+    angle : [degrees] >= 0
+        Largest angle between faces that make a joint (2).
+    edges
+        Contacts along edges and in corners: for isolated blocks, which touch nothing else, always
+        or never (isolated).
     detection
-        Tolerances of the contact search.
-    units
-        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
-        metres.
-    up
-        The vertical axis of the file, ``z`` or ``y``.
-    split
-        Separate parts of a block become separate blocks.
-    repair
-        Mend broken meshes, with notes; see :func:`drystone.repair.mended_blocks`.
-    search
-        Search contacts even if the file has some.
+        All tolerances of the contact search.
     anyway
         Accept blocks that overlap by more than a tenth of the smaller one.
+    only
+        Blocks that are kept, by names and patterns separated by commas; the others are left out.
+    without
+        Blocks that are left out, by names and patterns separated by commas.
+    units
+        Unit of length of the file (the file's, else m).
+    up
+        Axis that points up in the file.
+    split
+        Make a block of each separate part of a block.
+    repair
+        Mend broken meshes, and say what was done; see :func:`drystone.repair.mended_blocks`.
+    search
+        Search contacts even if the file has some.
     skip_defects
-        Leave out blocks that cannot be used, with a note.
+        Leave out blocks that cannot be used.
     layers
-        Names of the layers to read, including hidden ones; 3dm and DXF only. When left out: all
-        visible layers.
+        Layers of a 3dm or DXF file to read, hidden or not (all that are visible).
     hidden
-        Read hidden layers and objects too; 3dm and DXF only.
+        Read hidden layers and objects of a 3dm or DXF file too.
     thickness
-        Of the blocks of a section in a DXF file: metres, or a length such as ``450mm`` (1 m).
-    max_size : [MiB]
-        Refuse larger files, before they are read; 64 when left out.
+        Thickness of the blocks of a section in a DXF file, such as ``450mm`` (1 m).
+    max_size : [MiB] > 0
+        Largest file that is read (64).
     progress
 
     Raises
@@ -134,8 +194,8 @@ def read(
     FormatError
         The file cannot be read, or something in it is wrong: file, place and remedy are named.
     InputError
-        A unit, an axis or a support is not known; or two blocks overlap by more than a tenth of
-        the smaller one.
+        An option cannot be used; it is named. Or two blocks overlap by more than a tenth of the
+        smaller one.
     MissingDependency
         The format needs an extra.
 
@@ -146,13 +206,12 @@ def read(
     >>> from drystone.models import tower
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     drystone.write(tower(3), f"{folder}/tower.obj")
-    ...     model = read(f"{folder}/tower.obj", supports="lowest", friction=0.7)
+    ...     model = read(f"{folder}/tower.obj", supports="lowest", friction="35deg")
     >>> model.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
     if not isinstance(up, str) or up not in UP:
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
-    of_type(anyway, bool, "anyway")
     if progress is not None:
         progress("read", 0, 2)
     contents = read_file(
@@ -167,18 +226,69 @@ def read(
         max_size=max_size,
         supports=supports if isinstance(supports, str) else None,
     )
-    assembly, contacts, notes = contents.assembly, contents.contacts, list(contents.notes)
-    if up != "z" and (contacts is not None or contents.loads):
+    if up != "z" and (contents.contacts is not None or contents.loads):
         raise InputError(
             "the file has contacts or loads, whose axes are known",
             where=str(path),
             remedy="leave up out",
         )
     if up != "z":
-        assembly = assembly.transformed(UP[up])
-    cases = contents.loads
-    asked = supports
-    laid, supports = ground_of(assembly, supports, up_of_load(load))
+        contents = replace(contents, assembly=contents.assembly.transformed(UP[up]))
+    model = _model_of(
+        contents,
+        supports=supports,
+        friction=friction,
+        density=density,
+        loads=Loads(gravity, load, case, seismic),
+        joint_capacity=joint_capacity,
+        detection=tolerances(detection, gap, angle, edges),
+        anyway=anyway,
+        search=search,
+        only=only,
+        without=without,
+        progress=progress,
+    )
+    given = {
+        "units": units, "up": None if up == "z" else up, "supports": supports,
+        "friction": friction, "density": density, "gravity": gravity,
+        "case": case, "seismic": seismic, "joint_capacity": joint_capacity, "gap": gap,
+        "angle": angle, "edges": edges, "split": split, "repair": repair, "search": search,
+        "anyway": anyway, "skip_defects": skip_defects, "only": only, "without": without,
+        "layers": layers, "hidden": hidden, "thickness": thickness,
+        **({} if detection is None else differing(detection)),
+    }  # fmt: skip
+    empty: tuple[Any, ...] = (None, False, (), [])
+    chosen = {
+        name: one
+        for name, one in given.items()
+        if isinstance(one, np.ndarray) or not any(one is x or one == x for x in empty)
+    }
+    reading = {name: _told(one) for name, one in chosen.items()}
+    return replace(model, origin=Origin(str(place_of(path)), digest_of(files_at(path)), reading))
+
+
+def _model_of(
+    contents: Contents,
+    *,
+    loads: Loads,
+    detection: DetectionOptions | None,
+    supports: str | Sequence[int | str] | GroundPlane | None = None,
+    friction: float | str | None = None,
+    density: float | None = None,
+    joint_capacity: str | None = None,
+    anyway: bool = False,
+    search: bool = False,
+    only: str | Sequence[str] = (),
+    without: str | Sequence[str] = (),
+    progress: Progress | None = None,
+) -> Model:
+    """The model of what was read, or of an assembly; see :func:`read`."""
+    of_type(anyway, bool, "anyway")
+    coefficient = _coefficient(friction)
+    contents, notes = _part_of(contents, only, without)
+    assembly, contacts, cases = contents.assembly, contents.contacts, contents.loads
+    up = up_of_load(loads.acceleration)
+    laid, supports = ground_of(assembly, supports, up)
     if laid is not assembly:
         if contacts is not None and not search:
             raise InputError(
@@ -187,46 +297,106 @@ def read(
                 remedy="search contacts too: --find-contacts (search=True in Python)",
             )
         assembly, cases = laid, tuple(_with_one_more(case) for case in cases)
-    case = load is None and density is None and bool(cases)
-    load = cases[0] if case else load
     if contacts is None or search:
         if progress is not None:
             progress("contacts", 1, 2)
         model = Model.of(
             assembly,
             supports=supports,
-            friction=friction,
+            friction=coefficient,
             density=density,
-            load=load,
+            load=loads.acceleration,
             detection=detection,
             anyway=anyway,
         )
     else:
         assembly = assembly if density is None else assembly.with_density(density)
-        contacts = contacts if friction is None else contacts.with_friction(friction)
+        contacts = contacts if coefficient is None else contacts.with_friction(coefficient)
         verb = "is" if contacts.count == 1 else "are"
         notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
         overlaps = find_overlaps(assembly, detection)
         if not anyway:
             require_apart(assembly.names, overlaps)
         notes += overlap_lines(assembly.names, overlaps)
-        model = Model(assembly, contacts, load)
+        model = Model(assembly, contacts, loads.acceleration)
         if supports is not None:
-            model = model.with_supports(supports, up_of_load(load))
+            model = model.with_supports(supports, up)
     notes += model.notes
-    if case:
-        notes.append(f"the load case '{cases[0].name}' of the file is used")
-    given = {
-        "units": units, "up": None if up == "z" else up, "supports": asked,
-        "friction": friction, "density": density, "split": split, "repair": repair,
-        "search": search, "anyway": anyway, "skip_defects": skip_defects, "layers": layers,
-        "hidden": hidden, "thickness": thickness,
-        **({} if detection is None else differing(detection)),
-    }  # fmt: skip
-    chosen = {name: one for name, one in given.items() if one is not None and one is not False}
-    reading = {name: _told(one) for name, one in chosen.items() if one != ()}
-    origin = Origin(str(place_of(path)), digest_of(files_at(path)), reading)
-    return replace(model, notes=tuple(notes), cases=cases, origin=origin)
+    total, said = loads.on(model.assembly, cases, own_weight=density is not None)
+    model = replace(model, load=total, notes=(*notes, *said), cases=cases)
+    return model if joint_capacity is None else with_joint_capacity(model, joint_capacity)
+
+
+def tolerances(
+    detection: DetectionOptions | None = None,
+    gap: float | str | None = None,
+    angle: float | None = None,
+    edges: EdgeContacts | str | None = None,
+) -> DetectionOptions | None:
+    """The tolerances of the contact search; ``None`` where none are given."""
+    given = {"angle": angle, "edges": edges}
+    chosen: dict[str, Any] = {name: one for name, one in given.items() if one is not None}
+    if gap is None and not chosen:
+        return detection
+    options = replace(DetectionOptions.of(detection), **chosen)
+    return options if gap is None else options.with_gap(gap)
+
+
+def _coefficient(friction: float | str | None) -> float | None:
+    if not isinstance(friction, str):
+        return friction
+    try:
+        return coefficient(friction)
+    except InputError as error:
+        raise error.located("friction") from error
+
+
+def _part_of(
+    contents: Contents, only: str | Sequence[str], without: str | Sequence[str]
+) -> tuple[Contents, list[str]]:
+    """What was read, less the blocks that are left out, and its notes."""
+    assembly, notes = contents.assembly, list(contents.notes)
+    kept = kept_of(assembly, only, without)
+    if len(kept) == len(assembly):
+        return contents, notes
+    notes.append(f"{counted(len(assembly) - len(kept), 'block')} of {len(assembly)} left out")
+    contacts = contents.contacts
+    return replace(
+        contents,
+        assembly=assembly.subset(kept.tolist()),
+        contacts=None if contacts is None else contacts.of_blocks(kept, len(assembly)),
+        loads=tuple(
+            replace(one, wrench=one.wrench[kept],
+                    motion=None if one.motion is None else one.motion[kept])
+            for one in contents.loads
+        ),
+        results=(),
+    ), notes  # fmt: skip
+
+
+def kept_of(
+    assembly: Assembly, only: str | Sequence[str] = (), without: str | Sequence[str] = ()
+) -> Ints:
+    """Positions of the blocks that are not left out.
+
+    Raises
+    ------
+    InputError
+        A name or pattern fits no block, or no block is left.
+    """
+    kept = np.ones(len(assembly), dtype=bool)
+    for name, given in (("only", only), ("without", without)):
+        texts = [given] if isinstance(given, str) else list(given)
+        if not texts:
+            continue
+        try:
+            chosen = np.any([select(assembly, text).fixed for text in texts], axis=0)
+        except InputError as error:
+            raise error.located(name) from error
+        kept &= chosen if name == "only" else ~chosen
+    if not kept.any():
+        raise InputError("no block is left", where="without", remedy="leave fewer blocks out")
+    return np.flatnonzero(kept)
 
 
 def _told(value: Any) -> str:
@@ -248,30 +418,50 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     given
         A model, an assembly, meshes of other packages, or the path of a file.
     how
-        Arguments of :func:`drystone.read` for a file; of :meth:`drystone.Model.of` for an assembly.
-        Of a model ``load``, ``friction`` and ``supports`` can be changed.
+        Arguments of :func:`drystone.read`. An assembly takes all but those of files, a model those
+        that need no search of contacts.
 
     Raises
     ------
     InputError
         It is of another type, or ``how`` does not apply to it.
     """
-    for name in how:
-        if name not in How.__annotations__:
-            remedy = meant(name, How.__annotations__)
-            raise InputError(f"there is no argument '{name}'", remedy=remedy)
+    refuse_unknown(how, list(How.__annotations__))
     if is_paths(given):
         return read(given, **how)
+    rest: dict[str, Any] = dict(how)
+    names = ("gravity", "load", "case", "seismic")
+    loads = Loads(**{name: rest.pop(name) for name in names if name in rest})
     if not isinstance(given, Model):
-        _refuse(how, _FILE_ONLY, "an assembly")
-        return Model.of(given, **how)  # type: ignore[misc]
-    _refuse(how, (*_FILE_ONLY, "anyway", "detection", "density"), "a model")
-    model = given
-    if how.get("supports") is not None:
-        model = model.with_supports(how["supports"])  # type: ignore[arg-type]
-    if how.get("friction") is not None:
-        model = model.with_friction(how["friction"])  # type: ignore[arg-type]
-    return model if how.get("load") is None else model.with_load(how["load"])
+        _refuse(how, _OF_FILES, "an assembly")
+        names = ("detection", "gap", "angle", "edges")
+        found = tolerances(*(rest.pop(name, None) for name in names))
+        return _model_of(Contents(assembly_of(given)), loads=loads, detection=found, **rest)
+    _refuse(how, (*_OF_FILES, *_OF_THE_SEARCH), "a model")
+    return _changed(given, loads, **rest)
+
+
+def _changed(
+    model: Model,
+    loads: Loads,
+    *,
+    supports: str | Sequence[int | str] | GroundPlane | None = None,
+    friction: float | str | None = None,
+    joint_capacity: str | None = None,
+    only: str | Sequence[str] = (),
+    without: str | Sequence[str] = (),
+) -> Model:
+    """A model with other supports, friction or loads."""
+    if only or without:
+        model = model.subset(kept_of(model.assembly, only, without))
+    if supports is not None:
+        model = model.with_supports(supports, up_of_load(loads.acceleration))  # type: ignore[arg-type]
+    if friction is not None:
+        model = model.with_friction(_coefficient(friction))  # type: ignore[arg-type]
+    if loads != Loads():
+        total, notes = loads.on(model.assembly, model.cases, base=model.load)
+        model = replace(model, load=total, notes=(*model.notes, *notes))
+    return model if joint_capacity is None else with_joint_capacity(model, joint_capacity)
 
 
 def supported_model(given: Given, **how: Unpack[How]) -> Model:
@@ -286,7 +476,8 @@ def supported_model(given: Given, **how: Unpack[How]) -> Model:
     where = str(place_of(given)) if is_paths(given) else ""
     chosen = how.get("supports") is not None
     if chosen or not isinstance(given, Model):
-        up = up_of_load(how.get("load"))
+        load = Loads(how.get("gravity"), how.get("load"), how.get("case", ())).acceleration
+        up = up_of_load(load)
         require_supports(model.assembly, model.joints, up=up, where=where, chosen=chosen)
     return model
 

@@ -25,7 +25,6 @@ from drystone.design import Changed
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live import tasks
-from drystone.live.interface import given_of
 from drystone.live.jobs import Cancelled, Jobs
 from drystone.live.moved_supports import MOST_AT_ONCE, CoarseSteps, at_once, verdict_of
 from drystone.live.snapshot import Found, snapshot
@@ -264,7 +263,7 @@ def _task(self: Calculator, message: Mapping[str, Any]) -> None:
 
 def _tool(self: Calculator, message: Mapping[str, Any]) -> None:
     """A call of the JSON interface."""
-    given = given_of(message["tool"], parse(message["body"], Path("request"), _WHOLE))
+    given = parse(message["body"], Path("request"), _WHOLE).object().value
     found = answer(message["tool"], given, message["folder"], message["seconds"])
     if "error" in found:
         self.tell("error", **{part: found[part] for part in ("what", "where", "remedy")})

@@ -21,7 +21,7 @@ from drystone.base.errors import DrystoneError
 from drystone.live.desk import Desk
 from drystone.live.guard import LOOPBACK, WISH, Guard, Refusal
 from drystone.live.helper import ToolCalls
-from drystone.live.interface import ARGUMENTS, VERSION, Sent, sent
+from drystone.live.interface import VERSION, Sent, sent
 from drystone.live.python_lines import python_lines
 
 _CONNECTIONS = 64
@@ -172,7 +172,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif parts.path == "/events":
             self._events(parse_qs(parts.query).get("window", [""])[0])
         elif parts.path == f"/{VERSION}":
-            calls = {name: ["model", *known] for name, known in ARGUMENTS.items()}
+            calls = calls_of()
             self._send_json(200, {"drystone": drystone.__version__, "interface": VERSION,
                                   "calls": {**calls, "files": []}})  # fmt: skip
         elif parts.path.startswith("/model/"):
@@ -192,8 +192,8 @@ class _Handler(BaseHTTPRequestHandler):
         desk = self.server.desk
         if path.startswith(f"/{VERSION}/"):
             tool = path.removeprefix(f"/{VERSION}/")
-            if tool not in ARGUMENTS:
-                known = ", ".join(f"/{VERSION}/{name}" for name in ARGUMENTS)
+            if tool not in calls_of():
+                known = ", ".join(f"/{VERSION}/{name}" for name in calls_of())
                 raise Refusal(404, "there is no such call", f"there are {known}")
             body = self._body(self.server.guard.largest)
             self.server.called = time.monotonic()
@@ -328,3 +328,10 @@ def _refuse(connection: socket.socket, status: int, what: str, remedy: str) -> N
 def _shut(connection: socket.socket) -> None:
     with contextlib.suppress(OSError):
         connection.shutdown(socket.SHUT_RDWR)
+
+
+def calls_of() -> dict[str, list[str]]:
+    """The calls of the JSON interface, and their arguments."""
+    from drystone.mcp.answers import TOOLS  # the page is served before the analyses are imported
+
+    return {name: list(one.names_of_all) for name, one in TOOLS.items()}

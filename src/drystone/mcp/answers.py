@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass, field
+from inspect import Parameter
+from typing import Any, Literal
 
 from drystone.answer import Answer
+from drystone.base.declared import Declared, declared, declared_at, made_of, refuse_unknown
 from drystone.base.errors import DrystoneError, InputError
 from drystone.design import DiagnosisOptions, MendOptions, diagnose, find_mends
 from drystone.detection import find_contacts
-from drystone.io import Inspection
+from drystone.io import Inspection, read
 from drystone.io import inspect as inspect_file
 from drystone.io.inspection import usable
-from drystone.limits import limit_friction, limit_load, limit_shrink, limit_tilt
-from drystone.mcp.folder import Folder, load_of, model_of, opened
-from drystone.sequence import Order, PlanOptions, Rules, plan
+from drystone.io.load_options import added
+from drystone.io.opening import tolerances
+from drystone.limits import LimitOptions, limit_friction, limit_load, limit_shrink, limit_tilt
+from drystone.mcp.folder import Folder, how_of, model_of, opened
+from drystone.sequence import PlanOptions, plan
 from drystone.stability import check
 
 _MOST = 20
@@ -29,10 +34,57 @@ _SHARE = 0.8
 last step."""
 UP = "the time was up"
 
-Given = Mapping[str, Any]
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool that programs can use, and a call of the JSON interface.
+
+    Attributes
+    ----------
+    text
+        What it answers, for whoever chooses one.
+    run
+        From the model, the options and the time at which it has to end.
+    options
+        Class of the options that it takes.
+    names
+        Those that are offered, such as ``rules.hands``; all when left out.
+    more
+        Further arguments.
+    of_model
+        Whether it takes a model.
+    """
+
+    text: str
+    run: Callable[..., dict[str, Any]]
+    options: Callable[..., Any] | None = None
+    names: tuple[str, ...] = ()
+    more: Mapping[str, Declared] = field(default_factory=dict)
+    of_model: bool = True
+
+    @property
+    def names_of_all(self) -> tuple[str, ...]:
+        """The names of all its arguments."""
+        return (*(("model",) if self.of_model else ()), *self.arguments)
+
+    @property
+    def arguments(self) -> dict[str, Declared]:
+        """Its arguments beside the model, by their names."""
+        if self.options is None:
+            return dict(self.more)
+        names = self.names or tuple(declared(self.options))
+        own = {name.rpartition(".")[2]: declared_at(self.options, name) for name in names}
+        return {**own, **self.more}
+
+    def chosen(self, given: Mapping[str, Any]) -> Any:
+        """The options of the arguments."""
+        names = self.names or tuple(declared(self.options or dict))
+        own = {name: given[name.rpartition(".")[2]] for name in names
+               if name.rpartition(".")[2] in given}  # fmt: skip
+        return made_of(self.options or dict, own)
 
 
-def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str, Any]:
+def answer(tool: str, given: Mapping[str, Any], folder: Folder, seconds: float) -> dict[str, Any]:
     """The answer of a tool, or an ``error`` and its parts. Runs in a process of its own.
 
     Parameters
@@ -40,75 +92,101 @@ def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str,
     tool
         A key of :data:`TOOLS`.
     given
-        Its arguments.
+        Its arguments, as JSON has them.
     folder
     seconds
         Time for all of it.
     """
     began = time.monotonic()
+    end = began + _SHARE * seconds
     try:
-        said = TOOLS[tool](given, folder, began + _SHARE * seconds)
+        one = TOOLS[tool]
+        model, values = arguments_of(one, given)
+        said = one.run(one, model, values, folder, end)
     except DrystoneError as error:
         return {"error": str(error), **error.parts()}
     return {**_short(said), "time_s": round(time.monotonic() - began, 2)}
 
 
-def _files(_: Given, folder: Folder, __: float) -> dict[str, Any]:
+def arguments_of(tool: Tool, given: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[str, Any]]:
+    """The model of a call, and its other arguments.
+
+    Raises
+    ------
+    InputError
+        One is not known, or has a value that it cannot have; its place is named.
+    """
+    known = tool.arguments
+    refuse_unknown(given, tool.names_of_all)
+    model = given.get("model", {} if not tool.of_model else None)
+    if not isinstance(model, Mapping):
+        raise InputError("is missing", where="model", remedy="give an object with file or content")
+    values = {name: known[name].value(one) for name, one in given.items() if name != "model"}
+    return model, values
+
+
+def _files(
+    _: Tool, __: Mapping[str, Any], ___: Mapping[str, Any], folder: Folder, ____: float
+) -> dict[str, Any]:
     found = [{"file": name, "bytes": size} for name, size in folder.files()]
     return {"count": len(found), "files": found[:200]}
 
 
-def _inspect(given: Given, folder: Folder, _: float) -> dict[str, Any]:
-    subject = given["model"]
+def _inspect(
+    _: Tool, subject: Mapping[str, Any], __: Mapping[str, Any], folder: Folder, ___: float
+) -> dict[str, Any]:
+    how = how_of(subject, folder)
+    names = ("units", "split", "repair", "layers", "hidden", "thickness", "max_size", "supports")
+    own = {name: how.pop(name) for name in names if name in how}
+    search = {name: how.pop(name) for name in ("gap", "angle", "edges") if name in how}
+    refuse_unknown(how, (*names, *search))
     with opened(subject, folder) as path:
-        built = inspect_file(path, units=subject.get("units"))
-    blocks, notes = usable(built, subject.get("supports"))
-    found = None if blocks is None else find_contacts(blocks)
+        built = inspect_file(path, **own)
+    blocks, notes = usable(built, own.get("supports"))
+    found = None if blocks is None else find_contacts(blocks, options=tolerances(**search))
     return told(Inspection(blocks, found, None, built), notes)
 
 
-def _check(given: Given, folder: Folder, end: float) -> dict[str, Any]:
-    model = model_of(given["model"], folder)
-    return told(check(model, time_limit_s=_left(end)), model.notes)
+def _analysed(analysis: Callable[..., Answer], timed: bool = True) -> Callable[..., dict[str, Any]]:
+    """A tool of an analysis that takes a model and options."""
+
+    def run(
+        tool: Tool,
+        subject: Mapping[str, Any],
+        values: Mapping[str, Any],
+        folder: Folder,
+        end: float,
+    ) -> dict[str, Any]:
+        model = model_of(subject, folder)
+        late = _late(end)
+        limit: dict[str, Any] = {"time_limit_s": _left(end)} if timed else {"stop": late}
+        options = {} if tool.options is None else {"options": tool.chosen(values)}
+        said = told(analysis(model, **options, **limit), model.notes)
+        return said if timed or not late() else {**said, "stopped": UP}
+
+    return run
 
 
-def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
-    model = model_of(given["model"], folder)
-    options = DiagnosisOptions(needs=given.get("needs", True))
-    return told(diagnose(model, options=options, time_limit_s=_left(end)), model.notes)
-
-
-def _limit(given: Given, folder: Folder, end: float) -> dict[str, Any]:
-    model = model_of(given["model"], folder)
-    of, live = given["of"], given.get("load")
+def _limit(
+    tool: Tool, subject: Mapping[str, Any], values: Mapping[str, Any], folder: Folder, end: float
+) -> dict[str, Any]:
+    model = model_of(subject, folder)
+    of, live = values.get("of"), values.get("load")
+    if of is None:
+        raise InputError("is missing", where="of", remedy="give tilt, friction, load or shrink")
     if (of == "load") != bool(live):
         what = "is missing, and the limit of load grows it" if of == "load" else "is not used"
         raise InputError(what, where="load", remedy="give a load with 'of' = 'load', and only then")
-    late = _late(end)
+    common = {"stop": _late(end), "options": tool.chosen(values)}
     if of == "tilt":
-        found = limit_tilt(model, given.get("axis") or "x", stop=late)
+        found = limit_tilt(model, values.get("axis", "x"), **common)
     elif of == "friction":
-        found = limit_friction(model, stop=late)
+        found = limit_friction(model, **common)
     elif of == "load":
-        found = limit_load(model, load_of(live, model.assembly), stop=late)
+        found = limit_load(model, added(live, model.assembly), **common)
     else:
-        found = limit_shrink(model, stop=late)
+        found = limit_shrink(model, **common)
     return told(found, model.notes)
-
-
-def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
-    model = model_of(given["model"], folder)
-    rules = Rules(given.get("hands") or 2, order=Order(given.get("order") or "top"))
-    chosen = PlanOptions(rules=rules, anyway=bool(given.get("anyway")))
-    return told(plan(model, options=chosen, time_limit_s=_left(end)), model.notes)
-
-
-def _mend(given: Given, folder: Folder, end: float) -> dict[str, Any]:
-    model = model_of(given["model"], folder)
-    asked: dict[str, Any] = {key: tuple(given[key]) for key in ("kinds", "keep") if given.get(key)}
-    late = _late(end)
-    found = find_mends(model, options=MendOptions(**asked), stop=late)
-    return {**told(found, model.notes), **({"stopped": UP} if late() else {})}
 
 
 def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
@@ -119,15 +197,59 @@ def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
     return {**said, "notes": list(notes)}
 
 
-TOOLS: Mapping[str, Callable[[Given, Folder, float], dict[str, Any]]] = {
-    "files": _files,
-    "inspect": _inspect,
-    "check": _check,
-    "diagnose": _diagnose,
-    "limit": _limit,
-    "mend": _mend,
-    "plan": _plan,
+_OF = Declared(
+    "of",
+    Literal["tilt", "friction", "load", "shrink"],
+    Parameter.empty,
+    "tilt: largest angle in degrees. friction: least coefficient. load: largest factor of 'load'. "
+    "shrink: least share of the size of all joints, whose inverse is a geometric safety factor.",
+)
+TOOLS: Mapping[str, Tool] = {
+    "files": Tool("List the model files in the folder of this server.", _files, of_model=False),
+    "inspect": Tool(
+        "Blocks, volumes and defects of a model, and the contacts that are found and missed.",
+        _inspect,
+    ),
+    "check": Tool(
+        "Does a model stand? Verdict, blocks that fall, what a prop would carry, largest forces. "
+        "'stable' and 'unstable' are proved. 'sensitive': it stands for some contact stiffnesses "
+        "of those that were tried, and not for all.",
+        _analysed(check),
+    ),
+    "diagnose": Tool(
+        "Why does a model fall, and what would hold it? One sentence for each region that falls. "
+        "'needs' of a region: the force that is missing and its point, a support from below, the "
+        "least friction, ballast on one block, turn of one joint, and whether glue would hold.",
+        _analysed(diagnose),
+        DiagnosisOptions,
+    ),
+    "limit": Tool(
+        "By how much does a model stand? A bracket: stands at one value, falls at the other. "
+        "'equilibrium' is where some forces balance the loads, 'rest' where it comes to rest for "
+        "some contact stiffness, 'uniform' for a uniform one.",
+        _limit,
+        LimitOptions,
+        more={
+            "of": _OF,
+            "axis": declared(limit_tilt)["axis"],
+            "load": declared(read)["load"],
+        },
+    ),
+    "mend": Tool(
+        "Which changes make a model stand? Each was checked on the whole model, cheapest first. "
+        "'mends' lists them by region, 'tried' those that are not enough.",
+        _analysed(find_mends, timed=False),
+        MendOptions,
+    ),
+    "plan": Tool(
+        "In which order to assemble a model so that every stage stands: what to hold and to prop. "
+        "Counts of free, held, propped and impossible blocks, the order, the force of each prop.",
+        _analysed(plan),
+        PlanOptions,
+        ("rules.hands", "rules.payload", "rules.order", "anyway"),
+    ),
 }
+"""The tools by name."""
 
 
 def _left(end: float) -> float:

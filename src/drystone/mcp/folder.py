@@ -7,20 +7,19 @@ import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-from drystone.assembly import Assembly
+from drystone.base.declared import Declared, declared, refuse_unknown
 from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext, read
-from drystone.io.jsontext import Field
-from drystone.io.load_parts import load_of_parts
-from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.supports import require_supports
 
-_SUFFIXES = frozenset(suffix for known in FORMATS if known.reader for suffix in known.suffixes)
+_SUFFIXES = frozenset(
+    suffix for known in FORMATS if known.reader for suffix in known.suffixes if suffix != ".txt"
+)
 MIB = 2**20
 
 
@@ -94,6 +93,10 @@ class Folder:
         self.accept(at.stat().st_size, name)
         return at
 
+    def require(self, name: str) -> None:
+        """Refuse what is no file in the folder; see :meth:`model`."""
+        self._file(name)
+
     def accept(self, size: int, where: str) -> None:
         """Raise InputError where a model [bytes] is too large."""
         if size > self.largest:
@@ -139,6 +142,45 @@ def opened(subject: Mapping[str, Any], folder: Folder) -> Iterator[Path]:
         yield Path("content.json")
 
 
+MODEL: Mapping[str, Declared] = {
+    "file": Declared("file", str | None, None, "Name of a model file in the folder."),
+    "content": Declared(
+        "content",
+        Mapping[str, Any] | None,
+        None,
+        "The model itself, as drystone JSON or COMPAS JSON, instead of a file.",
+    ),
+    **{
+        name: one
+        for name, one in declared(read).items()
+        if name not in ("path", "detection", "progress", "max_size")
+    },
+}
+"""What a client may say of a model: the arguments of :func:`drystone.read`."""
+
+
+def how_of(subject: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
+    """The arguments of :func:`drystone.read`.
+
+    Raises
+    ------
+    InputError
+        One is not known, or has a value that it cannot have.
+    """
+    how = {}
+    try:
+        refuse_unknown(subject, tuple(MODEL))
+        for name, given in subject.items():
+            value = MODEL[name].value(given)
+            if value is not None and name not in ("file", "content"):
+                how[name] = value
+    except InputError as error:
+        raise error.located(f"model.{error.where}" if error.where else "model") from error
+    if str(how.get("joint_capacity", "")).lower().endswith(".csv"):
+        folder.require(how["joint_capacity"])
+    return how
+
+
 def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
     """The model with its supports, materials and loads.
 
@@ -147,30 +189,8 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
     InputError
         Something in it cannot be used, or no block is fixed, or ``supports`` fixes all.
     """
-    gravity = subject.get("gravity")
-    if isinstance(gravity, int | float):
-        gravity = (0.0, 0.0, -gravity)
+    how = how_of(subject, folder)
     with opened(subject, folder) as path:
-        model = read(
-            path,
-            supports=subject.get("supports"),
-            friction=subject.get("friction"),
-            density=subject.get("density"),
-            units=subject.get("units"),
-            load=gravity,
-        )
-    chosen = subject.get("supports") is not None
-    require_supports(model.assembly, model.joints, chosen=chosen)
-    extra = subject.get("loads")
-    return replace(model, load=model.load + load_of(extra, model.assembly)) if extra else model
-
-
-def load_of(parts: Any, assembly: Assembly) -> LoadCase:
-    """A load case from its parts, as in our JSON.
-
-    Raises
-    ------
-    InputError
-        With the place of what is wrong.
-    """
-    return load_of_parts(Field(parts, "", Path("loads")), assembly, "loads")
+        model = read(path, **how)
+    require_supports(model.assembly, model.joints, chosen="supports" in how)
+    return model

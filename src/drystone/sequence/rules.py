@@ -45,10 +45,11 @@ class Rules(Options):
 
     Attributes
     ----------
-    hands
+    hands : >= 1
         Number of hands or robots: one places a block, each of the others may hold one.
-    payload : [kg]
-        Payload of each hand. Heavier blocks need several hands; larger forces need a prop.
+    payload : [kg] > 0
+        Mass that each hand can lift or hold. Heavier blocks need several hands; larger forces need
+        a prop.
     before
         Pairs of names: the first is placed before the second.
     reach

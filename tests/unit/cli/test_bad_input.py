@@ -98,7 +98,7 @@ def test_a_bad_model_gets_one_line_and_exit_2(
         (["--friction", "much"], ["--friction", "number"]),
         (["--density", "0"], ["--density", "above zero"]),
         (["--density", "nan"], ["--density", "nan"]),
-        (["--units", "parsec"], ["unit 'parsec'", "mm, cm, m, in, ft"]),
+        (["--units", "parsec"], ["--units: is 'parsec'", "mm, cm, m, in, ft"]),
         (["--gravity", "down"], ["--gravity", "'down'"]),
         (["--gravity", "0,0,0"], ["--gravity", "zero"]),
         (["--gravity", "-9.81"], ["--gravity", "above zero"]),
@@ -111,7 +111,7 @@ def test_a_bad_model_gets_one_line_and_exit_2(
         (["--html", "one.html", "--joints", "./one.html"], ["one.html", "named twice"]),
         (["--joints", "one.csv", "--joints", "one.csv"], ["one.csv", "named twice"]),
         (["--colour", "red"], ["--colour", "check --help"]),
-        (["another.obj"], ["another.obj", "check --help"]),
+        (["another.obj"], ["another.obj", "no such file"]),
     ],
 )
 def test_a_bad_option_gets_one_line_and_exit_2(
@@ -207,16 +207,16 @@ def test_nothing_is_looked_for_without_a_good_block(
     assert "once the defects are mended" in out
 
 
-def test_a_folder_is_checked_and_several_arguments_are_told_so(
+def test_a_folder_is_checked_and_so_are_several_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for i, name in enumerate(("base", "top")):
         stone = box((1.0, 1.0, 1.0), (0.0, 0.0, float(i)))
         io.write(Assembly((stone,)), tmp_path / f"{name}.obj")
-    code, out, _ = answer(capsys, "check", str(tmp_path), "--supports", "base", "--json")
-    assert code == 0
-    assert json.loads(out)["verdict"] == "stable"
     both = [str(tmp_path / f"{name}.obj") for name in ("base", "top")]
-    code, _, err = answer(capsys, "check", *both)
-    assert code == 2
-    assert "give their folder, or a pattern in quotes" in err
+    for given in ([str(tmp_path)], both):
+        code, out, _ = answer(capsys, "check", *given, "--supports", "base", "--json")
+        assert code == 0
+        told = json.loads(out)
+        assert (told["verdict"], told["asked"]["blocks"]) == ("stable", 2)
+    assert told["model"] == "2 files"

@@ -156,7 +156,10 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
     assert told["most_loaded"][1]["utilisation"] == pytest.approx(1.5e4 / (0.9 * 2400 * 9.81))
     assert answer(capsys, "check", model, "--friction", "0.6")[0] == 1
     _, told = answer(capsys, "check", model, "--find-contacts", "--gravity", "9.81")
-    assert told["notes"] == []
+    assert told["notes"] == [
+        "the load case 'push' of the file is not used: gravity was given; --case adds up cases of "
+        "the file"
+    ]
     assert told["most_loaded"][1]["utilisation"] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -165,7 +168,7 @@ Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 def test_a_model_that_lies_on_its_side_is_told_to_stand_up(tmp_path: Path, capsys: Capsys) -> None:
     model = file(tmp_path, vault().transformed(Y_UP), "lying.obj")
-    note = "it would stand with --up y: does y point up in the file?"
+    note = "it falls as it is, and stands with y up: does y point up in the file? (--up y)"
     code, told = answer(capsys, "check", model, "--supports", "lowest")
     assert (code, note in told["notes"]) == (1, True)
     code, told = answer(capsys, "check", model, "--supports", "lowest", "--up", "y")
@@ -381,5 +384,5 @@ def test_an_answer_is_written_for_cad_programs(
 def test_of_many_blocks_that_need_help_the_first_are_named(tmp_path: Path, capsys: Capsys) -> None:
     model = file(tmp_path, arch(0.15, 6))
     for more in ((), ("--auto",)):
-        main(["mend", model, "--friction", "0.1", "--only", "friction", *more])
+        main(["mend", model, "--friction", "0.1", "--kind", "friction", *more])
         assert "voussoir-02 and 3 more: friction of" in capsys.readouterr().out

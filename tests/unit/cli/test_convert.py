@@ -57,7 +57,7 @@ def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) 
         (["none/out.obj"], "cannot be written"),
         (["out.json", "--to", "dwg"], "format 'dwg' is not known"),
         (["out.obj", "--supports", "pier"], "no block is called 'pier'"),
-        (["out.obj", "--units", "league"], "unit 'league' is not known"),
+        (["out.obj", "--units", "league"], "--units: is 'league'"),
     ],
 )
 def test_bad_input_writes_nothing(

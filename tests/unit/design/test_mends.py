@@ -358,7 +358,7 @@ def test_the_command_writes_a_model_that_stands_and_a_page_with_what_it_was(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, page = tmp_path / "stands.json", tmp_path / "after.html"
-    arguments = ["--auto", "--only", "merge", "--out", str(out), "--html", str(page)]
+    arguments = ["--auto", "--kind", "merge", "--out", str(out), "--html", str(page)]
     assert main(["mend", overhang, *arguments]) == 0
     assert "STABLE" in capsys.readouterr().out
     assert drystone.check(out).stable
@@ -368,7 +368,7 @@ def test_the_command_writes_a_model_that_stands_and_a_page_with_what_it_was(
 def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    arguments = ["--only", "prop", "--only", "glue", "--margin", "friction=0.9x", "--json"]
+    arguments = ["--kind", "prop", "--kind", "glue", "--margin", "friction=0.9x", "--json"]
     assert main(["mend", overhang, *arguments]) == 1
     told = json.loads(capsys.readouterr().out)
     assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
@@ -388,7 +388,7 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "falls.json"
-    assert main(["mend", overhang, "--auto", "--only", "friction", "--out", str(out)]) == 1
+    assert main(["mend", overhang, "--auto", "--kind", "friction", "--out", str(out)]) == 1
     told = " ".join(capsys.readouterr().out.split())
     assert "UNSTABLE" in told
     assert "it still falls: out" in told
@@ -406,7 +406,7 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
         (["--margin", "load=0.5"], "give 1 or more"),
         (["--margin", "wind=3"], "is no margin"),
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
-        (["--only", "prop", "--apply", "7"], "there is no mend 7"),
+        (["--kind", "prop", "--apply", "7"], "there is no mend 7"),
         (["--apply", "0"], "--apply: is 0; give 1 or more"),
         (["--pages", f"{__file__}/pages"], "is no folder; name another folder"),
     ],

@@ -186,7 +186,7 @@ BOMBS = {
     "link": b'{"model": {"file": "link.json"}}',
     "not text": b"\xff\xfe",
     "types": b'{"model": {"file": 7}}',
-    "load": b'{"model": {"file": "tower.json", "loads": 7}}',
+    "load": b'{"model": {"file": "tower.json", "load": true}}',
     "wide": b'{"model": {"content": {"blocks": [' + b"{}," * 200_000 + b"{}]}}}",
 }
 

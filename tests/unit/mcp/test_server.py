@@ -180,7 +180,7 @@ def test_an_inline_tower_carries_its_weight(session: Session) -> None:
     assert (told["verdict"], told["asked"]["blocks"]) == ("stable", 3)
     assert told["most_loaded"][0]["normal"] == pytest.approx(20_000.0, rel=1e-4)
     push = {"kind": "seismic", "kx": 0.7}
-    told = session.answer("check", model={**model, "loads": [push]})
+    told = session.answer("check", model={**model, "load": [push]})
     assert told["verdict"] == "unstable"
 
 
@@ -241,7 +241,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "negative friction": ({"file": "shelf.json", "friction": -1.0}, "friction"),
     "a wrong key": ({"file": "shelf.json", "frictoin": 0.6}, "frictoin"),
     "load on nothing": (
-        {"file": "shelf.json", "loads": [{"kind": "mass", "block": "x", "mass": 1.0}]},
+        {"file": "shelf.json", "load": [{"kind": "mass", "block": "x", "mass": 1.0}]},
         "'x'",
     ),
 }

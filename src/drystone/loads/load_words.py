@@ -1,55 +1,62 @@
-"""Loads on the command line: forces, masses and moments on blocks, earthquakes, cases of a file."""
+"""Loads in words: forces, masses and moments on blocks, earthquakes, cases of a file."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TypeAlias
 
+from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.offered import LOADS, Option
-from drystone.cli.options import vector
-
-if TYPE_CHECKING:
-    from drystone.assembly import Assembly
-    from drystone.loads import LoadCase
+from drystone.loads.case import LoadCase
 
 _Direction: TypeAlias = tuple[float, float, float]
 
-Loads: TypeAlias = Annotated[
-    tuple[str, ...],
-    Option(
-        "A load at the centroid of a block or at a point in m: a force such as 0,0,-500 in N, 2kN "
-        "along gravity, a mass 80kg, a moment m=0,0,25 in N m. Can be given several times.",
-        LOADS,
-        metavar="BLOCK:WHAT[@X,Y,Z]",
-    ),
-]
-Seismic: TypeAlias = Annotated[
-    str | None,
-    Option(
-        "Horizontal forces as shares of the weight, along x and y.",
-        LOADS,
-        metavar="KX,KY",
-        expert=True,
-    ),
-]
-
-Moves: TypeAlias = Annotated[
-    tuple[str, ...],
-    Option(
-        "Motion of a support: a translation in m, and a rotation vector in degrees about its "
-        "centroid. Can be given several times.",
-        LOADS,
-        metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
-    ),
-]
 _EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
-def _parsed_load(
-    text: str, assembly: Assembly, where: str = "--load", gravity: _Direction | None = None
+def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
+    """Three finite numbers separated by commas, such as the example.
+
+    Raises
+    ------
+    InputError
+        Not three, or not finite.
+    """
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+    if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
+        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
+    return values[0], values[1], values[2]
+
+
+def gravity_vector(text: str) -> tuple[float, float, float]:
+    """Acceleration (3,) [m/s2] from its size or its components.
+
+    Raises
+    ------
+    InputError
+        Neither one number above zero nor three that are not all zero.
+    """
+    if "," in text:
+        given = vector(text)
+        if given == (0.0, 0.0, 0.0):
+            raise InputError("is zero", remedy="give a direction")
+        return given
+    try:
+        size = float(text)
+    except ValueError as error:
+        raise InputError(f"'{text}' is neither a number nor X,Y,Z", remedy="write 9.81") from error
+    if not 0.0 < size < float("inf"):
+        raise InputError(f"is {text}", remedy="give a number above zero")
+    return (0.0, 0.0, -size)
+
+
+def load_of_words(
+    text: str, assembly: Assembly, where: str = "load", gravity: _Direction | None = None
 ) -> LoadCase:
     """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
 
@@ -58,8 +65,6 @@ def _parsed_load(
     InputError
         It cannot be read, or the block is fixed or unknown.
     """
-    from drystone.loads import LoadCase
-
     block, colon, rest = text.rpartition(":")
     what, at_sign, place = (part.strip() for part in rest.partition("@"))
     if not colon or not block:
@@ -103,7 +108,7 @@ def _components(text: str, known: dict[str, float], example: str) -> list[float]
     return values
 
 
-def _parsed_move(text: str, assembly: Assembly) -> LoadCase:
+def move_of_words(text: str, assembly: Assembly) -> LoadCase:
     """A settlement from ``BLOCK:DX,DY,DZ[,RX,RY,RZ]``.
 
     Raises
@@ -111,48 +116,25 @@ def _parsed_move(text: str, assembly: Assembly) -> LoadCase:
     InputError
         It cannot be read, or the block is unknown.
     """
-    from drystone.loads import LoadCase
-
     block, colon, rest = text.rpartition(":")
     if not colon or not block:
         raise InputError(
-            f"'{text}' names no block", where="--move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
+            f"'{text}' names no block", where="move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
         )
-    values = [_number(part, "--move") for part in rest.split(",")]
+    values = [_number(part, "move") for part in rest.split(",")]
     try:
         turned = [math.radians(value) for value in values[3:]]
         return LoadCase.settlement(assembly, block, values[:3] + turned)
     except InputError as error:
-        raise error.located("--move") from error
+        raise error.located("move") from error
 
 
-def _parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
+def seismic_of_words(text: str, assembly: Assembly) -> LoadCase:
     """A load case from ``KX,KY``."""
-    from drystone.loads import LoadCase
-
     parts = text.split(",")
     if len(parts) not in (1, 2):
-        raise InputError(f"'{text}' is not KX,KY", where="--seismic", remedy="write 0.1,0")
-    return LoadCase.seismic(assembly, *(_number(part, "--seismic") for part in parts))
-
-
-def loaded(
-    assembly: Assembly,
-    base: LoadCase,
-    loads: Iterable[str] | None,
-    seismic: str | None,
-    moves: Iterable[str] | None = None,
-    gravity: _Direction | None = None,
-) -> LoadCase:
-    """The base load plus the loads of the options."""
-    total = base
-    for text in loads or ():
-        total = total + _parsed_load(text, assembly, gravity=gravity)
-    if seismic is not None:
-        total = total + _parsed_seismic(seismic, assembly)
-    for text in moves or ():
-        total = total + _parsed_move(text, assembly)
-    return total
+        raise InputError(f"'{text}' is not KX,KY", where="seismic", remedy="write 0.1,0")
+    return LoadCase.seismic(assembly, *(_number(part, "seismic") for part in parts))
 
 
 def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
@@ -163,8 +145,6 @@ def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
     InputError
         A factor is not a number, or the file has no such case.
     """
-    from drystone.loads import LoadCase
-
     known = {case.name: case for case in cases}
     parts = []
     for text in texts:
@@ -172,9 +152,9 @@ def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
         if name not in known:
             names = ", ".join(f"'{case}'" for case in known) or "none"
             raise InputError(
-                f"no load case is called '{name}'", where="--case", remedy=f"the file has {names}"
+                f"no load case is called '{name}'", where="case", remedy=f"the file has {names}"
             )
-        parts.append((_number(factor, "--case") if star else 1.0, known[name]))
+        parts.append((_number(factor, "case") if star else 1.0, known[name]))
     return LoadCase.combine(parts, " + ".join(texts))
 
 
@@ -196,7 +176,7 @@ def chosen_case(
         if case.name == text:
             return case
     if text.startswith("seismic:"):
-        return _parsed_seismic(text.removeprefix("seismic:"), assembly)
+        return seismic_of_words(text.removeprefix("seismic:"), assembly)
     if ":" not in text:
         names = ", ".join(f"'{case.name}'" for case in known) or "none"
         raise InputError(
@@ -204,7 +184,7 @@ def chosen_case(
             where="CASE",
             remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
         )
-    return _parsed_load(text, assembly, "CASE", gravity)
+    return load_of_words(text, assembly, "CASE", gravity)
 
 
 def _number(text: str, where: str) -> float:

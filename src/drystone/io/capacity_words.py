@@ -1,33 +1,20 @@
-"""The option of joint capacities: one for all joints, or a table."""
+"""Joint capacities in words: one for all joints, or a table."""
 
 from __future__ import annotations
 
 import csv
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import numpy as np
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.offered import CONTACTS, Option
-
-if TYPE_CHECKING:
-    from drystone.joint_capacity import JointCapacity
-    from drystone.model import Model
+from drystone.base.files import read_bytes
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.model import Model
 
 NAMES = ("tension", "cohesion", "shear")
-_WHERE = "--joint-capacity"
+_WHERE = "joint_capacity"
 _EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
-
-JointCapacities: TypeAlias = Annotated[
-    str | None,
-    Option(
-        "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and "
-        f"bending moment in Nm, such as {_EXAMPLE}; or a table "
-        "block_a,block_b,tension,cohesion,shear in N.",
-        CONTACTS,
-        metavar="WHAT|FILE.csv",
-        expert=True,
-    ),
-]
 
 
 def with_joint_capacity(model: Model, text: str) -> Model:
@@ -44,8 +31,6 @@ def with_joint_capacity(model: Model, text: str) -> Model:
 
 
 def _of_words(model: Model, text: str) -> JointCapacity:
-    from drystone.joint_capacity import JointCapacity
-
     known = units.PRESSURES | units.FORCES, units.MOMENTS
     found: dict[str, float] = {}
     stress: dict[str, bool] = {}
@@ -67,11 +52,6 @@ def _of_words(model: Model, text: str) -> JointCapacity:
 
 
 def _of_table(model: Model, path: str) -> JointCapacity:
-    import numpy as np
-
-    from drystone.base.files import read_bytes
-    from drystone.joint_capacity import NO_LIMIT, JointCapacity
-
     lines = read_bytes(path).decode("utf-8-sig", "replace").splitlines()
     try:
         rows = list(csv.reader(lines, strict=True))

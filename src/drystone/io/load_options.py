@@ -1,0 +1,158 @@
+"""The loads of a model as they are asked for: gravity, words, cases of the file, earthquakes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.errors import InputError
+from drystone.io.jsontext import Field
+from drystone.io.load_parts import load_of_parts
+from drystone.loads import LoadCase
+from drystone.loads.load_words import combined, gravity_vector, load_of_words, seismic_of_words
+
+
+@dataclass(frozen=True, eq=True)
+class Loads:
+    """Loads by the names of the arguments of :func:`drystone.read`.
+
+    Attributes
+    ----------
+    gravity
+    load
+        Words, parts as in our JSON, or several of both, which are added; else the whole load.
+    case
+    seismic
+
+    Raises
+    ------
+    InputError
+        Some contradict each other.
+    """
+
+    gravity: Any = None
+    load: Any = None
+    case: str | Sequence[str] = ()
+    seismic: Any = None
+
+    def __post_init__(self) -> None:
+        if self.case and self.acceleration is not None:
+            raise InputError(
+                "the cases of the file have their own weight",
+                where="case",
+                remedy="leave out --gravity and --density",
+            )
+        if self.gravity is not None and self._whole is not None:
+            raise InputError("contradicts load", where="gravity", remedy="give one of them")
+
+    @cached_property
+    def acceleration(self) -> Any:
+        """The whole load that is given, gravity (3,) [m/s2] or another; ``None`` where none is."""
+        if self.gravity is None:
+            return self._whole
+        given = self.gravity
+        text = given if isinstance(given, str) else ",".join(map(repr, np.ravel(given).tolist()))
+        try:
+            return gravity_vector(text)
+        except InputError as error:
+            raise error.located("gravity") from error
+
+    @property
+    def _added(self) -> list[Any]:
+        """Words and parts."""
+        given = [self.load] if isinstance(self.load, str | Mapping) else self.load
+        words = isinstance(given, list | tuple) and all(
+            isinstance(one, str | Mapping) for one in given
+        )
+        return list(given) if words else []
+
+    @property
+    def _whole(self) -> Any:
+        empty = isinstance(self.load, list | tuple) and not self.load
+        return None if self._added or empty else self.load
+
+    def on(
+        self,
+        assembly: Assembly,
+        cases: Sequence[LoadCase] = (),
+        *,
+        own_weight: bool = False,
+        base: LoadCase | None = None,
+    ) -> tuple[LoadCase, list[str]]:
+        """The load case of an assembly, and what is to be said of it.
+
+        Parameters
+        ----------
+        assembly
+        cases
+            Of the file; the first is used where nothing else is asked for.
+        own_weight
+            Whether the density is another than that of the file.
+        base
+            The load to which others are added, where no whole load is given.
+        """
+        notes: list[str] = []
+        whole = self.acceleration
+        if self.case:
+            if own_weight:
+                raise InputError(
+                    "the cases of the file have their own weight",
+                    where="case",
+                    remedy="leave out --gravity and --density",
+                )
+            total = combined([self.case] if isinstance(self.case, str) else self.case, cases)
+        elif whole is None and base is not None:
+            total = base
+        elif whole is None and cases and not own_weight:
+            total = cases[0]
+            notes.append(f"the load case '{total.name}' of the file is used")
+        else:
+            total = LoadCase.of(assembly, whole)
+            if cases and not _is_weight(assembly, cases[0]):
+                what = "another load"
+                if self.gravity is not None or own_weight:
+                    what = "gravity" if self.gravity is not None else "density"
+                notes.append(
+                    f"the load case '{cases[0].name}' of the file is not used: {what} was given; "
+                    "--case adds up cases of the file"
+                )
+        gravity = whole if self.gravity is not None else None
+        if self._added:
+            total = total + added(self._added, assembly, gravity)
+        if self.seismic is not None:
+            text = ",".join(str(one) for one in np.atleast_1d(self.seismic).tolist())
+            total = total + seismic_of_words(text, assembly)
+        return total, [*notes, *total.notes]
+
+
+def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
+    """The sum of loads in words, and of parts as in our JSON.
+
+    Raises
+    ------
+    InputError
+        One cannot be read.
+    """
+    each = [given] if isinstance(given, str | Mapping) else list(given)
+    cases = [
+        load_of_words(one, assembly, gravity=gravity)
+        if isinstance(one, str)
+        else load_of_parts(Field([one], "", Path("load")), assembly, "load")
+        for one in each
+    ]
+    return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
+
+
+def _is_weight(assembly: Assembly, case: LoadCase) -> bool:
+    """Whether a load case accelerates all free blocks alike along -z, and does nothing else."""
+    free = ~assembly.fixed
+    each = case.wrench[free, :3] / assembly.mass[free, None]
+    size = float(np.abs(each).max(initial=0.0))
+    alike = np.abs(each - np.array([0.0, 0.0, -size])).max(initial=0.0) <= 1e-9 * size
+    return bool(alike) and not case.wrench[free, 3:].any() and case.motion is None

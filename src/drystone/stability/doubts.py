@@ -1,0 +1,153 @@
+"""What is doubtful about a model before it is checked, and the option that would settle it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drystone.base import units
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.detection.advice import rounded_up
+from drystone.detection.reasons import Reason
+from drystone.io import files_at, format_of
+from drystone.io.several import Paths
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.stability.check_options import CheckOptions
+from drystone.stability.verdict import check
+from drystone.supports import select
+
+_FRICTION = 3.0
+"""Chosen: rough stone on stone has at most 1.5."""
+_LARGE = 30.0
+"""[m] Chosen: the largest stone that was ever cut is 25 m long."""
+_SMALL = 1e-3
+"""[m] Chosen."""
+_MOST = 500
+"""Blocks up to which a model is tried on its other side. Chosen: the quick check takes 0.4 s."""
+_BEDS = 0.6
+"""With more of the area of its joints level, a model lies on its beds. Chosen."""
+_Y = (0.0, 1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Doubt(OneLine):
+    """Something that may not be meant.
+
+    Attributes
+    ----------
+    text
+        A question.
+    how
+        Arguments of :func:`drystone.read` with which it would be otherwise.
+    """
+
+    text: str
+    how: Mapping[str, Any]
+
+    @property
+    def option(self) -> str:
+        """The same on the command line."""
+        return " ".join(f"--{name} {value}" for name, value in self.how.items())
+
+
+def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]:
+    """What may not be meant, before anything is solved.
+
+    Only the last kind, of a model that may lie on its side, takes the time of a quick check.
+
+    Parameters
+    ----------
+    model
+    path, how
+        What it was read from, and the arguments; see :func:`drystone.read`.
+    """
+    friction = how.get("friction")
+    if isinstance(friction, float | int) and friction > _FRICTION:
+        degrees = f"{friction:g}deg"
+        yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?",
+                    {"friction": degrees})  # fmt: skip
+    unit = _other_unit(model, how.get("units"))
+    if unit:
+        size = units.extent([float(np.median(_extent(model)))])
+        yield Doubt(f"the median block is {size} long: is the file in {unit}?", {"units": unit})
+    yield from _apart(model)
+    if unit == "" and _may_lie(model, path, how) and _stands_upright(model, str(how["supports"])):
+        yield Doubt(
+            "it falls as it is, and stands with y up: does y point up in the file?", {"up": "y"}
+        )
+
+
+def _extent(model: Model) -> Any:
+    """The longest side (n,) [m] of the box of each block."""
+    bounds = model.assembly.bounds
+    return (bounds[:, 1] - bounds[:, 0]).max(axis=1)
+
+
+def _other_unit(model: Model, given: str | None) -> str:
+    """The unit with which blocks have a size that they can have; empty where they do."""
+    size = float(np.median(_extent(model)))
+    if _SMALL <= size <= _LARGE:
+        return ""
+    in_file = size / units.UNITS[given or "m"]
+    for unit in ("m", "mm", "cm"):
+        if unit != (given or "m") and 10 * _SMALL <= in_file * units.UNITS[unit] <= _LARGE:
+            return unit
+    return ""
+
+
+def _apart(model: Model) -> Iterator[Doubt]:
+    """Blocks that touch nothing, and that a wider gap would join."""
+    report = model.report
+    if report is None or not report.isolated:
+        return
+    alone = set(report.isolated)
+    missed = [
+        one
+        for one in report.missed
+        if one.reason is Reason.GAP
+        and not one.joined
+        and not np.isnan(one.needed)
+        and alone & {one.block_a, one.block_b}
+    ]
+    if missed:
+        gap = rounded_up(max(one.needed for one in missed), 2)
+        pairs = {(one.block_a, one.block_b) for one in missed}
+        most = max(abs(one.gap) for one in missed)
+        yield Doubt(
+            f"{counted(len(alone), 'block touches', 'blocks touch')} nothing, and "
+            f"{counted(len(pairs), 'pair is', 'pairs are')} up to {1e3 * most:.3g} mm apart: are "
+            "they meant to touch?",
+            {"gap": f"{gap:g}"},
+        )
+
+
+def _may_lie(model: Model, path: Paths, how: Mapping[str, Any]) -> bool:
+    """Whether the axes of the file are not known, and it is not all bed joints."""
+    known = how.get("up", "z") != "z" or how.get("gravity") is not None or len(model) > _MOST
+    if known or not how.get("supports") or not model.contacts.count:
+        return False
+    if not all(format_of(file).axes_unknown for file in files_at(path)):
+        return False
+    contacts = model.contacts
+    along = contacts.area @ contacts.frame[:, 0] ** 2
+    return bool(along[2] < _BEDS * along.sum())
+
+
+def _stands_upright(model: Model, supports: str) -> bool:
+    """Whether it does not stand as it is, and does with its y axis up."""
+    try:
+        turned = select(model.assembly, supports, up=_Y, joints=model.joints)
+    except InputError:
+        return False
+    if turned.fixed.all():
+        return False
+    quick = CheckOptions(settle=False)
+    if check(model, options=quick).stable:
+        return False
+    down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
+    return check(replace(model, assembly=turned, load=down), options=quick).stable

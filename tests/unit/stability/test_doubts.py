@@ -1,0 +1,81 @@
+"""What may not be meant is said before anything is solved, with the option that would settle it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import io
+from drystone.assembly import Assembly
+from drystone.cli import main
+from drystone.models import box, tower, vault
+from drystone.stability.doubts import doubts
+
+Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+
+def options(path: Path, **how: object) -> list[str]:
+    model = drystone.read(path, **how)
+    return [one.option for one in doubts(model, path, how)]
+
+
+def written(assembly: Assembly, path: Path) -> Path:
+    io.write(assembly, path)
+    return path
+
+
+def test_nothing_is_doubtful_about_a_tower(tmp_path: Path) -> None:
+    path = written(tower(3), tmp_path / "tower.obj")
+    assert options(path, supports="lowest", friction=0.7) == []
+
+
+def test_a_friction_above_that_of_stone_may_be_an_angle(tmp_path: Path) -> None:
+    path = written(tower(3), tmp_path / "tower.json")
+    assert options(path, friction=30.0) == ["--friction 30deg"]
+    assert options(path, friction="30deg") == []
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1e3, "mm"), (1.0, ""), (1e2, "cm")])
+def test_blocks_of_an_improbable_size_may_be_in_another_unit(
+    tmp_path: Path, scale: float, unit: str
+) -> None:
+    path = written(tower(3, edge=scale), tmp_path / "tower.obj")
+    expected = {"mm": ["--units mm"], "cm": ["--units mm"], "": []}[unit]
+    assert options(path, supports="lowest") == expected
+
+
+def test_blocks_that_nearly_touch_are_joined_by_a_wider_gap(tmp_path: Path) -> None:
+    blocks = (box((1.0, 1.0, 1.0), name="low"), box((1.0, 1.0, 1.0), (0.0, 0.0, 1.012), name="up"))
+    path = written(Assembly(blocks), tmp_path / "apart.obj")
+    (option,) = options(path, supports="low")
+    assert option.startswith("--gap ")
+    gap = option.removeprefix("--gap ")
+    joined = drystone.read(path, supports="low", gap=gap)
+    assert joined.contacts.count == 1
+    assert options(path, supports="low", gap="13mm") == []
+
+
+def test_a_model_that_stands_on_its_other_side_may_lie(tmp_path: Path) -> None:
+    path = written(vault().transformed(Y_UP), tmp_path / "lying.obj")
+    assert options(path, supports="lowest") == ["--up y"]
+    assert options(path, supports="lowest", up="y") == []
+
+
+def test_what_is_doubtful_is_asked_in_a_terminal_and_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tower(3), tmp_path / "tower.json")
+    asked: list[str] = []
+
+    def answer(_: object, question: str) -> bool:
+        asked.append(question)
+        return True
+
+    monkeypatch.setattr("drystone.cli.waiting.Waiting.ask", answer)
+    assert main(["check", str(path), "--friction", "30"]) == 0
+    (question,) = asked
+    assert question.endswith("are degrees meant? Use --friction 30deg?")
+    out = capsys.readouterr().out
+    assert "friction 0.5774" in out
+    assert "degrees meant" not in out
