@@ -160,6 +160,18 @@ class _WedgeSearch:
 
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
+        starts, log = self.starts(layouts)
+        found: list[tuple[_Wedged, _Wedged]] = []
+        for first in starts[:_DEEPENED]:
+            best = improved(first, self.proposals, self.late)
+            found.append((best, first))
+            if not any(best.rank[0]) or self.late():
+                break
+        best, first = min(found, key=lambda one: one[0].rank)
+        return self.answer(best, first, log)
+
+    def starts(self, layouts: list[Layout]) -> tuple[list[_Wedged], list[str]]:
+        """The layouts with the shallowest wedges, those first that need least help; and a log."""
         log: list[str] = []
         starts: list[_Wedged] = []
         for done, layout in enumerate(layouts):
@@ -180,15 +192,7 @@ class _WedgeSearch:
             raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
         if not starts:
             raise InputError("the search was stopped before its first plan", remedy="give it time")
-        starts.sort(key=lambda one: one.rank[0])
-        found: list[tuple[_Wedged, _Wedged]] = []
-        for first in starts[:_DEEPENED]:
-            best = improved(first, self.proposals, self.late)
-            found.append((best, first))
-            if not any(best.rank[0]) or self.late():
-                break
-        best, first = min(found, key=lambda one: one[0].rank)
-        return self.answer(best, first, log)
+        return sorted(starts, key=lambda one: one.rank[0]), log
 
     def answer(self, best: _Wedged, first: _Wedged, log: list[str]) -> Buildable:
         """The best shell, and the bed lines of it with deeper wedges than at first."""

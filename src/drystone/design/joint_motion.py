@@ -260,17 +260,9 @@ def _joints_with(
 
 def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     them = "it" if len(blocks) == 1 else "them"
-    ways = []
+    ways = _supports(model, blocks, needs)
     missing = ""
-    props = needs.props.props
-    if len(props) == 1:
-        at = "" if len(blocks) == 1 else f" on '{model.assembly.names[props[0].block]}'"
-        ways.append(f"a support{at} that takes {newtons(props[0].size)} at {place(props[0].point)}")
-    elif props:
-        total = newtons(sum(one.size for one in props))
-        on = names_of(model, [one.block for one in props])
-        ways.append(f"{len(props)} supports on {on} that take {total} together")
-    elif float(np.linalg.norm(needs.force)) > 0.0:
+    if not ways and float(np.linalg.norm(needs.force)) > 0.0:
         missing = f"{force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
@@ -284,3 +276,16 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         ways.append(glue_words(model, needs.glue[0].at, needs.glue[0].value))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""
     return "; ".join(part for part in (missing, hold) if part)
+
+
+def _supports(model: Model, blocks: tuple[int, ...], needs: Needs) -> list[str]:
+    """The props that hold it; none where none were found."""
+    props = needs.props.props
+    if not props:
+        return []
+    total = newtons(sum(one.size for one in props))
+    if len(props) > 1:
+        on = names_of(model, [one.block for one in props])
+        return [f"{len(props)} supports on {on} that take {total} together"]
+    at = "" if len(blocks) == 1 else f" on '{model.assembly.names[props[0].block]}'"
+    return [f"a support{at} that takes {total} at {place(props[0].point)}"]

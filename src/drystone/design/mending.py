@@ -13,6 +13,7 @@ from drystone.base.workers import WorkerPool
 from drystone.design.changed import Changed, Kept
 from drystone.design.mends import MendOptions, Mends, find_mends, kept_blocks, stands_already
 from drystone.io.opening import Given, How, as_model
+from drystone.results import Result
 
 _ROUNDS = 20
 """Largest number of mends of :func:`mend`. Chosen."""
@@ -83,12 +84,11 @@ def mend(
                 break
     if stands:
         log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))
-    elif len(steps) == _ROUNDS or clock.reason:
-        falls = f": {named(result.falling_names)} would still fall" if result.falling else ""
+    elif clock.reason or len(steps) == _ROUNDS:
         why = clock.reason or f"ended after {counted(len(steps), 'mend')}"
-        log.append(f"{why}{falls}")
+        log.append(f"{why}; {_left(result)}")
     else:
-        log += [*passed.values(), _left(found)]
+        log += [*passed.values(), found.message or _left(result)]
     words = "; ".join(one.description for one in steps)
     return Changed(before, model, result, stands, words, tuple(steps), tuple(log))
 
@@ -106,10 +106,7 @@ def _hopeless(found: Mends) -> dict[frozenset[str], str]:
     }
 
 
-def _left(found: Mends) -> str:
+def _left(result: Result) -> str:
     """What still falls."""
-    names, regions = found.diagnosis.model.assembly.names, found.diagnosis.regions
-    if not regions:
-        return found.message or "no mend was tried"
-    falling = [names[i] for region in regions for i in region.blocks]
-    return f"it still falls: {named(falling)}"
+    falling = result.falling_names
+    return f"it still falls: {named(falling)}" if falling else result.message

@@ -181,20 +181,9 @@ def find_mends(
     clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
-    first = chosen.margin.holds(model, clock.late)
-    if chosen.margin.meets(first):
-        why = diagnose(first.model, result=first)
-        return Mends(why, message=stands_already(chosen.margin))
-    # what stands for some stiffnesses only is mended as it falls with the uniform one
-    falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
-    found = diagnose(
-        first.model, result=falls, executor=executor, progress=progress, stop=clock.late
-    )
-    if not found.regions:
-        told = found.reasons[0]
-        if first.stable:
-            told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
-        return Mends(found, message=told)
+    found, message = _fallen(model, chosen.margin, clock, executor)
+    if message:
+        return Mends(found, message=message)
     tell_one = found_one or bool
     mends: list[Changed] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
@@ -221,6 +210,25 @@ def find_mends(
             mended += bool(own)
             mends += sorted(own, key=_rank)
     return Mends(found, tuple(mends), tuple(tried))
+
+
+def _fallen(
+    model: Model, margin: DesignMargin, clock: Clock, executor: Workers | None
+) -> tuple[Diagnosis, str]:
+    """Why a model falls in the first case of a margin that falls, or why nothing is mended."""
+    first = margin.holds(model, clock.late)
+    if margin.meets(first):
+        return diagnose(first.model, result=first), stands_already(margin)
+    # what stands for some stiffnesses only is mended as it falls with the uniform one
+    falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
+    found = diagnose(
+        first.model, result=falls, executor=executor, progress=clock.progress, stop=clock.late
+    )
+    if found.regions:
+        return found, ""
+    if first.stable:
+        return found, f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
+    return found, found.reasons[0]
 
 
 def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:

@@ -118,35 +118,52 @@ def search_needs(bench: Bench, needs: Needs) -> Iterator[dict[str, Any]]:
     ------
     Stopped
     """
-    local, count = bench.local, len(bench.own)
-    small, joints = count <= SMALL_REGION, range(local.contacts.count)
     few = SMALL_REGION if bench.large else SEARCHED
-    neediest = sorted(bench.own, key=lambda i: -float(np.linalg.norm(needs.wrench[i, :3])))[:few]
-    shares = SHARES if small else SHARES[:1]
-    found = find_props(local, bench.own, bench.motion, bench.stop, single=neediest, shares=shares)
+    size = np.linalg.norm(needs.wrench[:, :3], axis=1)
+    neediest = np.argsort(-size, kind="stable")[:few].tolist()
+    small = len(bench.own) <= SMALL_REGION
+    found = find_props(
+        bench.local, bench.own, bench.motion, bench.stop, single=neediest,
+        shares=SHARES if small else SHARES[:1],
+    )  # fmt: skip
     yield {"props": found.renumbered(bench.blocks)}
-    if joints:
-        value = bench.least(friction_change(local, joints, ""))
-        yield {"friction": None if value is None else round(value, 6)}
-    if count <= SEARCHED and acceleration_of(local).any():
-        weights = [ballast_change(local, count, i) for i in bench.own]
+    yield {"friction": _friction(bench)}
+    if len(bench.own) <= SEARCHED and acceleration_of(bench.local).any():
+        weights = [ballast_change(bench.local, len(bench.own), i) for i in bench.own]
         yield {"ballast": _smallest(bench, weights, bench.region)}
     if small:
-        turns, at = [], []
-        for k, side in product(joints, (1.0, -1.0)):
-            with contextlib.suppress(InputError):  # it is not plane
-                turns.append(joint_change(local, "turn", [k], side))
-                at.append(int(bench.interfaces[k]))
-        yield {"turn": _smallest(bench, turns, at)}
+        yield {"turn": _turn(bench)}
     if not bench.large:
-        inner = {int(whole): k for k, whole in enumerate(bench.interfaces)}
-        pulling = [(inner[pull.interface], pull.force) for pull in needs.pulls]
-        glue = []
-        for some, change in glue_changes(local, count, pulling, SMALL_REGION).items():
-            value = bench.least(replace(change, steps=change.steps[-1:]))
-            if value is not None:
-                glue.append(Need(value, tuple(bench.interfaces[list(some)].tolist())))
-        yield {"glue": tuple(sorted(glue, key=lambda one: one.value))}
+        yield {"glue": _glue(bench, needs.pulls)}
+
+
+def _friction(bench: Bench) -> float | None:
+    """The least coefficient of all joints."""
+    joints = range(bench.local.contacts.count)
+    value = bench.least(friction_change(bench.local, joints, "")) if joints else None
+    return None if value is None else round(value, 6)
+
+
+def _turn(bench: Bench) -> Need | None:
+    """The least turn of a joint, to either side."""
+    turns, at = [], []
+    for k, side in product(range(bench.local.contacts.count), (1.0, -1.0)):
+        with contextlib.suppress(InputError):  # it is not plane
+            turns.append(joint_change(bench.local, "turn", [k], side))
+            at.append(int(bench.interfaces[k]))
+    return _smallest(bench, turns, at)
+
+
+def _glue(bench: Bench, pulls: Sequence[Pull]) -> tuple[Need, ...]:
+    """Glue alone, the least strength first."""
+    inner = {int(whole): k for k, whole in enumerate(bench.interfaces)}
+    pulling = [(inner[pull.interface], pull.force) for pull in pulls]
+    found = []
+    for some, change in glue_changes(bench.local, len(bench.own), pulling, SMALL_REGION).items():
+        value = bench.least(replace(change, steps=change.steps[-1:]))
+        if value is not None:
+            found.append(Need(value, tuple(bench.interfaces[list(some)].tolist())))
+    return tuple(sorted(found, key=lambda one: one.value))
 
 
 def _smallest(bench: Bench, changes: Sequence[Change], at: Sequence[int]) -> Need | None:

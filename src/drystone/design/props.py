@@ -15,7 +15,7 @@ from drystone.base.errors import counted
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
 from drystone.design.margin import LARGE_REGION, quickly_stands, rest_found
-from drystone.free_faces import free_parts
+from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
 from drystone.model import Model
@@ -129,24 +129,27 @@ def seats(
     half = 0.5 * HEAD * body.size
     load = model.load.wrench[block, :3]
     for part in free_parts(model, block):
-        frame, shape = part.frame, part.shape
         speed = motion[:3] + np.cross(motion[3:], part.middle - body.centroid)
         forward = bool(part.normal @ speed > _AGAINST * np.linalg.norm(speed))
         lower = bool(part.normal @ load > _AGAINST * np.linalg.norm(load))
-        if part.area < half**2 or (forward or not lower if low else not forward):
-            continue
-        down = frame[1:] @ np.array([0.0, 0.0, -1.0])
-        steep = float(np.linalg.norm(down))
-        along = down / steep if steep > _AGAINST else np.array([1.0, 0.0])
-        centre = part.inside
-        reach = (np.array(shape.exterior.coords) - centre) @ along
-        for share in shares:
-            at = centre + share * (reach.max() if share > 0.0 else -reach.min()) * along
-            head = shapely.intersection(shapely.box(*(at - half), *(at + half)), shape)
-            if head.geom_type == "Polygon" and head.area > half**2:
-                ring = np.array(shapely.geometry.polygon.orient(head).exterior.coords)[:-1]
-                outline = frozen(part.origin + ring @ frame[1:])
-                yield PropSeat(block, outline, frozen(frame[0]), part.covered)
+        if part.area >= half**2 and (lower and not forward if low else forward):
+            yield from _heads(part, block, half, shares)
+
+
+def _heads(part: FreePart, block: int, half: float, shares: Sequence[float]) -> Iterator[PropSeat]:
+    """Heads of a size on a free part of a face, where they fit."""
+    frame, shape, centre = part.frame, part.shape, part.inside
+    down = frame[1:] @ np.array([0.0, 0.0, -1.0])
+    steep = float(np.linalg.norm(down))
+    along = down / steep if steep > _AGAINST else np.array([1.0, 0.0])
+    reach = (np.array(shape.exterior.coords) - centre) @ along
+    for share in shares:
+        at = centre + share * (reach.max() if share > 0.0 else -reach.min()) * along
+        head = shapely.intersection(shapely.box(*(at - half), *(at + half)), shape)
+        if head.geom_type == "Polygon" and head.area > half**2:
+            ring = np.array(shapely.geometry.polygon.orient(head).exterior.coords)[:-1]
+            outline = frozen(part.origin + ring @ frame[1:])
+            yield PropSeat(block, outline, frozen(frame[0]), part.covered)
 
 
 def propped(model: Model, seat: PropSeat) -> Model:

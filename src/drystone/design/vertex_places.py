@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
@@ -14,8 +13,9 @@ from scipy.spatial import cKDTree
 from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
-from drystone.design.vertex_measures import BlockVertices, owners_of, vertices_of
+from drystone.design.vertex_measures import BlockVertices, vertices_of
 from drystone.geometry.polygon import area_vector
+from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
 TOGETHER = 1e-6
@@ -262,25 +262,23 @@ def slides(model: Model, places: Places) -> list[Floats]:
     InputError
         No joint has such ends.
     """
-    edges: list[set[tuple[int, int]]] = [set() for _ in range(len(model))]
     start = BlockVertices.of(model.assembly).start
+    beside: list[dict[int, set[int]]] = []  # of each block: the places that edges lead to
     for i, block in enumerate(model.assembly.blocks):
-        for loop in block.faces:
-            ring = places.group[int(start[i]) + np.array([*loop, loop[0]])].tolist()
-            for one, other in pairwise(ring):
-                if one != other:
-                    edges[i] |= {(one, other), (other, one)}
-    at = [{one for one, _ in each} for each in edges]
-    owner = owners_of(model.assembly)
+        found: dict[int, set[int]] = {}
+        for one, other in edges_of(block.faces).tolist():
+            ends = places.group[[start[i] + one, start[i] + other]].tolist()
+            if ends[0] != ends[1]:
+                found.setdefault(ends[0], set()).add(ends[1])
+                found.setdefault(ends[1], set()).add(ends[0])
+        beside.append(found)
     ways = []
     for place in range(places.count):
-        blocks = np.unique(owner[places.group == place]).tolist()
-        ends: list[int] = []
-        if len(blocks) == 2:
-            shared = at[blocks[0]] & at[blocks[1]]
-            away = [{b for a, b in edges[i] if a == place} - shared for i in blocks]
-            ends = [next(iter(one)) for one in away if len(one) == 1]
-        if len(ends) != 2:
+        at = [found for found in beside if place in found]
+        shared = at[0].keys() & at[-1].keys() if at else set()
+        away = [found[place] - shared for found in at]
+        ends = [next(iter(one)) for one in away if len(one) == 1]
+        if len(at) != 2 or len(ends) != 2:
             ways.append(np.zeros((0, 3)))
             continue
         along = places.point[ends[1]] - places.point[ends[0]]
