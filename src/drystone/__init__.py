@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.display import draw_with
+from drystone.base.forks import free_in_forks
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
@@ -101,6 +102,7 @@ def _beside(value: object) -> str:
 
 
 draw_with(_beside)
+free_in_forks()
 
 
 def __getattr__(name: str) -> Any:

@@ -8,6 +8,7 @@ only when whole analyses run in parallel.
 from __future__ import annotations
 
 import functools
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -51,5 +52,14 @@ def one_blas_thread() -> Iterator[None]:
                 for pool, count in _before:
                     pool.set_num_threads(count)
 
+
+def _alone() -> None:
+    """In a forked process no other thread is inside."""
+    global _inside, _lock
+    _inside, _lock = 0, threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_alone)
 
 __all__ = ["one_blas_thread"]

@@ -23,9 +23,9 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
+from drystone.view.around import draw_bar, draw_gravity, draw_scale_bar, write_legend, write_title
 from drystone.view.exploded import taken_apart
 from drystone.view.ink import draw_blocks, draw_layer, draw_motion
-from drystone.view.margins import draw_bar, draw_gravity, draw_scale_bar, write_legend, write_title
 from drystone.view.palette import (
     PRESETS,
     ROLE_COLOUR,

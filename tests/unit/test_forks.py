@@ -1,0 +1,36 @@
+"""A process may be forked while its threads calculate."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+FORKS = """
+import os, signal, threading
+import drystone
+from drystone.models import arch
+
+def work():
+    while True:
+        drystone.check(arch(0.15, 20), friction=0.9)
+
+drystone.check(arch(0.15, 20), friction=0.9)
+for _ in range(2):
+    threading.Thread(target=work, daemon=True).start()
+for _ in range(12):
+    child = os.fork()
+    if not child:
+        signal.alarm(60)
+        found = drystone.check(arch(0.15, 20), friction=0.9)
+        os._exit(found.verdict != "stable")
+    assert os.waitpid(child, 0)[1] == 0
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no forks")
+def test_a_child_of_a_process_whose_threads_check_is_answered() -> None:
+    # with threads of its own OpenBLAS can wait for itself in a fork
+    alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    subprocess.run([sys.executable, "-W", "ignore", "-c", FORKS], check=True, env=alone)
