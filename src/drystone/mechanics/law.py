@@ -24,6 +24,9 @@ from drystone.mechanics.statics import Statics
 COHESIVE_FRICTION = 0.1
 """Least friction coefficient in the slip length of cohesive joints: it keeps the length finite."""
 
+MOBILISED = 0.999
+"""Share of the bound from which on friction says nothing of how far a corner has slid."""
+
 
 @dataclass(frozen=True, eq=False)
 class FrictionResponse:
@@ -111,6 +114,15 @@ class SlipLength:
 
         return FrictionResponse(stiffness[..., None] * slide, slope)
 
+    def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
+        """The slide (k, 2) at which T is ``held`` (k, 2); ``slide`` where there is no bound."""
+        bound = self.bound(normal)
+        some = bound > 0.0
+        safe = np.where(some, bound, 1.0)
+        share = np.minimum(lengths(held) / safe, MOBILISED)
+        stiffness = safe * np.sqrt(1.0 - share**2) / self.slip
+        return np.where(some[:, None], held / stiffness[:, None], slide)
+
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
@@ -149,6 +161,13 @@ class StickSlip:
             )
 
         return FrictionResponse(ratio[..., None] * trial, slope)
+
+    def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
+        """The slide (k, 2) at which T is ``held`` (k, 2); where it slips, a longer ``slide``."""
+        elastic = held / self.stiffness[:, None]
+        slips = lengths(held) >= MOBILISED * self.bound(normal)
+        longer = slips & (lengths(slide) > lengths(elastic))
+        return np.where(longer[:, None], slide, elastic)
 
 
 def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:

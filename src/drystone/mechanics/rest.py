@@ -54,11 +54,11 @@ take as many steps, one more or one less."""
 IDLE_STEPS = 6
 """Steps at one tau without progress after which a fall is likely."""
 
-SINKING, MANY_STEPS = 1e-3, 12
-"""Share of a block's load on the ground from which on a fall is likely, after that many steps.
+SINKING = 1e-3
+"""Share of a block's load on the ground from which on a fall is likely.
 Measured: structures that stand, near their limits and not, carry 5e-5 at most all along the path;
 those that fall carry 1e-3 after 5 to 13 steps, or make no progress before. Towers and walls of
-hundreds of courses carry about as much although they stand; such walls take fewer steps."""
+hundreds of courses carry about as much although they stand."""
 
 
 def find_rest(
@@ -125,7 +125,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.stop, self.falls = stop, falls
         self.state: RestState | None = None
         self.polish_at = options.polish
-        self.since, self.over = 0, False
+        self.since, self.over, self.fallen = 0, False, False
         self.best = np.inf
         self.ground = options.ground * statics.mass_matrix
         self.unit = statics.corner_load**2 / self.kn
@@ -146,6 +146,8 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
 
     def solved(self, point: _Point) -> bool:
         self.state = None
+        if self.carries_much(point.motion) and self.fell():
+            return False
         if point.tau <= self.polish_at:
             self.state = self.polish(point)
             self.polish_at = point.tau * POLISH_AGAIN
@@ -156,15 +158,19 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
 
     def lost(self, sizes: Sequence[float], point: _Point) -> bool:
         options = self.options
-        del sizes
+        del sizes, point
         if self.steps >= options.iteration_limit or self.since > options.stall or self.over:
             return True
         if self.stop is not None and self.stop():
             return True
-        if self.falls is None or not (self.since >= IDLE_STEPS or self.sinks(point.motion)):
-            return False
-        asked, self.falls = self.falls, None
-        return asked()
+        return self.fallen or (self.since >= IDLE_STEPS and self.fell())
+
+    def fell(self) -> bool:
+        """Whether there is no rest state; it is asked once."""
+        if self.falls is not None:
+            asked, self.falls = self.falls, None
+            self.fallen = asked()
+        return self.fallen
 
     def accepted(self, point: _Point, trial: _Point, length: float) -> _Point:
         """Where a step has led, with a smaller tau if it may be."""
@@ -185,10 +191,6 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         if tau < before or trial.size < 0.5 * self.best:
             self.best, self.since = trial.size, 0
         return trial
-
-    def sinks(self, motion: Floats) -> bool:
-        """Whether the ground carries a large share of a block's load after many steps."""
-        return self.steps >= MANY_STEPS and self.carries_much(motion)
 
     def carries_much(self, motion: Floats) -> bool:
         """Whether the ground carries a large share of a block's load."""

@@ -36,7 +36,6 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
-from drystone.stability.screening import FROM_OTHER
 
 SENSITIVE = "sensitive to how the joints press"
 
@@ -98,8 +97,8 @@ class Asked:
             statics, count, options.seed, tangential=options.settlement.tangential
         )
         self.report("stiffness samples", 2)
-        near = rest.displacement if rest is not None and statics.dry else None
-        task = partial(_attempted, self.problem, self.clock, near)
+        known = rest if statics.dry else None
+        task = partial(_attempted, self.problem, self.clock, known)
         for number, found in enumerate(pool.answers(task, springs, self.clock.late), start=1):
             self.count(found)
             self.report("stiffness samples", min(2 + number, 2 + options.samples))
@@ -265,8 +264,8 @@ class Asked:
 
 @one_blas_thread()
 def _attempted(
-    problem: Problem, clock: Clock, near: Floats | None, springs: Compliance
+    problem: Problem, clock: Clock, rest: Candidate | None, springs: Compliance
 ) -> Candidate:
     attempt = Attempt(problem, springs, clock.late)
-    found = None if near is None else attempt.begun_at(near, FROM_OTHER)
-    return attempt.from_nothing() if found is None or not found.stands else found
+    found = None if rest is None else attempt.with_forces_of(rest)
+    return attempt.from_nothing() if found is None else found

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, SolverError
 from drystone.checks import check_forces
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
-from drystone.mechanics.nearby import find_rest_nearby
+from drystone.mechanics.nearby import find_rest_nearby, with_forces
 from drystone.mechanics.rest import POLISH_AGAIN, find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
@@ -105,19 +105,36 @@ class Attempt:
             They have another shape, or are not finite.
         """
         start = self._start(displacement)
-        state = find_rest_nearby(self.problem.statics, self.springs, AT_REST, start, self.late)
-        if state is not None:
-            self.steps += state.iterations
-            found = self._examined(state)
-            if found.stands:
-                return found
-        if screening.patient:
-            return None
+        found = self._near(start)
+        if found is not None or screening.patient:
+            return found
         numerics = screening.numerics
         # Newton's method on the unrelaxed law was tried there already
         return self._followed(
             replace(numerics, polish=POLISH_AGAIN * numerics.warm_relaxation), screening, start
         )
+
+    def with_forces_of(self, rest: Candidate) -> Candidate | None:
+        """The rest state from the forces of one with other springs, if there is one near."""
+        problem, statics = self.problem, self.problem.statics
+        force = rest.force[problem.corners] / statics.force_unit
+        motion = statics.scaled_motion(rest.displacement, statics.mean_length)
+        try:
+            start = with_forces(statics, self.springs, AT_REST, force, motion)
+        except SolverError:
+            return None
+        self.steps += 1
+        return self._near(start)
+
+    def _near(self, start: Start) -> Candidate | None:
+        """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
+        statics = self.problem.statics
+        state = find_rest_nearby(statics, self.springs, AT_REST, start, self.late)
+        if state is None:
+            return None
+        self.steps += state.iterations
+        found = self._examined(state)
+        return found if found.stands else None
 
     def from_nothing(
         self, screening: Screening = PATIENT, falls: Callable[[], bool] | None = None

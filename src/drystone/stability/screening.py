@@ -85,10 +85,6 @@ NEAREST = replace(QUICK, numerics=replace(QUICK.numerics, warm_relaxation=1e-3, 
 that do not rest take half of the time. In a vault of 366 blocks many that rest are missed. Without
 a start it is the level QUICK."""
 
-FROM_OTHER = replace(QUICK, numerics=replace(AT_REST, warm_relaxation=1e-4, stall=8, give_up=0.02))
-"""From the rest state of other stiffnesses: given up early. Measured: where it converges, on walls
-and domes, it takes 6 to 16 steps, from nothing 12 to 18; elsewhere it ends after 3 or 4."""
-
 SMOOTH = QUICK.with_slip_lengths(SLIP_LENGTH)
 
 FEW_BLOCKS, MANY_BLOCKS = 25, 100
