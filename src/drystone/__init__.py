@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
     from drystone.model import Model as Model
+    from drystone.poses import find_poses as find_poses
     from drystone.programs import solve_cra as solve_cra
     from drystone.programs import solve_cra_penalty as solve_cra_penalty
     from drystone.programs import solve_rbe as solve_rbe
@@ -65,6 +66,7 @@ _NAMES = {
     "limits": "limit_friction limit_load limit_shrink limit_thickness limit_tilt",
     "loads": "LoadCase",
     "model": "Model",
+    "poses": "find_poses",
     "programs": "solve_cra solve_cra_penalty solve_rbe",
     "results": "Result Verdict",
     "sequence": "plan",

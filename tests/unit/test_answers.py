@@ -50,6 +50,7 @@ def answers() -> Iterator[Answer]:
     yield drystone.settlement.push(tower(2), friction=0.3, to=0.01)
     moves = {"springer-right": (0.01, 0.0, 0.0)}
     yield drystone.settlement.support_response(arch(0.2, 8), moves, friction=0.9)
+    yield drystone.find_poses(box((1.0, 2.0, 3.0)))
     yield Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True)
     order = drystone.plan(stack)
     yield from (order, sequence.scaffolding(order))

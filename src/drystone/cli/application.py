@@ -122,6 +122,7 @@ app = _group(
         "mend": "mend_command",
         "models": "models_command",
         "plan": "plan_command",
+        "poses": "poses_command",
         "push": "limit_commands",
         "recut": "shaping_commands",
         "reproduce": "reproduce_command",
