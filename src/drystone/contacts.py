@@ -23,8 +23,9 @@ from drystone.base.arrays import (
 )
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, MissingDependency, counted
-from drystone.base.ragged import Ragged
-from drystone.geometry import polygon
+from drystone.base.ragged import Ragged, sum_by_owner
+from drystone.geometry import facets, polygon
+from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
 if TYPE_CHECKING:
@@ -233,6 +234,62 @@ class Contacts(OneLine):
         weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
         total = self.corners.sum(weight)
         return frozen(self.corners.sum(weight[:, None] * self.point) / total[:, None])
+
+    @cached_property
+    def joint(self) -> Ints:
+        """(m,) joint of each interface, numbered in their order.
+
+        Interfaces of the same two blocks are one joint where they are connected along edges without
+        a crease: the facets of a curved joint, or the parts of one with a hole.
+        """
+        joint = np.arange(self.count, dtype=np.intp)
+        pair = self.block_a * (self.highest_block + 1) + self.block_b
+        plane = np.flatnonzero(self.corners.counts > 2)
+        _, place, several = np.unique(pair[plane], return_inverse=True, return_counts=True)
+        some = plane[several[place.ravel()] > 1]
+        if len(some):
+            part, row = self.corners.take(some)
+            run = facets.smooth_runs(self.point[row], part.start, pair[some])
+            first = np.unique(run, return_index=True)[1]
+            joint[some] = some[first][run]
+        return frozen(np.unique(joint, return_inverse=True)[1].ravel().astype(np.intp))
+
+    @cached_property
+    def joints(self) -> Contacts:
+        """The joints as interfaces: of several facets the outline around them, in their mean plane.
+
+        The area is that of all facets, the friction their mean, weighted by area.
+        """
+        count = np.bincount(self.joint)
+        if len(count) == self.count:
+            return self
+        first = np.unique(self.joint, return_index=True)[1]
+        several = np.flatnonzero(count > 1)
+        area = self.area[first]
+        area[several] = np.bincount(self.joint, self.area)[several]
+        total = sum_by_owner(self.area[:, None] * self.frame[:, 0], self.joint, len(count))
+        frame, point = self.frame[first], [self.polygon(i) for i in first.tolist()]
+        normal = total[several] / np.linalg.norm(total[several], axis=1)[:, None]
+        frame[several] = frames_from_normals(normal)
+        corner_joint = self.joint[self.interface]
+        order = np.argsort(corner_joint, kind="stable")
+        of_joint = Ragged.from_owners(corner_joint[order], len(count))
+        for i in several.tolist():
+            point[i] = facets.outline(self.point[order[of_joint[i]]], frame[i])
+        friction = self.friction[first]
+        friction[several] = np.bincount(self.joint, self.area * self.friction)[several]
+        friction[several] /= area[several]
+        corners = Ragged.of(point)
+        return Contacts(
+            self.block_a[first],
+            self.block_b[first],
+            frame,
+            area,
+            friction,
+            np.concatenate(point),
+            corners.owner,
+            None if self.capacity is None else self.capacity.summed(self.joint),
+        )
 
     def polygon(self, interface: int) -> Floats:
         """Corners (c, 3) [m] of one interface."""

@@ -144,6 +144,11 @@ class JointCapacity(OneLine):
         """Those of some interfaces (mask or positions)."""
         return JointCapacity(*(getattr(self, f.name)[interfaces] for f in fields(self)))
 
+    def summed(self, joint: Ints) -> JointCapacity:
+        """Those of joints (m,) that consist of several interfaces."""
+        each = (np.bincount(joint, getattr(self, f.name)) for f in fields(self))
+        return JointCapacity(*(total.astype(np.float64) for total in each))
+
 
 def _capacities(values: Any, count: int, name: str) -> Floats:
     out = one_or_each(values, count, name)

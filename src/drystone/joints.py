@@ -1,4 +1,4 @@
-"""Results per interface: resultant, utilisation, eccentricity, pressure, thrust line."""
+"""Results per interface and joint: resultant, utilisation, eccentricity, pressure, thrust line."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from drystone.assembly import Assembly, Blocks
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
@@ -101,16 +102,58 @@ def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
     return Resultants(*map(frozen, (resultant, position, torque, normal, tangential)))
 
 
-def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Tangential by the largest tangential force that the joint can bear (m,); infinite for none.
+def bearable(contacts: Contacts, normal: Floats) -> Floats:
+    """The largest tangential force (m,) [N] that each interface can bear.
 
     That is friction coefficient times normal force, and cohesion, within the limit of shear.
     """
-    normal, tangential = resultants.normal, resultants.tangential
-    capacity = contacts.friction * normal
+    capacity: Floats = contacts.friction * normal
     if contacts.capacity is not None:
         bound = np.maximum(capacity + contacts.capacity.cohesion, 0.0)
         capacity = np.minimum(bound, contacts.capacity.shear)
+    return capacity
+
+
+def by_joint(
+    contacts: Contacts, resultants: Resultants, utilisation: Floats
+) -> tuple[Resultants, Floats]:
+    """Resultants and utilisation of the joints, from those of their interfaces.
+
+    The normal of a joint of several facets is their mean one. Its utilisation is the tangential
+    force of all facets by what all can bear: 1 where all slide.
+    """
+    whole, joint = contacts.joints, contacts.joint
+    if whole is contacts:
+        return resultants, utilisation
+    n = whole.frame[:, 0]
+    force = sum_by_owner(resultants.force, joint, whole.count)
+    along = dot(resultants.force, n[joint])
+    normal = np.bincount(joint, along).astype(np.float64)
+    moment = np.cross(resultants.position - whole.centroid[joint], resultants.force)
+    moment += resultants.torque[:, None] * contacts.frame[:, 0]
+    moment = sum_by_owner(moment, joint, whole.count)
+    pressing = normal > 1e-12 * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
+    shift = np.cross(n, moment) / np.where(pressing, normal, 1.0)[:, None]
+    shift = np.where(pressing[:, None], shift, 0.0)
+    torque = dot(moment - np.cross(shift, force), n)
+    tangential = np.linalg.norm(force - normal[:, None] * n, axis=1)
+    bound = np.bincount(joint, np.maximum(bearable(contacts, resultants.normal), 0.0))
+    rubs = np.bincount(joint, resultants.tangential)
+    used = np.divide(rubs, bound, out=np.zeros(len(rubs)), where=bound > 0.0)
+    alone = np.bincount(joint) == 1
+    first = np.unique(joint, return_index=True)[1][alone]
+    made = Resultants(force, whole.centroid + shift, torque, normal, tangential)
+    used[alone] = utilisation[first]
+    for name in ("force", "position", "torque", "normal", "tangential"):
+        getattr(made, name)[alone] = getattr(resultants, name)[first]
+        frozen(getattr(made, name))
+    return made, frozen(used)
+
+
+def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
+    normal, tangential = resultants.normal, resultants.tangential
+    capacity = bearable(contacts, normal)
     least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
     loaded = (normal > least) | ~contacts.dry
     return frozen(
@@ -122,13 +165,36 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     )
 
 
+def forces_around(contacts: Contacts, force: Floats) -> Floats:
+    """Corner forces (k, 3) [N] as those of the corners of the joints, in their frames.
+
+    The force at a corner of a facet acts at the nearest corner of the outline of its joint.
+    """
+    whole, world = contacts.joints, world_forces(contacts, force)
+    if whole is contacts:
+        return force
+    joint = contacts.joint[contacts.interface]
+    order = np.argsort(joint, kind="stable")
+    given = Ragged.from_owners(joint[order], whole.count)
+    total = np.zeros((whole.corner_count, 3))
+    for i in range(whole.count):
+        mine, corners = order[given[i]], whole.corners[i]
+        away = contacts.point[mine, None] - whole.point[corners]
+        nearest = (away * away).sum(axis=2).argmin(axis=1)
+        np.add.at(total[corners], nearest, world[mine])
+    local: Floats = np.einsum("kij,kj->ki", whole.frame[whole.interface], total)
+    return local
+
+
 def joint_table(
     contacts: Contacts,
     names: Sequence[str],
     resultants: Resultants,
     utilisation: Floats,
 ) -> Table:
-    """The table of :meth:`drystone.Result.joints`."""
+    """The table of :meth:`drystone.Result.joints`, from the values of interfaces."""
+    resultants, utilisation = by_joint(contacts, resultants, utilisation)
+    contacts = contacts.joints
     normal = resultants.normal
     loaded = normal > LOADED * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
     origin, corners, made = joint_sections(contacts)

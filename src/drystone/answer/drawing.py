@@ -93,8 +93,25 @@ def help_layer(
     )  # fmt: skip
 
 
-def marks(place: Floats, hinge: Bools, turns: str, slide: Bools, slides: str) -> tuple[Layer, ...]:
-    """Markers at hinges and at sliding joints, at a place (m, 3) of each interface."""
+def marks(
+    place: Floats,
+    hinge: Bools,
+    turns: str,
+    slide: Bools,
+    slides: str,
+    interface: Ints | None = None,
+) -> tuple[Layer, ...]:
+    """Markers at hinges and at sliding joints.
+
+    Parameters
+    ----------
+    place : (j, 3) [m]
+    hinge, slide : (j,)
+    turns, slides
+        What they are called.
+    interface : (j,)
+        Interfaces that the places belong to; all in their order when left out.
+    """
     made = []
     for key, label, colour, shape, chosen in (
         ("hinges", turns, "hinge", MarkerShape.DISC, hinge),
@@ -104,8 +121,8 @@ def marks(place: Floats, hinge: Bools, turns: str, slide: Bools, slides: str) ->
         if len(number):
             made.append(
                 Layer(
-                    key, label, LayerKind.MARKERS, colour, place[number], interface=number,
-                    shape=shape,
+                    key, label, LayerKind.MARKERS, colour, place[number],
+                    interface=number if interface is None else interface[number], shape=shape,
                 )
             )  # fmt: skip
     return tuple(made)

@@ -86,6 +86,15 @@ def smooth_runs(point: Floats, start: Ints, pair: Ints) -> Ints:
     return np.unique(run, return_inverse=True)[1].ravel().astype(np.intp)
 
 
+def outline(point: Floats, frame: Floats) -> Floats:
+    """The convex outline (c, 3) [m] of points (k, 3), in the plane of a frame at their mean."""
+    middle = point.mean(axis=0)
+    hull = shapely.convex_hull(shapely.multipoints((point - middle) @ frame[1:].T))
+    around = shapely.get_coordinates(shapely.normalize(hull))[:-1][::-1]
+    corner: Floats = middle + around @ frame[1:]
+    return corner
+
+
 def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets | None:
     """Facets of curved runs joined where they turn little; ``None`` where there is nothing to join.
 

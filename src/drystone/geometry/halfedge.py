@@ -100,13 +100,19 @@ def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     return faces.loop[picked], begin, of_edge[picked[begin[:-1]]]
 
 
-SMOOTH = 1e-6
-"""Faces of one block whose unit normals differ by less are drawn as one plane, without the edge
-between them (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a curve)."""
+CREASE = np.deg2rad(15.0)
+"""[rad] Faces of one block with a smaller angle are drawn as one surface, without the edge between
+them. Chosen: the facets of a curve of 24 or more around, and cuts of a flat face."""
 
 
-def sharp_edges(faces: Faces) -> tuple[Ints, Ints, Bools]:
-    """Edges between faces, without those between coplanar faces.
+def sharp_edges(faces: Faces, front: Bools | None = None) -> tuple[Ints, Ints, Bools]:
+    """Edges between faces, without those on smooth surfaces.
+
+    Parameters
+    ----------
+    faces
+    front : (f,)
+        Faces that look towards the eye: edges between these and others are outlines, and kept.
 
     Returns
     -------
@@ -116,7 +122,11 @@ def sharp_edges(faces: Faces) -> tuple[Ints, Ints, Bools]:
         Whether the edge from each loop corner to the next one is among them.
     """
     edges, normal = half_edges(faces), faces.normals
-    drawn = dot(normal[edges.face], normal[edges.face[edges.twin]]) <= 1.0 - SMOOTH
+    beside = edges.face[edges.twin]
+    drawn = dot(normal[edges.face], normal[beside]) <= np.cos(CREASE)
+    drawn |= edges.twin < 0
+    if front is not None:
+        drawn |= front[edges.face] != front[beside]
     tail, head = faces.loop, faces.loop[edges.after]
     once = np.flatnonzero(drawn & (tail < head))
     once = once[np.lexsort((head[once], tail[once]))]

@@ -16,6 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
 from drystone.joints import (
     ThrustLine,
+    by_joint,
     joint_table,
     thrust_line,
 )
@@ -112,11 +113,12 @@ class Result(Solution, Answer):
         return Table("gives way", columns, {"prop_force": "N", "prop_moment": "N m"})
 
     def _largest(self) -> Table:
-        """The interfaces with the largest normal force and with most of the friction used."""
+        """The joints with the largest normal force and with most of the friction used."""
         if self.force is None or self.contacts.count == 0:
             return Table("most loaded", {"joint": []})
-        names, contacts, found = self.assembly.names, self.contacts, self.resultants
-        at = np.array([np.argmax(found.normal), np.argmax(self.utilisation)])
+        names, contacts = self.assembly.names, self.contacts.joints
+        found, used = by_joint(self.contacts, self.resultants, self.utilisation)
+        at = np.array([np.argmax(found.normal), np.argmax(used)])
         normal, tangential = found.normal[at], found.tangential[at]
         columns = {
             "joint": ["largest force", "most friction used"],
@@ -125,7 +127,7 @@ class Result(Solution, Answer):
             "block_b": [names[i] for i in contacts.block_b[at]],
             "normal": normal,
             "friction": np.where(tangential > NEGLIGIBLE * np.abs(normal), tangential, 0.0),
-            "utilisation": self.utilisation[at],
+            "utilisation": used[at],
         }
         return Table("most loaded", columns, {"normal": "N", "friction": "N", "utilisation": "1"})
 
@@ -149,22 +151,24 @@ class Result(Solution, Answer):
         return self.verdict is Verdict.UNSTABLE
 
     def joints(self, *, strength: float | None = None) -> Table:
-        """Forces, utilisation, eccentricity and pressure of every interface.
+        """Forces, utilisation, eccentricity and pressure of every joint.
+
+        All facets of a curved joint are one joint; see :attr:`drystone.Contacts.joint`.
 
         Parameters
         ----------
         strength : [Pa], optional
-            Interfaces whose peak pressure exceeds it are marked.
+            Joints whose peak pressure exceeds it are marked.
 
         Returns
         -------
         Table
-            One row per interface.
+            One row per joint.
 
         Columns
         -------
         joint, block_a, block_b
-            Position of the interface, names of its blocks.
+            Number of the joint, names of its blocks.
         area [m2]
         normal [N]
             Positive in compression.

@@ -12,7 +12,14 @@ from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats
 from drystone.checks import first_motion_of, moving_joints
-from drystone.joints import HINGED, corner_pressure, force_network, hinged
+from drystone.joints import (
+    HINGED,
+    Resultants,
+    by_joint,
+    corner_pressure,
+    force_network,
+    hinged,
+)
 from drystone.model import Model
 from drystone.results.solution import Solution
 
@@ -50,14 +57,15 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     stage = replace(stage, motion=motion, motion_name=VIRTUAL)
     if result.force is None:
         return replace(stage, layers=tuple(layers))
-    resultants = result.resultants
+    resultants, used = by_joint(contacts, result.resultants, result.utilisation)
+    joint = contacts.joint
     return replace(
         stage,
         force=result.force,
-        normal=resultants.normal,
-        tangential=resultants.tangential,
-        utilisation=result.utilisation,
-        pressure_centre=resultants.position,
+        normal=resultants.normal[joint],
+        tangential=resultants.tangential[joint],
+        utilisation=used[joint],
+        pressure_centre=resultants.position[joint],
         layers=(*layers, *force_layers(result)),
     )
 
@@ -105,7 +113,9 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
         return ()
     shown = np.ones(contacts.count, dtype=bool) if shown is None else shown
     normal = np.maximum(result.force[:, 0], 0.0)
-    resultants, used = result.resultants, result.utilisation
+    resultants, used = by_joint(contacts, result.resultants, result.utilisation)
+    joint = contacts.joint
+    first = np.unique(joint, return_index=True)[1]
     part, interface = areas(contacts, shown)
     layers: list[Layer] = []
     if part is not None:
@@ -118,7 +128,12 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
                 "Pa",
                 corner_pressure(contacts, result.force),
             ),
-            ("joint-use", "friction used", "", np.minimum(used, 1.0)[contacts.interface]),
+            (
+                "joint-use",
+                "friction used",
+                "",
+                np.minimum(used, 1.0)[joint][contacts.interface],
+            ),
         ):
             layers.append(
                 Layer(
@@ -126,24 +141,26 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
                     value=np.maximum(value[corner], 0.0), unit=unit, interface=interface,
                 )
             )  # fmt: skip
-    made = force_network(result.assembly, contacts, resultants)
-    kept = shown[made.interface]
+    made = force_network(result.assembly, contacts.joints, resultants)
+    kept = shown[first[made.interface]]
     layers.append(
         Layer(
             "network", "force network", LayerKind.LINES, "network", made.start[kept],
-            (made.end - made.start)[kept], value=made.force[kept], interface=made.interface[kept],
+            (made.end - made.start)[kept], value=made.force[kept],
+            interface=first[made.interface[kept]],
         )
     )  # fmt: skip
-    carrying = shown & (resultants.normal > _FAINT * resultants.normal.max(initial=0.0))
+    carrying = shown[first] & (resultants.normal > _FAINT * resultants.normal.max(initial=0.0))
     spent = (used > HINGED) & carrying
-    turning = hinged(contacts, resultants) & carrying
+    turning = hinged(contacts.joints, resultants) & carrying
     layers += marks(
-        resultants.position, turning, "hinge: presses on one edge", spent, "friction is spent"
-    )
-    return (*layers, *_arrow_layers(result, shown))
+        resultants.position, turning, "hinge: presses on one edge", spent, "friction is spent",
+        first,
+    )  # fmt: skip
+    return (*layers, *_arrow_layers(result, resultants, shown))
 
 
-def _arrow_layers(result: Solution, shown: Bools) -> list[Layer]:
+def _arrow_layers(result: Solution, resultants: Resultants, shown: Bools) -> list[Layer]:
     """Corner forces, pulls and resultants."""
     contacts, force = result.contacts, result.force
     if force is None:
@@ -154,8 +171,8 @@ def _arrow_layers(result: Solution, shown: Bools) -> list[Layer]:
     corner = shown[contacts.interface]
     pressing = np.flatnonzero((force[:, 0] > 0.0) & corner)
     pulled = np.flatnonzero((pull > 1e-9 * float(np.abs(force).max(initial=0.0))) & corner)
-    which = np.flatnonzero(shown)
-    resultants = result.resultants
+    first = np.unique(contacts.joint, return_index=True)[1]
+    which = np.flatnonzero(shown[first])
     layers = [
         Layer(
             "pressure", "corner forces", LayerKind.ARROWS, "pressure", contacts.point[pressing],
@@ -163,7 +180,7 @@ def _arrow_layers(result: Solution, shown: Bools) -> list[Layer]:
         ),
         Layer(
             "resultants", "resultants", LayerKind.ARROWS, "resultant", resultants.position[which],
-            resultants.force[which], interface=which, width=1.8,
+            resultants.force[which], interface=first[which], width=1.8,
         ),
     ]  # fmt: skip
     if len(pulled):

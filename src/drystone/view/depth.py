@@ -70,7 +70,7 @@ def ordered_patches(
     faces = assembly.faces
     normal = faces.normals
     front = normal @ toward > _EDGE_ON
-    _, _, drawn = sharp_edges(faces)
+    _, _, drawn = sharp_edges(faces, front)
     bodies = SeparationData.of(assembly, normal)
     before, after = _block_constraints(bodies, contacts, toward, paper)
     n = len(assembly)

@@ -54,6 +54,7 @@ from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.kern import kern
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
+from drystone.joints import forces_around
 from drystone.view.exploded import ways_apart
 from drystone.view.palette import (
     FORCE_RAMP,
@@ -173,7 +174,7 @@ def encode(scene: Scene) -> dict[str, Any]:
         "section": _section(scene),
         "known": sorted(KNOWN),
         "blocks": _blocks(scene, origin, blobs),
-        "contacts": _contacts(contacts, origin, blobs),
+        "contacts": _contacts(contacts.joints, origin, blobs),
         "stages": [_stage(stage, scene, blobs) for stage in scene.stages],
     }
     return data | {"blobs": blobs.texts}
@@ -280,13 +281,24 @@ def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     }
     largest = 0.0 if stage.normal is None else float(np.abs(stage.normal).max(initial=0.0))
     for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
-        value = getattr(stage, name)
+        value = _of_joints(name, getattr(stage, name), scene.contacts)
         if value is not None and name in ("normal", "tangential"):
             value = np.where(np.abs(value) > _ROUNDING * largest, value, 0.0)
         data[name] = blobs.floats(value) if value is not None else None
-    centre = stage.pressure_centre
+    centre = _of_joints("pressure_centre", stage.pressure_centre, scene.contacts)
     data["pressureCentre"] = None if centre is None else blobs.floats(centre - origin)
     return data
+
+
+def _of_joints(name: str, value: Floats | None, contacts: Contacts) -> Floats | None:
+    """Values of interfaces and of their corners as those of joints: the page knows no facets."""
+    if value is None or contacts.joints is contacts:
+        return value
+    if name == "force":
+        return forces_around(contacts, value)
+    if name in ("normal", "tangential", "utilisation", "pressure_centre"):
+        return value[np.unique(contacts.joint, return_index=True)[1]]
+    return value
 
 
 def _layer(layer: Layer, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
@@ -311,7 +323,7 @@ def _layer(layer: Layer, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     if layer.value is not None:
         data["value"] = blobs.floats(layer.value)
     if layer.interface is not None:
-        data["interface"] = blobs.counts(layer.interface)
+        data["interface"] = blobs.counts(scene.contacts.joint[layer.interface])
     if layer.block is not None:
         data["block"] = blobs.counts(layer.block)
     if layer.kind is LayerKind.POLYGONS and layer.start is not None:

@@ -145,7 +145,7 @@ def _row(row: dict[str, Any]) -> str:
 
 def _plan(result: Result, table: Table, i: int) -> str:
     """The joint, its kern and its centre of pressure as a small SVG, u to the right, v up."""
-    contacts = result.contacts
+    contacts = result.contacts.joints
     origin, flat = local_corners(contacts)
     corners = flat[contacts.start[i] : contacts.start[i + 1]]
     position = np.array([table[axis][i] for axis in "xyz"])
