@@ -51,7 +51,8 @@ SHARES = {
     "obj": 0.2,
     "stl": 0.1,
     "ply": 0.1,
-    "glb": 0.028,
+    "glb": 0.018,
+    "dae": 0.01,
     "dxf": 0.01,
     "bricks": 0.02,
     "ldraw": 0.02,
@@ -66,6 +67,18 @@ AWKWARD = (
     *("true", "null", '""', "[]", "{}", "[[]]", '"x"', "1" * 400, "-" * 50, "9" * 5000),
 )
 SMALL = {
+    "dae": (
+        b'<COLLADA xmlns="a"><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>'
+        b'<library_geometries><geometry id="g"><mesh><source id="s"><float_array>0 0 0 1 0 0 0 1 0'
+        b' 0 0 1</float_array><technique_common><accessor stride="3"/></technique_common></source>'
+        b'<vertices id="v"><input semantic="POSITION" source="#s"/></vertices><polylist>'
+        b'<input semantic="VERTEX" source="#v" offset="0"/><vcount>3 3 3 3</vcount>'
+        b"<p>0 2 1 0 1 3 1 2 3 0 3 2</p></polylist></mesh></geometry></library_geometries>"
+        b'<library_visual_scenes><visual_scene id="w"><node id="n"><rotate>0 0 1 30</rotate>'
+        b'<scale>-1 1 2</scale><instance_geometry url="#g"/></node><node name="b">'
+        b'<translate>9 0 0</translate><instance_node url="#n"/></node></visual_scene>'
+        b'</library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>',
+    ),
     "dxf": (
         b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nB\n"
         b"0\nLWPOLYLINE\n8\narch\n70\n1\n10\n0\n20\n0\n42\n0.3\n10\n2\n20\n0\n10\n2\n20\n3\n0\nENDBLK\n0\n"
@@ -101,6 +114,7 @@ SMALL = {
 }
 """Sound files of formats that are only read, or of which our own have not all."""
 WORDS = {
+    "dae": ("<node>", "</node>", "<p>1 2</p>", "<!DOCTYPE a>", '<instance_node url="#n"/>', "&lt;"),
     "dxf": ("0\nLINE", "70\n64", "0\nVERTEX", "210\n0.01", "42\n1e9", "0\nENDSEC", "71\n-5"),
     "bricks": ("1 1", "2x2 (0,0,0)", "0 0 0 99999 99999", "#"),
     "ldraw": ("0 FILE b", "0 NOFILE", "1 4 0 0 0 1 0 0 0 1 0 0 0 1 b", "2 24", "3004.dat"),

@@ -108,6 +108,7 @@ FORMATS: tuple[Format, ...] = (
     Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, axes_unknown=True),
     Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, options=_LAYERED),
     Format("dxf", "DXF", (".dxf",), "dxf", options=(*_LAYERED, "thickness", "units")),
+    Format("dae", "COLLADA", (".dae",), "dae"),
     Format("step", "STEP", (".step", ".stp"), "step"),
     Format("ifc", "IFC", (".ifc",), "ifc"),
     Format("bricks", "stud-and-tube bricks", (".bricks", ".txt"), "brick_list"),

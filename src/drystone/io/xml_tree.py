@@ -14,7 +14,7 @@ from drystone.base.errors import FormatError
 
 
 def root_of(data: bytes, path: Path, tag: str, what: str) -> ET.Element:
-    """The root element of a file.
+    """The root element of a file, its tags without namespaces.
 
     Parameters
     ----------
@@ -37,11 +37,13 @@ def root_of(data: bytes, path: Path, tag: str, what: str) -> ET.Element:
         raise FormatError(
             f"is no XML: {error}", where=str(path), remedy="export it again"
         ) from error
+    for one in root.iter():
+        one.tag = one.tag.rpartition("}")[2]
     if root.tag != tag:
         raise FormatError(
             f"is XML, but no {what}: its root is '{root.tag}' in place of '{tag}'",
             where=str(path),
-            remedy="check its suffix: .xml is MJCF, .urdf is URDF",
+            remedy="check its suffix: .xml is MJCF, .urdf is URDF, .dae is COLLADA",
         )
     return root
 

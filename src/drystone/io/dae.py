@@ -1,0 +1,205 @@
+"""DAE (COLLADA): nodes of a scene that show geometries.
+
+Source: Khronos Group, COLLADA 1.4.1 and 1.5 Specification. A node with a geometry is a block; faces
+are triangles, polygons or lists of these. The file says its unit and which axis is up.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from itertools import accumulate, pairwise
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError
+from drystone.base.units import UNITS
+from drystone.geometry.polyhedron import Loop
+from drystone.io.draft import Draft
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.xml_tree import numbers, root_of
+
+_Mesh: TypeAlias = tuple[Floats, list[Loop]]
+
+_UP = {
+    "X_UP": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
+    "Y_UP": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "Z_UP": np.eye(3),
+}
+"""Rotations to z up."""
+_MOVES = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
+"""Numbers of each transformation."""
+_FACES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
+_SINGLE = 1e-6
+"""Distance of coincident points, relative to the extent: programs write single precision."""
+_MOST, _DEEPEST = 100_000, 64
+"""Nodes in all and in each other, chosen: a small file can unfold to very many."""
+_MOST_FACES = 1_000_000
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of a DAE file: the nodes of its scene with a geometry."""
+    root = root_of(data, path, "COLLADA", "COLLADA")
+    named = {one.get("id", ""): one for one in root.iter() if one.get("id")}
+    up = (root.findtext("asset/up_axis") or "Y_UP").strip()
+    if up not in _UP:
+        raise FormatError(f"its up axis is '{up[:40]}'", where=str(path), remedy="export z up")
+    unit = root.find("asset/unit")
+    told = {} if unit is None else unit.attrib
+    scale = float(numbers(told, "meter", 1, np.ones(1), str(path))[0])
+    known: dict[str, _Mesh] = {}
+    soups = []
+    for name, url, matrix in _shown(root, named, path):
+        if url not in known:
+            known[url] = _mesh(named.get(url), named, f"{path}, geometry '{url[:40]}'")
+        points, faces = known[url]
+        if not faces:
+            continue
+        placed, mirrored = moved(points, matrix)
+        with np.errstate(all="ignore"):  # overflow is found with the vertices
+            upright = placed @ _UP[up].T
+        loops = [loop[::-1] for loop in faces] if mirrored else faces
+        soups.append(FaceSoup(upright, loops, name, f"node '{name[:40]}'"))
+        if sum(len(one.faces) for one in soups) > _MOST_FACES:
+            raise FormatError(f"has more than {_MOST_FACES:,} faces", where=str(path))
+    if not soups:
+        raise FormatError(
+            "shows no mesh", where=str(path), remedy="export the blocks as meshes in a scene"
+        )
+    shapes, notes = shapes_of(soups, _SINGLE, path)
+    shapes, renamed = named_apart(shapes)
+    units = next((one for one, size in UNITS.items() if abs(size - scale) < 1e-9 * size), None)
+    if units is None:
+        raise FormatError(
+            f"its unit is {scale:g} m", where=str(path), remedy=f"export in {', '.join(UNITS)}"
+        )
+    return Draft(tuple(shapes), units, notes=(*notes, *renamed))
+
+
+def _shown(
+    root: ET.Element, named: dict[str, ET.Element], path: Path
+) -> Iterator[tuple[str, str, Floats]]:
+    """Name, geometry and matrix (4, 4) of the nodes of the scene that show one."""
+    instance = root.find("scene/instance_visual_scene")
+    url = "" if instance is None else _of(instance)
+    scene = named.get(url) if url else root.find("library_visual_scenes/visual_scene")
+    nodes = [] if scene is None else scene.findall("node")
+    waiting = [(node, np.eye(4), 1) for node in nodes][::-1]
+    for _ in range(_MOST):
+        if not waiting:
+            return
+        node, above, depth = waiting.pop()
+        if depth > _DEEPEST or len(waiting) > _MOST:
+            break
+        where = f"{path}, node '{(node.get('name') or node.get('id') or '')[:40]}'"
+        with np.errstate(all="ignore"):  # overflow is found with the vertices
+            matrix = above @ _matrix(node, where)
+        name = node.get("name") or node.get("id") or f"block-{len(waiting)}"
+        for one in node.findall("instance_geometry"):
+            yield name, _of(one), matrix
+        inner = [named.get(_of(one)) for one in node.findall("instance_node")]
+        inside = [*node.findall("node"), *(one for one in inner if one is not None)]
+        waiting += [(one, matrix, depth + 1) for one in inside][::-1]
+    raise FormatError(f"has more than {_MOST:,} nodes, or one in itself", where=str(path))
+
+
+def _of(instance: ET.Element) -> str:
+    return instance.get("url", "").removeprefix("#")
+
+
+def _matrix(node: ET.Element, where: str) -> Floats:
+    """The product of the transformations of a node, in their order."""
+    matrix = np.eye(4)
+    for one in node:
+        size = _MOVES.get(one.tag)
+        if size is None:
+            continue
+        values = numbers({one.tag: one.text or ""}, one.tag, size, None, where)
+        step = np.eye(4)
+        if one.tag == "matrix":
+            step = values.reshape(4, 4)
+        elif one.tag == "translate":
+            step[:3, 3] = values
+        elif one.tag == "scale":
+            step[:3, :3] = np.diag(values)
+        elif values[:3].any():
+            axis = values[:3] / np.linalg.norm(values[:3])
+            step[:3, :3] = Rotation.from_rotvec(np.deg2rad(values[3]) * axis).as_matrix()
+        matrix = matrix @ step
+    return matrix
+
+
+def _mesh(geometry: ET.Element | None, named: dict[str, ET.Element], where: str) -> _Mesh:
+    """Vertices (v, 3) and faces of a geometry."""
+    mesh = None if geometry is None else geometry.find("mesh")
+    if mesh is None:
+        raise FormatError("is no mesh", where=where, remedy="export meshes in place of surfaces")
+    # some programs use the same names in every geometry
+    named = {**named, **{one.get("id", ""): one for one in mesh.iter() if one.get("id")}}
+    points: list[Floats] = []
+    loops: list[Loop] = []
+    for part in mesh:
+        if part.tag not in _FACES:
+            continue  # lines bound no body
+        inputs = {one.get("semantic", ""): one for one in part.findall("input")}
+        shared = named.get(_source(inputs.get("VERTEX")))
+        if shared is None:
+            raise FormatError("has faces without vertices", where=where, remedy="export it again")
+        first = sum(map(len, points))
+        points.append(_positions(shared, named, where))
+        offset = [_whole([one.get("offset", "0")], where)[0] for one in part.findall("input")]
+        stride, own = max(offset) + 1, offset[[*part.findall("input")].index(inputs["VERTEX"])]
+        for face in _faces(part, stride, own, where):
+            if not all(0 <= corner < len(points[-1]) for corner in face):
+                raise FormatError("has a vertex that does not exist", where=where)
+            loops.append(tuple(first + corner for corner in face))
+    return np.concatenate([np.zeros((0, 3)), *points]), loops
+
+
+def _source(given: ET.Element | None) -> str:
+    return "" if given is None else given.get("source", "").removeprefix("#")
+
+
+def _whole(words: Sequence[str], where: str) -> list[int]:
+    if not all(word.isascii() and word.isdecimal() and len(word) < 10 for word in words):
+        raise FormatError("has a corner that is no number", where=where, remedy="export it again")
+    return [int(word) for word in words]
+
+
+def _positions(shared: ET.Element, named: dict[str, ET.Element], where: str) -> Floats:
+    """Vertices (v, 3) of a list of them."""
+    given = {one.get("semantic", ""): one for one in shared.findall("input")}
+    source = named.get(_source(given.get("POSITION")))
+    array = None if source is None else source.find("float_array")
+    accessor = None if source is None else source.find("technique_common/accessor")
+    if array is None or accessor is None:
+        raise FormatError("has no positions", where=where, remedy="export it again")
+    values = numbers({"positions": array.text or ""}, "positions", None, None, where)
+    stride = _whole([accessor.get("stride", "1")], where)[0]
+    if stride < 3 or len(values) % stride:
+        raise FormatError("has positions that are no points", where=where)
+    return values.reshape(-1, stride)[:, :3]
+
+
+def _faces(part: ET.Element, stride: int, own: int, where: str) -> Iterator[list[int]]:
+    """Corners of each face of triangles, polygons, fans or strips."""
+    if part.find("ph") is not None:
+        raise FormatError("has faces with holes", where=where, remedy="export triangles")
+    for listed in part.findall("p"):
+        corner = _whole((listed.text or "").split(), where)[own::stride]
+        if part.tag == "triangles":
+            yield from (corner[i : i + 3] for i in range(0, len(corner), 3))
+        elif part.tag == "polylist":
+            count = _whole((part.findtext("vcount") or "").split(), where)
+            yield from (corner[a:b] for a, b in pairwise(accumulate([0, *count])))
+        elif part.tag == "polygons":
+            yield corner
+        elif part.tag == "trifans":
+            yield from ([corner[0], *corner[i : i + 2]] for i in range(1, len(corner) - 1))
+        else:
+            turns = (corner[i : i + 3] for i in range(len(corner) - 2))
+            yield from (one[::-1] if i % 2 else one for i, one in enumerate(turns))
