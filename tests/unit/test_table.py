@@ -138,3 +138,19 @@ def test_the_contact_search_tells_its_interfaces_in_a_table() -> None:
     assert table["block_a"].tolist() == ["block-0", "block-1"]
     assert table["kind"].tolist() == ["area", "area"]
     assert table["area"] == pytest.approx([1.0, 1.0])
+
+
+def test_readers_of_arrow_take_a_table_as_it_is() -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    found = pyarrow.table(SMALL)
+    assert found.column_names == ["box", "mass [kg]", "at"]
+    assert found.to_pylist()[0] == {"box": "a", "mass [kg]": 2.0, "at": None}
+    assert pyarrow.table(JOINTS).num_rows == len(JOINTS)
+
+
+def test_the_package_for_arrow_is_named_where_it_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(drystone.MissingDependency, match=r"drystone\[arrow\]"):
+        SMALL.__arrow_c_stream__()

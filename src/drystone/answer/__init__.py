@@ -4,6 +4,7 @@ from drystone.answer.answer import Answer, plain
 from drystone.answer.question import Question
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.answer.sentences import Role, Sentence, Verdict
+from drystone.answer.statement import Statement
 
 __all__ = [
     "Answer",
@@ -16,6 +17,7 @@ __all__ = [
     "SceneStage",
     "Sentence",
     "State",
+    "Statement",
     "Verdict",
     "plain",
 ]

@@ -3,15 +3,41 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from drystone.cli import checking, mend_command, options
+from drystone.cli import mend_command, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Written
+
+if TYPE_CHECKING:
+    from drystone.model import Model
+    from drystone.results import Result
+
+
+def solve(model: Model, waiting: Waiting, time_limit: float | None, robust: bool = False) -> Result:
+    """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.
+
+    With ``robust`` other contact stiffnesses are tried as well.
+    """
+    waiting.end_stage()  # the import is no part of the stage before
+    from drystone.stability import CheckOptions, check
+
+    waiting.stage("solve", "solving")
+    with waiting.keywords(time_limit) as common:
+        options = CheckOptions.robust() if robust else None
+        result = check(model, options=options, **common)
+    waiting.end_stage()
+    return result
+
+
+def exit_code(result: Result, strict: bool) -> int:
+    """0 if stable; with ``strict`` only if it stands for every stiffness and all were tried."""
+    robust = not result.sensitive and not result.stopped
+    return result.code if robust or not strict else 1
 
 
 @command(
@@ -39,9 +65,9 @@ def check(
     """
     model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
-    result = checking.solve(model, waiting, time_limit, strict)
+    result = solve(model, waiting, time_limit, strict)
     why = mend_command.short(result, waiting)
     return Told(
-        result, why, exit_code=checking.exit_code(result, strict), notes=result.model.notes,
+        result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
         files=partial(wanted.all_of, result),
     )  # fmt: skip

@@ -25,7 +25,7 @@ from drystone.cli.offered import (
     param_of,
 )
 from drystone.cli.output import UsageFault
-from drystone.cli.told import Printed, Told, finish
+from drystone.cli.told import Told, finish
 from drystone.cli.waiting import Waiting
 
 _WIDTH = 100
@@ -41,7 +41,7 @@ class Command(click.Command):
     not imported before.
     """
 
-    function: Callable[..., Printed | Told]
+    function: Callable[..., Told | None]
     examples: tuple[str, ...] = ()
 
     def __init__(self, *given: Any, **named: Any) -> None:
@@ -113,7 +113,7 @@ def write_examples(examples: tuple[str, ...], formatter: click.HelpFormatter) ->
             formatter.write(f"{' ' * formatter.current_indent}{example}\n")
 
 
-def command(*examples: str, name: str = "") -> Callable[[Callable[..., Printed | Told]], Command]:
+def command(*examples: str, name: str = "") -> Callable[[Callable[..., Told | None]], Command]:
     """Make a command of a function that returns an answer.
 
     Each parameter is an argument or an option; its annotation has an :class:`Argument` or an
@@ -123,7 +123,7 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Printed |
     are added.
     """
 
-    def make(function: Callable[..., Printed | Told]) -> Command:
+    def make(function: Callable[..., Told | None]) -> Command:
         made = Command(
             name or function.__name__,
             help=inspect.getdoc(function),
@@ -189,14 +189,17 @@ def _itself(name: str, given: dict[str, Any]) -> Any:
     return given[name]
 
 
-def _run(function: Callable[..., Printed | Told], parts: list[Part], given: dict[str, Any]) -> int:
+def _run(function: Callable[..., Told | None], parts: list[Part], given: dict[str, Any]) -> int:
     as_json = given.pop("as_json")
     try:
         made = {part.name: part.made(given) for part in parts}
         with Waiting(asks=not as_json) as waiting:
             if "waiting" in inspect.signature(function).parameters:
                 made["waiting"] = waiting
-            told = finish(function(**made), waiting, as_json)
+            answer = function(**made)
+            if answer is None:  # a server that has ended
+                return 0
+            told = finish(answer, waiting, as_json)
     except InputError as error:
         raise error.located(_flag_of(error, parts) or error.where) from error
     return told()

@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError, counted
-from drystone.cli import checking, families, kinds, options
+from drystone.cli import families, kinds, options
+from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.kinds import output_path
 from drystone.cli.offered import OUTPUT, Argument, Option
-from drystone.cli.output import Screen
-from drystone.cli.told import Printed, Told
+from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
+    from drystone.answer import Answer
     from drystone.cli.told import Files
 
 
@@ -43,7 +44,7 @@ def models(
         ),
     ] = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """List the parametric models, or build one and write it.
 
     Their supports are fixed. STL and OBJ files cannot store that: add --supports lowest.
@@ -51,8 +52,7 @@ def models(
     if family is None:
         if set or out is not None:
             raise InputError("no family is named", where="FAMILY", remedy="see 'drystone models'")
-        rows = [_told(name) for name in families.names()]
-        return Printed({"families": rows}, partial(_show_all, rows))
+        return Told(_all_families())
     build, known = families.family(family)
     given = dict(families.setting(text, known) for text in set)
     missing = [one.name for one in known.values() if one.default is one.empty]
@@ -65,7 +65,7 @@ def models(
     waiting.stage("build", f"building {family}")
     assembly = build(**given)
     size = assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)
-    data = {
+    values = {
         **_told(family.replace("_", "-")),
         "set": given,
         "blocks": len(assembly),
@@ -80,7 +80,7 @@ def models(
 
         return ([(out, partial(io.write, assembly))] if out is not None else []), []
 
-    return Printed(data, partial(_show, data), files=files)
+    return Told(_one_family(values), subject=values["family"], files=files)
 
 
 def _told(name: str) -> dict[str, Any]:
@@ -96,25 +96,36 @@ def _told(name: str) -> dict[str, Any]:
     }
 
 
-def _show_all(rows: list[dict[str, Any]], screen: Screen) -> None:
-    told = [(row["family"], row["summary"]) for row in rows]
-    screen.table(("family", ""), told, len(told))
-    screen.dim("'drystone models FAMILY' lists its parameters, --out FILE writes it")
+def _all_families() -> Answer:
+    from drystone.answer import Role, Sentence, Statement
+    from drystone.base.table import Table
 
-
-def _show(data: dict[str, Any], screen: Screen) -> None:
-    screen.line(data["summary"], data["family"])
-    screen.line(
-        f"{counted(data['blocks'], 'block')}, {data['fixed']} of them fixed, "
-        f"{units.extent(data['size'])}, {units.mass(data['mass'])}"
+    rows = [_told(name) for name in families.names()]
+    columns = {"name": [row["family"] for row in rows], "": [row["summary"] for row in rows]}
+    told = (
+        Sentence(f"{len(rows)} families", Role.GOOD),
+        Sentence("'drystone models FAMILY' lists its parameters, --out FILE writes it"),
     )
-    rows = []
-    for name, default in data["parameters"].items():
-        value = data["set"].get(name, default)
-        rows.append((name, "not set" if value is None else str(value)))
-    screen.table(("parameter", "value"), rows, len(rows))
-    if data["loses"]:
-        screen.dim(f"this format does not store {data['loses']}")
+    return Statement(told, (Table("names", columns),), {"families": rows})
+
+
+def _one_family(values: dict[str, Any]) -> Answer:
+    from drystone.answer import Role, Sentence, Statement
+    from drystone.base.table import Table
+
+    told = [
+        Sentence(values["summary"], Role.GOOD),
+        Sentence(
+            f"{counted(values['blocks'], 'block')}, {values['fixed']} of them fixed, "
+            f"{units.extent(values['size'])}, {units.mass(values['mass'])}"
+        ),
+    ]
+    if values["loses"]:
+        told.append(Sentence(f"this format does not store {values['loses']}", Role.REMARK))
+    chosen = {**values["parameters"], **values["set"]}
+    shown = ["not set" if value is None else str(value) for value in chosen.values()]
+    table = Table("its parameters", {"parameter": list(chosen), "value": shown})
+    return Statement(tuple(told), (table,), values)
 
 
 @command("drystone demo", "drystone demo --friction 0.3 --folder .")
@@ -140,7 +151,7 @@ def demo(
     assembly = vault()
     waiting.stage("detect", "finding contacts")
     model = Model.of(assembly, friction=friction)
-    result = checking.solve(model, waiting, None)
+    result = solve(model, waiting, None)
 
     def files() -> Files:
         return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []

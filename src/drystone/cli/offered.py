@@ -178,7 +178,7 @@ class Of:
                 more["metavar"] = self.metavars.get(name)
             found.append(
                 GroupedOption(
-                    [flag, _key(before, name)],
+                    [*flag.split(), _key(before, name)],
                     group=next(
                         (one for one in self.groups if name in self.groups[one]), self.group
                     ),

@@ -3,22 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 from drystone.cli import kinds
 from drystone.cli.offered import MODEL, OUTPUT, Option
-
-if TYPE_CHECKING:
-    pass
-
-Supports: TypeAlias = Annotated[
-    str | None,
-    Option(
-        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, separated by commas; 'ground' "
-        "or 'ground:Z' lays a plane below (those marked in the file).",
-        MODEL,
-    ),
-]
 
 Friction: TypeAlias = Annotated[
     float | None,
@@ -27,27 +15,6 @@ Friction: TypeAlias = Annotated[
         MODEL,
         kind=kinds.COEFFICIENT,
     ),
-]
-
-Density: TypeAlias = Annotated[
-    float | None,
-    Option("Density of all blocks in kg/m3 (the file's, else 2400).", MODEL, kind=kinds.POSITIVE),
-]
-
-Units: TypeAlias = Annotated[
-    str | None,
-    Option("Unit of length of the file (the file's, else m).", MODEL, kind=kinds.UNIT),
-]
-
-Up: TypeAlias = Annotated[
-    str,
-    Option(
-        "Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z")), expert=True
-    ),
-]
-
-SkipDefects: TypeAlias = Annotated[
-    bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
 ]
 
 Html: TypeAlias = Annotated[

@@ -2,34 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Executor
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli import kinds
+from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import Option
-from drystone.cli.plan_files import PlanFiles
-from drystone.cli.scaffold_command import (
-    SCAFFOLDS,
-    ScaffoldFoot,
-    ScaffoldLength,
-    ScaffoldLimit,
-    refuse_strutless,
-    scaffold_options,
-)
+from drystone.cli.offered import OUTPUT, Of, Option
+from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import apart, cad_jobs, refuse_missing
 
 if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.cli.told import Files
     from drystone.model import Model
-    from drystone.sequence import ExecutorFactory, Plan, Robot, Rules
+    from drystone.sequence import ExecutorFactory, Margins, Plan, PlanOptions, Robot, Scaffolding
 
-_HANDS = 2
+
+@dataclass(frozen=True)
+class PlanFiles:
+    """The files of a plan."""
+
+    work: Annotated[
+        Path | None,
+        Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
+               kind=kinds.target(".json", ".csv"), expert=True),
+    ] = None  # fmt: skip
+    html: options.Html = None
+    png: options.Png = None
+    cad: options.Cad = None
+    instructions: Annotated[
+        Path | None,
+        Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
+               kinds.target(".html", ".htm"), expert=True),
+    ] = None  # fmt: skip
+    csv: Annotated[
+        Path | None,
+        Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
+    ] = None
+
+    def __post_init__(self) -> None:
+        apart(astuple(self))
+        refuse_missing(self.cad)
+
+    def of(
+        self,
+        plan: Plan,
+        made: Scaffolding | None,
+        margins: Margins | None,
+        robots: Sequence[Robot],
+    ) -> Files:
+        """The files of a plan, with its scaffolding and its margins where there are some."""
+        if not plan.steps:
+            wanted = [str(path) for path in astuple(self) if path is not None]
+            return [], [f"not written: {', '.join(wanted)}"] if wanted else []
+        jobs: list[Job] = cad_jobs(self.cad, plan)
+        if self.html is not None or self.png is not None or self.instructions is not None:
+            from drystone.view import save_figure, save_page
+            from drystone.view.instructions import save_instructions
+
+            if self.html is not None:
+                jobs.append((self.html, partial(save_page, made or plan)))
+            if self.png is not None:
+                jobs.append((self.png, partial(save_figure, made or plan)))
+            if self.instructions is not None:
+                jobs.append((self.instructions, partial(save_instructions, plan)))
+        if self.work is not None:
+            from drystone.sequence import handling
+
+            placed, flat = handling(plan, robots), self.work.suffix == ".csv"
+            jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
+        if self.csv is not None:
+            jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
+        return jobs, []
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -79,18 +132,21 @@ def plan(
             metavar="top|course|boundary|NAMES",
         ),
     ] = "top",
-    hands: Annotated[
-        int, Option("Hands or robots: one places, others hold (2).", flags=("--hands", "--robots"))
-    ] = _HANDS,
+    chosen: Annotated[
+        PlanOptions,
+        Of(
+            "drystone.sequence.PlanOptions",
+            ("rules.hands", "rules.payload", "scaffold", *SCAFFOLD_LIMITS),
+            shown=("rules.hands", "scaffold"),
+            flags={"rules.hands": "--hands --robots", **SCAFFOLD_LIMITS},
+        ),
+    ],
     robot: Annotated[
         tuple[Any, ...],  # of Robot, which is imported when needed
         Option("A robot: its base in m, its reach in m and its payload in kg; several times. Then "
                "--hands and --payload are not used.",
                kind=kinds.OptionKind("NAME:X,Y,Z:REACH:PAYLOAD", _robot), expert=True),
     ] = (),
-    payload: Annotated[
-        float, Option("Mass that each hand can lift or hold, in kg.", expert=True)
-    ] = float("inf"),
     before: Annotated[
         tuple[tuple[str, str], ...],
         Option("One block before another; several times.", expert=True,
@@ -107,14 +163,6 @@ def plan(
     thorough: Annotated[
         bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
     ] = False,
-    scaffold: Annotated[
-        str | None,
-        Option("What holds propped blocks: checked with its one-sided forces (ideal props).",
-               kind=kinds.one_of(SCAFFOLDS)),
-    ] = None,
-    scaffold_limit: ScaffoldLimit = None,
-    scaffold_foot: ScaffoldFoot = None,
-    scaffold_length: ScaffoldLength = None,
     margins: Annotated[
         bool, Option("Least friction and tilt limit of every stage.", expert=True)
     ] = False,
@@ -143,19 +191,15 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input.
     """
-    _refuse_unused(scaffold, scaffold_limit, scaffold_foot, scaffold_length)
-    rules = _rules(order, hands, payload, before, reach, robot)
+    refuse_unused(chosen.scaffold_options, chosen.scaffold, "--scaffold-")
+    chosen = _with_rules(chosen, order, before, reach, robot)
+    chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
     executor = _executor(workers, dask)
     waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
     model = subject.prepared(waiting)
     from drystone import sequence
 
     waiting.stage("plan", "planning")
-    chosen = sequence.PlanOptions(
-        rules=rules, patience=float("inf") if best else None, anyway=subject.anyway,
-        scaffold=scaffold,
-        scaffold_options=scaffold_options(scaffold_limit, scaffold_foot, scaffold_length),
-    )  # fmt: skip
     check = sequence.check_thoroughly if thorough else None
 
     def plan_at(model: Model, saved: str | None = None) -> Plan:
@@ -174,8 +218,8 @@ def plan(
             waiting.stage("sweep", "sweep over friction")
             swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
     made = None
-    if scaffold is not None and found.steps:
-        made = sequence.scaffolding(found, scaffold, options=chosen.scaffold_options)
+    if chosen.scaffold is not None and found.steps:
+        made = sequence.scaffolding(found, chosen.scaffold, options=chosen.scaffold_options)
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
@@ -183,34 +227,28 @@ def plan(
     )  # fmt: skip
 
 
-def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:
-    """Refuse limits of scaffolding without scaffolding."""
-    for name, value in zip(("limit", "foot", "length"), limits, strict=True):
-        if scaffold is None and value is not None:
-            raise InputError(
-                f"--scaffold-{name} is given without --scaffold",
-                remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
-            )
-    refuse_strutless([] if scaffold is None else [scaffold], *limits[1:], flag="--scaffold-")
-
-
-def _rules(
+def _with_rules(
+    chosen: PlanOptions,
     order: str,
-    hands: int,
-    payload: float,
     before: tuple[tuple[str, str], ...],
     reach: tuple[list[str], ...],
     robots: tuple[Robot, ...],
-) -> Rules:
+) -> PlanOptions:
     from drystone.sequence import Order, Rules
 
-    if robots and (hands != _HANDS or payload != float("inf")):
+    rules, free = chosen.rules, Rules()
+    if robots and (rules.hands, rules.payload) != (free.hands, free.payload):
         raise InputError("--robot contradicts --hands and --payload", remedy="give one of them")
     tried = {one.value: one for one in Order}.get(order)
-    return Rules(
-        len(robots) or hands, payload, list(before), list(reach),
-        tried if tried is not None else _names(order), robots,
-    )  # fmt: skip
+    more = replace(
+        rules,
+        hands=len(robots) or rules.hands,
+        before=list(before),
+        reach=list(reach),
+        order=tried if tried is not None else _names(order),
+        robots=robots,
+    )
+    return replace(chosen, rules=more)
 
 
 def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | None:

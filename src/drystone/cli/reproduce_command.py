@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli.command import command
 from drystone.cli.offered import OUTPUT, Argument, Option
-from drystone.cli.output import Screen
-from drystone.cli.told import Printed
+from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from drystone.reproduce import Case
 
 
@@ -33,7 +29,7 @@ def reproduce(
         ),
     ] = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Compute the case studies of the source, and compare with the published figures.
 
     Exit code 0: all figures agree. 1: some differ. 2: bad input.
@@ -67,17 +63,10 @@ def reproduce(
         }
         for case in found
     ]
-    code = 0 if all(case.agrees for case in found) else 1
-    return Printed({"sections": sections}, partial(_show, found), code, written=written)
+    from drystone.answer import Role, Sentence, Statement
 
-
-def _show(found: Sequence[Case], screen: Screen) -> None:
-    """A line per claim."""
-    for case in found:
-        screen.line(case.title, case.section, gap=" ")
-        for line in case.lines:
-            mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
-            note = f" ({line.note})" if line.note else ""
-            published = f"published {line.published}" if line.published else "no published figure"
-            told = f"{published}; found {line.found}"
-            screen.line(f"  {line.what}: {told}  {mark}{note}")
+    wrong = [case.section for case in found if not case.agrees]
+    verdict = f"{', '.join(wrong)} differs" if wrong else "all figures agree"
+    told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
+    answer = Statement((told,), tuple(case.table() for case in found), {"sections": sections})
+    return Told(answer, subject=section or "all sections", written=written, everything=True)

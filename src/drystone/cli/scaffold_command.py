@@ -3,58 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import replace
+from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import OUTPUT, Option
-from drystone.cli.told import Printed, show_table
+from drystone.cli.offered import OUTPUT, Of, Option
+from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
-    from drystone.sequence import ScaffoldOptions
+    from drystone.sequence import PlanOptions, ScaffoldOptions, Support
 
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 _ORDERS = ("top", "course", "boundary", "fewest-props")
 _FEW = 14
 """Free blocks up to which the order with the fewest props is searched without being asked for."""
 
-ScaffoldLimit: TypeAlias = Annotated[
-    float | None,
-    Option("Largest force of one strut, rope, clamp or centring, in N (none).",
-           kind=kinds.POSITIVE, expert=True),
-]  # fmt: skip
-ScaffoldFoot: TypeAlias = Annotated[
-    str | None,
-    Option("Block on which struts stand, and which bears their force (the ground).",
-           metavar="BLOCK", expert=True),
-]  # fmt: skip
-ScaffoldLength: TypeAlias = Annotated[
-    float | None,
-    Option("Length of the longest strut, in m (no limit).", kind=kinds.POSITIVE, expert=True),
-]
+SCAFFOLD_LIMITS = {
+    "scaffold_options.limit": "--scaffold-limit",
+    "scaffold_options.foot": "--scaffold-foot",
+    "scaffold_options.longest": "--scaffold-length",
+}
+"""Limits of scaffolding, and their options in a plan."""
 
 
-def scaffold_options(
-    limit: float | None, foot: str | None, length: float | None
-) -> ScaffoldOptions:
-    """Limits of scaffolding, from the command line."""
+def refuse_unused(
+    limits: ScaffoldOptions, kinds: str | Support | Sequence[str] | None, flag: str
+) -> None:
+    """Refuse limits without scaffolding, and those of struts where nothing is held by struts."""
     from drystone.sequence import ScaffoldOptions
 
-    free = float("inf")
-    return ScaffoldOptions(limit=limit or free, foot=foot, longest=length or free)
-
-
-def refuse_strutless(kinds: Sequence[str], *limits: float | str | None, flag: str) -> None:
-    """Refuse the foot and the length of struts where nothing is held by struts."""
-    for name, value in zip(("foot", "length"), limits, strict=True):
-        if value is not None and kinds and "strut" not in kinds:
+    free = ScaffoldOptions()
+    given = [name for name in ("limit", "foot", "longest")
+             if getattr(limits, name) != getattr(free, name)]  # fmt: skip
+    held = [] if kinds is None else [kinds] if isinstance(kinds, str | Enum) else list(kinds)
+    names = [one.value if isinstance(one, Enum) else one for one in held]
+    for name in given:
+        option = f"{flag}{'length' if name == 'longest' else name}"
+        if kinds is None:
             raise InputError(
-                f"{flag}{name} is for struts, and there are none",
+                f"{option} is given without --scaffold",
+                remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
+            )
+        if name != "limit" and names and "strut" not in names:
+            raise InputError(
+                f"{option} is for struts, and there are none",
                 remedy="leave it out, or hold with struts",
             )
 
@@ -81,16 +79,21 @@ def scaffold(
             kind=kinds.one_of(_ORDERS),
         ),
     ] = (),
-    hands: Annotated[int, Option("Hands or robots: one places, others hold (2).")] = 2,
-    limit: ScaffoldLimit = None,
-    foot: ScaffoldFoot = None,
-    length: ScaffoldLength = None,
+    chosen: Annotated[
+        PlanOptions,
+        Of(
+            "drystone.sequence.PlanOptions",
+            ("rules.hands", *SCAFFOLD_LIMITS),
+            shown=("rules.hands",),
+            flags={"scaffold_options.longest": "--length"},
+        ),
+    ],
     csv: Annotated[
         Path | None, Option("Write the table, .csv.", OUTPUT, kind=kinds.target(".csv"))
     ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Plan a model with each kind of scaffolding in each order, and compare what it takes.
 
     Struts push, ropes pull, clamps or hands do both, centring carries a face; each stage is checked
@@ -100,7 +103,7 @@ def scaffold(
     """
     from drystone import sequence
 
-    refuse_strutless(with_, foot, length, flag="--")
+    refuse_unused(chosen.scaffold_options, with_, "--")
     model = subject.prepared(waiting)
     few = len(model.assembly.free) <= _FEW
     orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))
@@ -110,17 +113,24 @@ def scaffold(
             model,
             with_ or SCAFFOLDS,
             orders,
-            options=sequence.PlanOptions(
-                rules=sequence.Rules(hands),
-                anyway=subject.anyway,
-                scaffold_options=scaffold_options(limit, foot, length),
-            ),
+            options=replace(chosen, anyway=subject.anyway),
             **common,
         )
-    rows = list(table)
-    data: dict[str, Any] = {"model": subject.name, "compared": rows}
+    from drystone.answer import Role, Sentence, Statement
+    from drystone.base.table import Table
+
+    first = next(
+        (row for row in table if row["failed_stages"] == 0 and row["cost"] == row["cost"]), None
+    )
+    verdict = "with none of them does every stage stand"
+    if first is not None:
+        verdict = f"{first['support']} in the order '{first['order']}' takes least"
+    told = Sentence(verdict, Role.BAD if first is None else Role.GOOD)
+    compared = Table("compared", dict(table.columns), dict(table.units))
     jobs = [(csv, table.to_csv)] if csv is not None else []
-    code = 0 if any(row["failed_stages"] == 0 and row["cost"] == row["cost"] for row in rows) else 1
-    return Printed(
-        data, partial(show_table, table=table), code, model.notes, lambda: (list(jobs), [])
+    return Told(
+        Statement((told,), (compared,)),
+        subject=subject.name,
+        notes=model.notes,
+        files=lambda: (list(jobs), []),
     )

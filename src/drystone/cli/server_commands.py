@@ -18,7 +18,6 @@ from drystone.cli.command import command
 from drystone.cli.kinds import POSITIVE
 from drystone.cli.model_input import HOW
 from drystone.cli.offered import ANALYSIS, OUTPUT, Analysis, Argument, Option
-from drystone.cli.told import Printed
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def live(
         float, Option("MiB of one model.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
     ] = 16.0,
     waiting: Waiting,
-) -> Printed:
+) -> None:
     """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
     The verdict follows at once. The model file is watched: when it is saved, it is read again.
@@ -60,7 +59,7 @@ def live(
         text = resources.files("drystone.live").joinpath("client.py").read_bytes()
         write_bytes(client, text)
         output.say(f"wrote {client}")
-        return click.get_current_context().exit()
+        return
     if model is None:
         raise output.UsageFault("is missing", where="MODEL", remedy="name a model file")
     from drystone.live import serve  # the program starts fast: work is imported when there is some
@@ -79,7 +78,6 @@ def live(
 
     how = reading.given
     serve(model, began=began, port=port, how=how, time_limit=time_limit, size_limit=size_limit)
-    return ctx.exit()
 
 
 def said(server: Live, as_json: bool) -> None:
@@ -111,7 +109,7 @@ def mcp(
     time_limit: Annotated[float, Option("Seconds for one call.", kind=POSITIVE)] = 50.0,
     size_limit: Annotated[float, Option("MiB of one model.", kind=POSITIVE)] = 16.0,
     waiting: Waiting,  # noqa: ARG001  # the client waits
-) -> Printed:
+) -> None:
     """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
 
     It uses standard input and output, and ends when the client disconnects.
@@ -119,4 +117,3 @@ def mcp(
     from drystone.mcp import serve  # the program starts fast: work is imported when there is some
 
     serve(folder, time_limit=time_limit, size_limit=size_limit)
-    click.get_current_context().exit()

@@ -8,14 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.cli import checking, families, kinds, options
-from drystone.cli.buildable_search import find_buildable
+from drystone.cli import families, kinds, options
+from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.offered import OUTPUT, Experts, Option
-from drystone.cli.parameter_search import SearchRequest, parameter_range
-from drystone.cli.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
+from drystone.cli.shell_pattern import (
+    ShellPattern,
+    find_buildable,
+    shell_on,
+    varied_shell,
+    with_values,
+)
 from drystone.cli.surfaces import SurfaceRequest, surface_of
 from drystone.cli.told import Told
+from drystone.cli.tune_command import SearchRequest, parameter_range
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, apart
 
@@ -111,7 +117,7 @@ def shell(
     model = made.model() if friction is None else made.model(friction=friction)
     model = replace(model, notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
-    result = checking.solve(model, waiting, time_limit)
+    result = solve(model, waiting, time_limit)
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]

@@ -20,35 +20,6 @@ Files: TypeAlias = tuple[list[Job], list[str]]
 """Files to be written all together, and remarks on them."""
 
 
-@dataclass(frozen=True)
-class Printed:
-    """The answer of a command, before its files are written and it is printed.
-
-    Attributes
-    ----------
-    data
-        Plain values, as ``--json`` prints them; notes, files and times are added.
-    show
-        Prints it for people.
-    code
-        Exit code.
-    notes
-        Remarks.
-    files
-        Makes the files. It is called when the answer is known, so that the answer survives Ctrl-C
-        and a full disk.
-    written
-        Names of files that are written already.
-    """
-
-    data: dict[str, Any]
-    show: Callable[[Screen], None]
-    code: int = 0
-    notes: Sequence[str] = ()
-    files: Callable[[], Files] | None = None
-    written: Sequence[str] = ()
-
-
 STYLE = {
     "good": "bold green",
     "bad": "bold red",
@@ -72,8 +43,13 @@ class Told:
         What was asked about, where that is no file.
     exit_code
         That of the answer when left out.
-    notes, files, written
-        As of :class:`Printed`.
+    notes
+        Remarks.
+    files
+        Makes the files. It is called when the answer is known, so that the answer survives Ctrl-C
+        and a full disk.
+    written
+        Names of files that are written already.
     everything
         Print every row of the tables.
     """
@@ -138,7 +114,7 @@ def show_table(screen: Screen, table: Table, everything: bool = False) -> None:
         screen.dim("equal rows share a line (--json lists all)")
 
 
-def finish(answer: Printed | Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
+def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
     """Write the files of an answer; the returned function prints it and gives the exit code."""
     notes, files, failed = list(answer.notes), list(answer.written), None
     if answer.files is not None:

@@ -33,13 +33,13 @@ class FallOptions(Options):
 
     Attributes
     ----------
-    duration
-        Of the film at most, by the time in which a block falls freely by half its size: 0.32 s for
-        blocks of 1 m, 0.1 s for blocks of 0.1 m.
+    duration : > 0
+        Largest length of the film, by the time in which a block falls freely by half its size:
+        0.32 s for blocks of 1 m, 0.1 s for blocks of 0.1 m.
     rate
         Frames in that time.
     ground
-        Whether there is a plane below the lowest point on which blocks come to lie.
+        A plane below the lowest point, on which blocks come to lie.
     nudge
         Speed at the beginning, along a given first motion, by that at the end of such a free fall.
     """

@@ -68,8 +68,8 @@ class ScaffoldOptions(Options):
 
     Attributes
     ----------
-    limit : [N]
-        Of one strut, rope, clamp, or the centring under one block.
+    limit : [N] > 0
+        Largest force of one strut, rope, clamp, or the centring under one block (none).
     moment : [N m]
         Of one clamp.
     friction
@@ -79,8 +79,8 @@ class ScaffoldOptions(Options):
     foot
         Name of the block on which struts stand, and which bears their force; the ground when left
         out. Where a strut leans, ``friction`` must hold its foot.
-    longest : [m]
-        Length of the longest strut.
+    longest : [m] > 0
+        Length of the longest strut (no limit).
     stage_cost
         Of a metre for one stage. A clamp counts as one metre.
     move_cost

@@ -45,7 +45,7 @@ class SupportResponseOptions(Options):
 
     Attributes
     ----------
-    compliance
+    compliance : > 0
         Overlap of a corner under the mean weight of a block, relative to the largest motion of a
         support. Small for stiff blocks.
     step_limit

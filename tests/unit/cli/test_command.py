@@ -11,11 +11,12 @@ import click
 import pytest
 
 from drystone import io
+from drystone.answer import Role, Sentence, Statement
 from drystone.cli import main
 from drystone.cli.application import app
 from drystone.cli.command import Command, command
 from drystone.cli.offered import MODEL, Argument, Option
-from drystone.cli.told import Printed
+from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.models import arch
 
@@ -40,11 +41,11 @@ def lay(
     place: Annotated[str, Argument("PLACE", "Where it goes.")],
     tool: Annotated[tuple[str, ...], Option("Tools.")] = (),
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Lay stones."""
     assert isinstance(waiting, Waiting)
     SEEN.append((stone, place, rows, tool))
-    return Printed({"laid": rows}, lambda screen: screen.line("laid"))
+    return Told(Statement((Sentence("laid", Role.GOOD),), values={"laid": rows}))
 
 
 def test_the_command_gets_its_groups_back(capsys: Capsys) -> None:

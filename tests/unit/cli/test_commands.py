@@ -246,7 +246,7 @@ def test_check_tells_a_person_the_same(tmp_path: Path, capsys: Capsys) -> None:
 
 
 def test_strict_wants_a_model_that_stands_whatever_the_stiffness() -> None:
-    from drystone.cli.checking import exit_code
+    from drystone.cli.check_command import exit_code
     from drystone.contacts import Contacts
     from drystone.loads import LoadCase
     from drystone.results import Result, Samples, Verdict

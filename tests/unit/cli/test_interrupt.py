@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from drystone import check, io
-from drystone.cli import checking, main
+from drystone.cli import check_command, main
 from drystone.cli.waiting import Waiting
 from drystone.model import Model
 from drystone.models import tower, wall
@@ -274,5 +274,5 @@ def test_strict_wants_every_stiffness_tried() -> None:
     pair = tower(2)
     result = check(Model.of(pair))
     stopped = replace(result, stopped="the time was up")
-    assert [checking.exit_code(result, strict) for strict in (False, True)] == [0, 0]
-    assert [checking.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]
+    assert [check_command.exit_code(result, strict) for strict in (False, True)] == [0, 0]
+    assert [check_command.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]

@@ -105,7 +105,7 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--robots", "0"], "give 1 or more"),
+        (["--robots", "0"], "1 or more"),
         (["--scaffold-limit", "5"], "add --scaffold"),
         (["--scaffold-foot", "block-1"], "add --scaffold"),
         (["--scaffold", "rope", "--scaffold-foot", "block-1"], "is for struts"),

@@ -1,4 +1,4 @@
-"""``drystone settle``: forces and joints when supports move."""
+"""Commands that follow blocks: ``settle`` and ``fall``."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import LOADS, OUTPUT, Option
+from drystone.cli.offered import LOADS, OUTPUT, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Curves, Written
+from drystone.cli.written import Curves, Pictures, Written, apart
 
 if TYPE_CHECKING:
     from drystone.answer import Answer
     from drystone.cli.told import Files
-    from drystone.settlement import LargeDisplacement, SupportResponse
+    from drystone.fall import FallOptions, Film
+    from drystone.settlement import LargeDisplacement, SupportResponse, SupportResponseOptions
 
 
 LARGE = 0.1
@@ -49,15 +50,10 @@ def settle(
             kind=kinds.POSITIVE,
         ),
     ] = None,
-    compliance: Annotated[
-        float,
-        Option(
-            "Overlap of a corner under the mean weight of a block, as a share of the motion: small "
-            "for stiff blocks (0.001).",
-            kind=kinds.POSITIVE,
-            expert=True,
-        ),
-    ] = 1e-3,
+    small: Annotated[
+        SupportResponseOptions,
+        Of("drystone.settlement.SupportResponseOptions", ("compliance",)),
+    ],
     time_limit: options.TimeLimit = None,
     curve: Annotated[
         Path | None,
@@ -110,8 +106,7 @@ def settle(
             return _far(settlement.move_supports(model, to=to, **common), wanted, curve)
         else:
             waiting.stage("solve", "settling")
-            chosen = settlement.SupportResponseOptions(compliance=compliance)
-            response = settlement.support_response(model, options=chosen)
+            response = settlement.support_response(model, options=small)
             if response.size > LARGE * model.assembly.size.mean():
                 notes += ("the motion is large, and this answer is for small ones: --to follows "
                           "the blocks",)  # fmt: skip
@@ -138,3 +133,70 @@ def _files(found: SupportResponse, wanted: Written) -> Files:
     jobs, _ = _pictures(found, wanted)
     tables, said = wanted.tables(found.result)
     return [*jobs, *tables], said
+
+
+_JAMS = (
+    "the simulator holds what falls: in it joints open while they slide, which jams a block "
+    "between faces; 'drystone settle' follows its motion"
+)
+"""Seen at hooked planks. Contacts of MuJoCo minimise work (Todorov 2014), so friction is
+associated."""
+
+
+@command(
+    "drystone fall arch.json --seismic 0.4 --html fall.html",
+    "drystone fall arch.json --seismic 0.4 --glb fall.glb",
+)
+def fall(
+    *,
+    subject: Subject,
+    chosen: Annotated[
+        FallOptions,
+        Of("drystone.fall.FallOptions", ("duration", "ground"), shown=("duration", "ground")),
+    ],
+    no_check: Annotated[
+        bool, Option("Leave out the check, whose first motion starts the film.", expert=True)
+    ] = False,
+    time_limit: options.TimeLimit = None,
+    html: options.Html = None,
+    section: options.Section = None,
+    glb: Annotated[
+        Path | None,
+        Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
+    ] = None,
+    waiting: Waiting,
+) -> Told:
+    """Simulate the fall with inertia and impacts, as a film; this gives no verdict.
+
+    Exit code 0: every block is at rest at the end. 1: some still move. 3: MuJoCo is missing.
+    """
+    pictures = Pictures(html, section=section)
+    apart([html, glb])
+    from drystone.fall import fall as followed
+    from drystone.fall.simulation import require_mujoco
+
+    require_mujoco()
+    model = subject.prepared(waiting)
+    pictures.require_through(model.assembly)
+    notes = list(model.notes)
+    motion, falls = None, False
+    with waiting.keywords(time_limit) as common:
+        if not no_check:
+            from drystone.stability import check
+
+            waiting.stage("check", "check_command")
+            result = check(model, **common)
+            notes.append(f"check: {result.verdict}, {result.message}")
+            motion, falls = result.mechanism, result.falls
+        waiting.stage("solve", "simulating")
+        film = followed(model, motion, options=chosen, **common)
+    if falls and not film.fell.any() and not film.stopped:
+        notes.append(_JAMS)
+    return Told(film, notes=notes, files=partial(_film_files, film, pictures, glb))
+
+
+def _film_files(film: Film, pictures: Pictures, glb: Path | None) -> Files:
+    jobs, said = pictures.of(film)
+    if glb is not None:
+        jobs.append((glb, film.save_glb))
+    return jobs, said

@@ -1,4 +1,4 @@
-"""``drystone convert``: from one file format to another."""
+"""Commands on files: ``convert`` and ``inspect``."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drystone.base.errors import InputError
 from drystone.base.files import same_place
 from drystone.cli import kinds
 from drystone.cli.command import command
-from drystone.cli.model_input import Converted, warnings_of
+from drystone.cli.model_input import Converted, Inspected, warnings_of
 from drystone.cli.offered import CONTACTS, OUTPUT, Argument, Option
-from drystone.cli.output import Screen
-from drystone.cli.told import Printed
+from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
     from drystone.io.registry import Format
@@ -43,7 +43,7 @@ def convert(
     ] = None,
     overwrite: Annotated[bool, Option("Write over the model itself.", OUTPUT)] = False,
     waiting: Waiting,
-) -> Printed:
+) -> Told:
     """Write a model in another format, and list what that format cannot hold."""
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.model import Model
@@ -72,24 +72,21 @@ def convert(
         read = replace(read, contacts=made.contacts, results=())
     waiting.stage("write", f"writing {target}")
     io.write(read, target, format=to)
-    data = {
-        "model": source.name,
+    from drystone.answer import Role, Sentence, Statement
+
+    values = {
         "format": chosen.name,
         "blocks": len(read.assembly),
         "fixed": int(read.assembly.fixed.sum()),
         "interfaces": None if read.contacts is None else read.contacts.count,
         "loses": chosen.loses,
     }
-    told = f"{len(read.assembly)} blocks, {chosen.title}"
+    told = [Sentence(f"{len(read.assembly)} blocks, {chosen.title}", Role.GOOD)]
+    if chosen.loses:
+        told.append(Sentence(f"this format does not store {chosen.loses}", Role.REMARK))
     arrays = [str(Path(target).with_suffix(".npz"))] if chosen.name == "drystone-npz" else []
-    show = partial(_show, told, chosen.loses)
-    return Printed(data, show, notes=notes, written=[target, *arrays])
-
-
-def _show(told: str, loses: str, screen: Screen) -> None:
-    screen.line(told)
-    if loses:
-        screen.dim(f"this format does not store {loses}")
+    found = Statement(tuple(told), values=values)
+    return Told(found, subject=source.name, notes=notes, written=[target, *arrays])
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:
@@ -105,3 +102,45 @@ def _refuse_other_suffix(target: str, chosen: Format) -> None:
             where="--to",
             remedy=f"leave --to out, or write {stem}{chosen.suffixes[0]}",
         )
+
+
+@command("drystone inspect arch.json", "drystone inspect arch.json --sweep --html contacts.html")
+def inspect(
+    *,
+    source: Inspected,
+    sweep: Annotated[bool, Option("Count the contacts for many gap tolerances.", CONTACTS)] = False,
+    pictures: Pictures,
+    everything: Annotated[bool, Option("List every block.", OUTPUT, ("--all",))] = False,
+    waiting: Waiting,
+) -> Told:
+    """List the blocks of a model, the defects of their meshes and the contacts between them.
+
+    The page and the figure show the contacts, near misses in orange. Exit code 0: every block can
+    be used. 2: some cannot.
+    """
+    from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.detection import find_contacts, gap_sweep
+    from drystone.io.inspection import Inspection, usable
+    from drystone.io.opening import tolerances
+
+    waiting.stage("read", f"reading {source.name}")
+    how = source.how
+    supports = how.get("supports")
+    options = tolerances(**{name: how.pop(name, None) for name in ("gap", "angle", "edges")})
+    built = io.inspect(source.place, **how)
+    assembly, notes = usable(built, supports)
+    found = swept = None
+    if assembly is not None:
+        pictures.require_through(assembly)
+        waiting.stage("detect", "finding contacts")
+        found = find_contacts(assembly, options=options)
+        if sweep:
+            waiting.stage("sweep", "trying gaps")
+            swept = gap_sweep(assembly, progress=waiting)
+    answer = Inspection(assembly, found, swept, built, source.name)
+    files = partial(pictures.of, answer) if assembly is not None else _no_files
+    return Told(answer, notes=notes, files=files, everything=everything)
+
+
+def _no_files() -> Files:
+    return [], []
