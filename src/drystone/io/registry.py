@@ -111,6 +111,7 @@ FORMATS: tuple[Format, ...] = (
     Format("dae", "COLLADA", (".dae",), "dae"),
     Format("step", "STEP", (".step", ".stp"), "step"),
     Format("ifc", "IFC", (".ifc",), "ifc"),
+    Format("usd", "USD", (".usd", ".usda", ".usdc", ".usdz"), "usd"),
     Format("bricks", "stud-and-tube bricks", (".bricks", ".txt"), "brick_list"),
     Format("ldraw", "LDraw", (".ldr", ".mpd"), "ldraw"),
     Format(
