@@ -10,13 +10,13 @@ from __future__ import annotations
 import enum
 import importlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import DefectKind, InputError, MissingDependency
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
@@ -73,10 +73,17 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
 
 def _from_assembly(obj: Any, friction: float) -> Contents:
     nodes = list(obj.graph.nodes())
-    blocks = [block_of(obj.node_block(node), str(node)) for node in nodes]
+    return Contents(blocks_of(obj, nodes), _contacts(obj.graph, nodes, "interfaces", friction))
+
+
+def blocks_of(obj: Any, nodes: Sequence[Any], density: float = DEFAULT_DENSITY) -> Assembly:
+    """The blocks of an assembly of COMPAS with their supports; a density where one has none."""
+    blocks = []
+    for node in nodes:
+        mesh = obj.node_block(node)
+        blocks.append(block_of(mesh, str(node), mesh.attributes.get("density", density)))
     fixed = [bool(obj.graph.node_attribute(node, "is_support")) for node in nodes]
-    assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
-    return Contents(assembly, _contacts(obj.graph, nodes, "interfaces", friction))
+    return Assembly(tuple(blocks), np.array(fixed, dtype=bool))
 
 
 def _from_model(obj: Any, friction: float) -> Contents:
@@ -124,21 +131,34 @@ def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
     return mended_block(np.array(vertices), faces, name, density)
 
 
-def _contacts(graph: Any, nodes: list[Any], key: str, friction: float) -> Contacts | None:
+def _contacts(graph: Any, nodes: Sequence[Any], key: str, friction: float) -> Contacts | None:
+    found = interfaces_of(graph, nodes, key)
+    return joined_interfaces(found, friction)[0] if found else None
+
+
+def interfaces_of(graph: Any, nodes: Sequence[Any], key: str) -> list[tuple[int, int, Any]]:
+    """Positions of both blocks of each stored interface that has points, and the interface."""
     position = {node: i for i, node in enumerate(nodes)}
-    a, b, corners, frames = [], [], [], []
-    for start, end in graph.edges():
-        for stored in graph.edge_attribute((start, end), key) or []:
-            points = np.array([list(point) for point in stored.points], dtype=np.float64)
-            if start in position and end in position and len(points):
-                a.append(position[start])
-                b.append(position[end])
-                corners.append(points)
-                frames.append(interface_frame(stored, points))
-    if not corners:
-        return None
-    pairs = np.array([a, b], dtype=np.intp)
-    return joined(pairs[0], pairs[1], corners, np.stack(frames), friction)[0]
+    return [
+        (position[start], position[end], stored)
+        for start, end in graph.edges()
+        if start in position and end in position
+        for stored in graph.edge_attribute((start, end), key) or []
+        if len(stored.points)
+    ]
+
+
+def joined_interfaces(
+    found: Sequence[tuple[int, int, Any]], friction: float
+) -> tuple[Contacts, Bools]:
+    """Contacts from stored interfaces, and which of these (m,) were turned round."""
+    pairs = np.array([(a, b) for a, b, _ in found], dtype=np.intp)
+    corners = [
+        np.array([list(point) for point in stored.points], dtype=np.float64)
+        for _, _, stored in found
+    ]
+    frames = [interface_frame(one[2], at) for one, at in zip(found, corners, strict=True)]
+    return joined(pairs[:, 0], pairs[:, 1], corners, np.stack(frames), friction)
 
 
 def interface_frame(stored: Any, points: Floats) -> Floats:

@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.compat.cra_assembly import Taken, blocks_of, taken, write_back
+from drystone.compat.compas import blocks_of
+from drystone.compat.cra_assembly import Taken, taken, write_back
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -64,7 +65,8 @@ def assembly_interfaces_numpy(
     The same assembly.
     """
     del nmax
-    ours, nodes = blocks_of(assembly, 1.0)
+    nodes = list(assembly.graph.nodes())
+    ours = blocks_of(assembly, nodes, 1.0)
     size = float(np.median(np.cbrt(ours.volume)))
     gap = min(max(DetectionOptions().gap, float(tmax) / size), _WIDEST_GAP)
     contacts = find_contacts(ours, options=DetectionOptions(gap=gap, inexact=False)).contacts

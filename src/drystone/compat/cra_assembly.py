@@ -10,9 +10,8 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools
 from drystone.checks import corner_motion
-from drystone.compat.compas import block_of, interface_frame
+from drystone.compat.compas import blocks_of, interfaces_of, joined_interfaces
 from drystone.contacts import Contacts
-from drystone.io.compas_contacts import joined
 from drystone.results import Result
 
 
@@ -27,17 +26,6 @@ class Taken:
     nodes: tuple[Any, ...]
 
 
-def blocks_of(assembly: Any, density: float) -> tuple[Assembly, tuple[Any, ...]]:
-    """The blocks with their supports, and the node of each."""
-    nodes = tuple(assembly.graph.nodes())
-    blocks = []
-    for node in nodes:
-        mesh = assembly.node_block(node)
-        blocks.append(block_of(mesh, str(node), mesh.attributes.get("density", density)))
-    fixed = [bool(assembly.graph.node_attribute(node, "is_support")) for node in nodes]
-    return Assembly(tuple(blocks), np.array(fixed, dtype=bool)), nodes
-
-
 def taken(assembly: Any, mu: float, density: float) -> Taken:
     """The assembly with the interfaces of its edges.
 
@@ -46,21 +34,13 @@ def taken(assembly: Any, mu: float, density: float) -> Taken:
     ValueError
         No interfaces or no free blocks.
     """
-    ours, nodes = blocks_of(assembly, density)
-    position = {node: i for i, node in enumerate(nodes)}
-    pairs, interfaces, corners, frames = [], [], [], []
-    for a, b in assembly.graph.edges():
-        for interface in assembly.graph.edge_attribute((a, b), "interfaces") or []:
-            points = np.array([list(point) for point in interface.points], dtype=np.float64)
-            pairs.append((position[a], position[b]))
-            interfaces.append(interface)
-            corners.append(points)
-            frames.append(interface_frame(interface, points))
-    if not interfaces or ours.fixed.all():
+    nodes = tuple(assembly.graph.nodes())
+    ours = blocks_of(assembly, nodes, density)
+    found = interfaces_of(assembly.graph, nodes, "interfaces")
+    if not found or ours.fixed.all():
         raise ValueError("assembly has no contact interfaces or no free blocks")
-    joint = np.array(pairs, dtype=np.intp)
-    contacts, backwards = joined(joint[:, 0], joint[:, 1], corners, np.stack(frames), mu)
-    return Taken(ours, contacts, tuple(interfaces), backwards, nodes)
+    contacts, backwards = joined_interfaces(found, mu)
+    return Taken(ours, contacts, tuple(stored for _, _, stored in found), backwards, nodes)
 
 
 def write_back(
