@@ -14,6 +14,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
+from drystone.geometry.polyhedron import BOX, box_corners
 
 _LOWEST = 0.1
 """Blocks whose lowest corner is within this share of the median block height of the lowest corner
@@ -26,9 +27,6 @@ _PRESSED = -np.sin(np.deg2rad(20.0))
 _LEVEL = np.cos(np.deg2rad(5.0))
 """The underside of a foot is level within 5 degrees."""
 UP = (0.0, 0.0, 1.0)
-_NAMED = 4
-"""Names told in one remark."""
-
 _THICK = 0.5
 """Thickness of the ground, by the largest block, and how far it reaches beyond the model, by its
 width. Chosen: tolerances are relative to the smaller of two blocks, which the ground never is."""
@@ -69,15 +67,10 @@ class GroundPlane:
         below = level - sign * _THICK * max(block.size for block in assembly.blocks)
         low[axis], high[axis] = min(level, below), max(level, below)
         name = _GROUND if _GROUND not in assembly.names else f"{_GROUND}-plane"
-        corner = [(i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
-        vertices = np.where(np.array(corner, dtype=bool), high, low)
         return Assembly(
-            (*assembly.blocks, Block(vertices, _BOX, name)),
+            (*assembly.blocks, Block(box_corners(low, high), BOX, name)),
             np.append(np.zeros(len(assembly), dtype=bool), True),
         )
-
-
-_BOX = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
 
 def ground_of(
@@ -309,7 +302,7 @@ def require_supports(
 
 def _list(assembly: Assembly, mask: Bools) -> str:
     names = [assembly.names[i] for i in np.flatnonzero(mask).tolist()]
-    return f"{counted(len(names), 'block')} ({named(names, _NAMED)})"
+    return f"{counted(len(names), 'block')} ({named(names, 4)})"
 
 
 def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:

@@ -14,6 +14,9 @@ from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 
+BATCH = 1_000_000
+"""Rows of arrays that are made at once. Chosen: bounds the memory to some 100 MB."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ragged(OneLine):

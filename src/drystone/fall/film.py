@@ -23,9 +23,6 @@ MOVED = 0.1
 """Travel of a block, by its size, from which on it has fallen. The contacts of the simulator
 are soft: what stands moves by a hundredth at most (docs/robots.md)."""
 
-_LISTED = 12
-"""Blocks that fell which are named."""
-
 
 @dataclass(frozen=True)
 class FallOptions(Options):
@@ -123,7 +120,7 @@ class Film(Answer):
         names = [self.assembly.names[i] for i in np.flatnonzero(self.fell)]
         said = [Sentence("FILM", Role.GOOD if self.lies else Role.UNSURE), Sentence(self.message)]
         if names:
-            said.append(Sentence(f"fell: {named(names, _LISTED)}"))
+            said.append(Sentence(f"fell: {named(names, 12)}"))
         return [*said, Sentence(f"simulated by {self.engine}; no verdict")]
 
     def tables(self) -> Sequence[Table]:

@@ -8,16 +8,10 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import BATCH
 
 _FEW = 4096
 """Up to so many pairs all are compared: faster than a tree, measured."""
-_PAIRS = 1_000_000
-"""Pairs of boxes in one batch, about. Chosen: bounds the memory to some 100 MB."""
-_FIRST = 256
-"""Boxes in the first batch, before it is known how many others each overlaps."""
-_GROWTH = 64
-"""A batch has at most so many times the boxes of the one before. Chosen: parts of a body may be
-meshed more finely than others."""
 
 
 def overlapping(low: Floats, high: Floats) -> tuple[Ints, Ints]:
@@ -94,7 +88,7 @@ def batches(
         for low, high in ((low_a, high_a), (low_b, high_b))
     )
     tree = shapely.STRtree(diagonal_b)
-    begin, several = 0, _FIRST
+    begin, several = 0, 256  # before it is known how many others each overlaps
     while begin < len(diagonal_a):
         i, j = tree.query(diagonal_a[begin : begin + several]).astype(np.intp)
         i = i + begin
@@ -102,7 +96,8 @@ def batches(
         near &= low_b[j, left_out] <= high_a[i, left_out]
         yield i[near], j[near]
         begin += several
-        several = max(1, min(_GROWTH * several, several * _PAIRS // max(len(i), 1)))
+        # parts of a body may be meshed more finely than others
+        several = max(1, several * BATCH // max(len(i), BATCH // 64))
 
 
 def touching(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> Bools:

@@ -202,6 +202,17 @@ def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
 
 
+BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+"""Faces of a hexahedron whose vertices are the bottom loop 0 to 3, counter-clockwise from above,
+and the top loop 4 to 7 over it."""
+
+
+def box_corners(low: Floats, high: Floats) -> Floats:
+    """Vertices (8, 3) of an axis-aligned box with faces :data:`BOX`."""
+    upper = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], dtype=bool)
+    return np.where(np.concatenate([upper, upper | (False, False, True)]), high, low)
+
+
 def loop_edges(loop: Sequence[int]) -> list[Edge]:
     """The edges of a loop, each from a vertex to the next.
 

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.ragged import Ragged, expand
+from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.geometry import boxes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
@@ -264,8 +264,6 @@ def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
 
 _CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""
-_MANY_PAIRS = 2_000_000
-"""Pairs of a vertex and a face in one batch. Chosen: at most some hundred MB."""
 
 
 def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
@@ -283,8 +281,8 @@ def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     """
     convex = np.zeros(len(vertices), dtype=bool)
     pairs = np.array([len(v) * len(f) for v, f in zip(vertices, faces, strict=True)])
-    small = np.flatnonzero(pairs <= _MANY_PAIRS)
-    batch = np.cumsum(pairs[small]) // _MANY_PAIRS
+    small = np.flatnonzero(pairs <= BATCH)
+    batch = np.cumsum(pairs[small]) // BATCH
     for bodies in np.split(small, np.flatnonzero(np.diff(batch)) + 1):
         if len(bodies):
             part = bodies.tolist()

@@ -12,15 +12,12 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, unit
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import BATCH, Ragged
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.solid import farthest, squared_distance
 from drystone.geometry.triangulate import triangulate
 
-_BATCH = 500_000
-"""Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB. A pair of
-bodies with more pairs of a point and a triangle is searched through a tree."""
 _MANY_CORNERS = 100_000
 """Pairs of a corner of each of two convex bodies above which their depth is measured as that of
 concave ones. Chosen: below, every direction in which they may part is tried within a second."""
@@ -257,7 +254,7 @@ def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:
     of_pair, face = bodies.faces.take(a)
     other = of_pair.spread(b)
     depth = np.zeros(len(face))
-    for part in Ragged.from_counts(bodies.corners.counts[other]).batches(_BATCH):
+    for part in Ragged.from_counts(bodies.corners.counts[other]).batches(BATCH):
         each, corner = bodies.corners.take(other[part])
         mine = each.spread(face[part])
         along = dot(bodies.point[corner] - bodies.middle[mine], bodies.normal[mine])
@@ -277,7 +274,7 @@ def _way_out(bodies: _Bodies, a: int, b: int) -> float:
     direction = np.concatenate([*faces, across[length > CROSS]])
     x, y = (bodies.point[bodies.corners[body]] for body in (a, b))
     least = np.inf
-    for part in np.array_split(direction, len(direction) * (len(x) + len(y)) // _BATCH + 1):
+    for part in np.array_split(direction, len(direction) * (len(x) + len(y)) // BATCH + 1):
         one, other = x @ part.T, y @ part.T
         ahead = one.max(axis=0) - other.min(axis=0)
         behind = other.max(axis=0) - one.min(axis=0)
@@ -308,7 +305,7 @@ def _deepest(
     depth = np.zeros(len(tried))
     count = np.array([len(points) for points in tried], dtype=np.intp)
     triangle, of = bodies.triangles
-    many = count * np.maximum(of.counts[a], of.counts[b]) > _BATCH
+    many = count * np.maximum(of.counts[a], of.counts[b]) > BATCH
     for i in np.flatnonzero(many).tolist():
         for body in (a[i], b[i]):
             surface = bodies.point[triangle[of[body]]]
@@ -328,7 +325,7 @@ def _deepest_of_few(
     place = np.concatenate(tried)
     depth = np.zeros(points.rows)
     for body in (points.spread(a), points.spread(b)):
-        for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(_BATCH):
+        for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(BATCH):
             away = _away(bodies, body[part], place[part], points.spread(tolerance)[part])
             depth[part] = np.maximum(depth[part], away)
     return points.max(depth)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, dot
+from drystone.base.ragged import BATCH
 from drystone.geometry import boxes
 
-_BATCH = 1_000_000
-"""Pairs of a point and a triangle in one batch. Chosen: bounds the memory to some 200 MB."""
 _FAR = 1000
 """Points of which the distance is found at once, those that may be farthest first. Chosen."""
 _ROUNDING = 1.0 + 1e-9
@@ -47,7 +46,7 @@ def winding_number(points: Floats, triangles: Floats) -> Floats:
     triangles : (t, 3, 3) [m]
     """
     turns = np.zeros(len(points))
-    step = max(_BATCH // max(len(triangles), 1), 1)
+    step = max(BATCH // max(len(triangles), 1), 1)
     for i in range(0, len(points), step):
         turns[i : i + step] = solid_angles(points[i : i + step, None], triangles).sum(axis=1)
     return turns / (4.0 * np.pi)
@@ -69,7 +68,7 @@ def outside_distance(points: Floats, triangles: Floats) -> Floats:
 def distance(points: Floats, triangles: Floats) -> Floats:
     """Distance (p,) [m] of points (p, 3) from the nearest of the triangles (t, 3, 3)."""
     nearest = np.full(len(points), np.inf)
-    step = max(_BATCH // max(len(triangles), 1), 1)
+    step = max(BATCH // max(len(triangles), 1), 1)
     for i in range(0, len(points), step):
         part = points[i : i + step, None]
         square = squared_distance(part, triangles[None])

@@ -17,8 +17,6 @@ SHARED_FACES = 64
 body share their face list. A longer list belongs to a scan or a freeform body and does not occur
 twice."""
 _SHARED_LISTS = 1024
-_SHOWN = 4
-"""Edges or faces named in an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +92,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         at = open_faces(faces)
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
-            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], _SHOWN)}",
+            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], 4)}",
             remedy="close the holes or merge coincident vertices; only a support may be open",
             kind=DefectKind.OPEN,
         )
@@ -149,7 +147,7 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
 
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     """The first edges, with the caller's vertex numbers."""
-    return named([f"{number[a]}-{number[b]}" for a, b in edges], _SHOWN)
+    return named([f"{number[a]}-{number[b]}" for a, b in edges], 4)
 
 
 def edge_uses(faces: Sequence[Loop]) -> dict[Edge, list[tuple[int, Edge]]]:

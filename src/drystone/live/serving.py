@@ -19,21 +19,8 @@ from drystone.live.helper import ToolCalls
 from drystone.live.web import WebServer
 from drystone.view.page import Addition, page_of_data
 
-_PORT = 8377
-"""Where the search for a free port begins; chosen, none of the registered ones."""
-
 PORTS = 20
 """Ports that are tried."""
-
-_TIME_LIMIT = 60.0
-"""[s] for a verdict, a task, or a call of the JSON interface."""
-
-_SIZE_LIMIT = 16.0
-"""[MiB] of a model that is sent or read, as in :mod:`drystone.mcp`."""
-
-_ALONE = 10.0
-"""[s] after the last window was closed until the server ends. Chosen: a page that is loaded again
-is back by then, also on a slow machine."""
 
 _PERIOD = 0.25
 """[s] between two looks at a file. A file counts as saved once two looks see the same."""
@@ -71,10 +58,10 @@ class Live:
         self,
         model: str | Path,
         *,
-        port: int = _PORT,
+        port: int = 8377,
         how: Mapping[str, Any] | None = None,
-        time_limit: float = _TIME_LIMIT,
-        size_limit: float = _SIZE_LIMIT,
+        time_limit: float = 60.0,
+        size_limit: float = 16.0,
     ) -> None:
         for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
             if not 0.0 < value < float("inf"):
@@ -134,8 +121,11 @@ class Live:
             self.close()
             raise
 
-    def wait(self, alone: float = _ALONE) -> None:
-        """Wait until the last window was closed for some time [s]; for ever if none is opened."""
+    def wait(self, alone: float = 10.0) -> None:
+        """Wait until the last window was closed for some time [s]; for ever if none is opened.
+
+        A page that is loaded again is back within ten seconds, also on a slow machine.
+        """
         since = time.monotonic()
         while time.monotonic() - since < alone:
             time.sleep(0.2)

@@ -28,8 +28,6 @@ _CONNECTIONS = 64
 """At one time, chosen: each window has one for its events and a few more."""
 PATIENCE = 10.0
 """[s] for a request to arrive as a whole, and for a part of an answer to leave."""
-_HEARTBEAT = 5.0
-"""[s] without an event after which a stream sends an empty line, which tells lost windows."""
 _LOOK = 1.0
 """[s] between two looks at whether a window was closed."""
 REST = 2**20
@@ -238,19 +236,14 @@ class _Handler(BaseHTTPRequestHandler):
         window = self.server.desk.enter(name)
         try:
             self._head(200, "text/event-stream")
-            quiet = 0.0
             while not self._gone():
                 try:
                     event = window.events.get(timeout=_LOOK)
                 except queue.Empty:
-                    quiet += _LOOK
-                    if quiet >= _HEARTBEAT:
-                        self.wfile.write(b":\n\n")
-                        quiet = 0.0
+                    self.wfile.write(b":\n\n")  # tells lost windows
                     continue
                 if event is None:
                     return
-                quiet = 0.0
                 self.wfile.write(f"data: {json.dumps(event, allow_nan=False)}\n\n".encode())
         finally:
             self.server.desk.leave(window)

@@ -17,7 +17,6 @@ from drystone.limits import Tilt
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 
-_MOST_TILT = 180.0
 _MOST_GRAVITY = 1000.0
 """[m/s2], chosen: a hundred times that of the earth, as in a centrifuge."""
 _KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes", "moves")
@@ -60,7 +59,7 @@ class Wish:
     moves: tuple[_Pulled, ...] = ()
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.tilt <= _MOST_TILT:
+        if not 0.0 <= self.tilt <= 180.0:
             raise InputError(f"the tilt is {self.tilt:g}", remedy="give 0 to 180 degrees")
         if self.friction is not None and not self.friction >= 0.0:
             raise InputError(

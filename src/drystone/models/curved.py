@@ -15,9 +15,6 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.models.solids import prism, rectangle, require, sections, welded
 
-ROLLER_CENTRE = (1.1, 2.3)
-ROLLER_RADIUS = 0.7211
-
 
 def resampled(curve: ArrayLike, strips: int) -> Floats:
     """A curve (c, 2) cut into equal steps of its parameter: the given points for c - 1 strips.
@@ -55,21 +52,21 @@ def curve_three_blocks(strips: int = 20) -> Assembly:
     corners = {
         "base": [(0.0, 0.0), (1.0, 0.0), *bed[::-1]],
         "cradle": [(-0.5, bed[0, 1]), *bed, (1.5, 0.7), *hollow[::-1], (-0.5, 2.0)],
-        "roller": [*hollow, *_rest_of_roller(hollow)],
+        "roller": [*hollow, *_rest_of_roller(hollow, *curves["roller"])],
     }
     blocks = tuple(prism(np.array(c), (0.0, 1.0), name) for name, c in corners.items())
     return Assembly(blocks, np.array([True, False, False]))
 
 
-def _rest_of_roller(hollow: Floats) -> Floats:
+def _rest_of_roller(hollow: Floats, x: float, z: float, radius: float) -> Floats:
     """The arc of a circle from the end of the hollow to its start, in equal steps."""
-    centre = np.array(ROLLER_CENTRE)
+    centre = np.array([x, z])
     end, start = (np.arctan2(*(p - centre)[::-1]) for p in (hollow[-1], hollow[0]))
     inside = (end - start) % (2.0 * np.pi)
     outside = 2.0 * np.pi - inside
     pieces = max(round((len(hollow) - 1) * outside / inside), 3)
     angle = end + outside * np.arange(1, pieces) / pieces
-    return centre + ROLLER_RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+    return centre + radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> Assembly:

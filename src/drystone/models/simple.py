@@ -9,11 +9,8 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.polyhedron import BOX, box_corners
 from drystone.models.solids import prism, rectangle, require, welded
-
-BOX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-"""Faces of a hexahedron whose vertices are the bottom loop 0 to 3, counter-clockwise from above,
-and the top loop 4 to 7 over it."""
 
 
 def box(
@@ -23,12 +20,9 @@ def box(
     density: float = DEFAULT_DENSITY,
 ) -> Block:
     """An axis-aligned box with its lowest corner at ``origin`` [m] and edges ``size`` [m]."""
-    x, y, z = (float(s) for s in size)
-    low = np.array([[0, 0, 0], [x, 0, 0], [x, y, 0], [0, y, 0]], dtype=np.float64)
-    vertices = np.concatenate([low, low + np.array([0.0, 0.0, z])]) + np.asarray(
-        origin, dtype=np.float64
-    )
-    return Block(vertices, BOX_FACES, name, density)
+    low = np.asarray(origin, dtype=np.float64)
+    high = low + np.asarray(size, dtype=np.float64)
+    return Block(box_corners(low, high), BOX, name, density)
 
 
 def tower(count: int, edge: float = 1.0) -> Assembly:

@@ -15,15 +15,6 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.models.solids import prism, require, sections, welded
 
-LOAD_DENSITY = 3.51
-"""Density of the load by that of the bridge, as in the source."""
-
-DECK = 1.55
-"""[m], height of the deck of the bridge."""
-
-SHELF = (0.0, 0.2)
-"""[m], from y to y of the shelf."""
-
 
 def bridge(*, load: bool = False) -> Assembly:
     """A bridge of nine blocks between two abutments, which is built without centring.
@@ -49,7 +40,8 @@ def bridge(*, load: bool = False) -> Assembly:
     >>> len(assembly), assembly.names[8]
     (11, 'block-8')
     """
-    given, span = sections("bridge"), (0.0, 0.5)
+    given = sections("bridge")
+    span, deck = (0.0, given["depth"]), given["deck"]
     made: dict[int, Block] = {8: prism(given["keystone"], span, "block-8")}
     for key, corners in given["right"].items():
         number = int(key)
@@ -57,9 +49,9 @@ def bridge(*, load: bool = False) -> Assembly:
         made[number] = prism(corners, span, f"{kind}-{number}")
         made[number + 1] = prism([(-x, z) for x, z in corners], span, f"{kind}-{number + 1}")
     for key, (left, right, top) in given["load"].items() if load else ():
-        corner = np.array([(left, DECK), (right, DECK), (right, top), (left, top)])
+        corner = np.array([(left, deck), (right, deck), (right, top), (left, top)])
         for number, side in ((int(key), 1.0), (26 - int(key), -1.0)):
-            density = LOAD_DENSITY * DEFAULT_DENSITY
+            density = given["load-density"] * DEFAULT_DENSITY
             made[number] = prism(corner * (side, 1.0), span, f"load-{number}", density)
     blocks = tuple(made[number] for number in sorted(made))
     return Assembly(blocks, np.arange(len(blocks)) < 2)
@@ -92,29 +84,30 @@ def shelf(fix: Literal[1, 2, 3] | None = None) -> Assembly:
     given = sections("shelf")
     require(fix in (None, 1, 2, 3), f"there is no fix {fix}", "1, 2, 3 or none")
     parts = given["blocks"] | given["fixes"].get(str(fix), {})
-    pieces = [prism(section, SHELF, f"block-{i}") for i, section in parts.items()]
+    depth = given["depth"]
+    pieces = [prism(section, depth, f"block-{i}") for i, section in parts.items()]
     inner, outer = given["inner"], given["outer"]
     if fix is None:
-        blocks: list[Block] = [_ring(inner, outer), *pieces]
+        blocks: list[Block] = [_ring(inner, outer, depth), *pieces]
     else:
         around = [1, 0, 3, 2]  # without its top, whose ends are mitred
         outline = [*(outer[i] for i in around), *(inner[i] for i in around[::-1])]
         # the tip of the second fix is in a notch of the lid
         notch = [parts["9"][i] for i in (0, -1, -2)] if fix == 2 else []
         lid = [inner[1], *notch, inner[2], outer[2], outer[1]]
-        blocks = [prism(outline, SHELF, "frame"), *pieces, prism(lid, SHELF, "lid")]
+        blocks = [prism(outline, depth, "frame"), *pieces, prism(lid, depth, "lid")]
     return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
 
 
-def _ring(inner: list[list[float]], outer: list[list[float]]) -> Block:
+def _ring(inner: list[list[float]], outer: list[list[float]], depth: list[float]) -> Block:
     """The frame of the shelf as one ring, from its corners."""
     loops: list[Floats] = []
     for i in range(4):
         j = (i + 1) % 4
         ring = [outer[i], outer[j], inner[j], inner[i]]
-        loops += [np.array([(x, at, z) for x, z in ring]) for at in SHELF]
+        loops += [np.array([(x, at, z) for x, z in ring]) for at in depth]
         for (x0, z0), (x1, z1) in ((ring[0], ring[1]), (ring[2], ring[3])):
-            near, far = SHELF
+            near, far = depth
             loops.append(np.array([(x0, near, z0), (x1, near, z1), (x1, far, z1), (x0, far, z0)]))
     return welded(loops, "frame")
 

@@ -69,8 +69,6 @@ from drystone.view.palette import (
 from drystone.virtual import local_corners
 
 FORMAT = "drystone-page"
-_VERSION = 2
-
 _MANY_INTERFACES = 20_000
 """With more interfaces the kerns are left out: they take seconds."""
 
@@ -141,7 +139,7 @@ def encode(scene: Scene) -> dict[str, Any]:
     contacts = scene.contacts
     data: dict[str, Any] = {
         "format": FORMAT,
-        "version": _VERSION,
+        "version": 2,
         "title": scene.title,
         "origin": origin.tolist(),
         "toward": scene.toward.tolist(),

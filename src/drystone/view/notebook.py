@@ -22,9 +22,6 @@ from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
 from drystone.view.subjects import Subject, scene_of
 
-SIZE, DPI = (6.4, 4.4), 64
-"""Size of a still picture [inches] and pixels per inch: 20 to 60 kB."""
-
 MOST_BLOCKS = 3000
 """Largest number of blocks of a model that is drawn by default. Chosen: it takes less than a
 second."""
@@ -141,20 +138,16 @@ def beside(value: object) -> str:
 
 
 def thumbnail(value: object) -> str:
-    """A small still picture as an HTML image; empty if the value has none."""
+    """A small still picture as an HTML image, 20 to 60 kB; empty if the value has none."""
     try:
         scene = scene_of(value)  # type: ignore[arg-type]
     except InputError:
         return ""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "thumbnail.png"
-        save_figure(scene, path, size=SIZE, dpi=DPI)
+        save_figure(scene, path, size=(6.4, 4.4), dpi=64)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     return f'<img alt="{html.escape(scene.title)}" src="data:image/png;base64,{data}">'
-
-
-_STEPS = 100
-"""Steps of a slider from one end to the other, at least."""
 
 
 def interact(
@@ -229,8 +222,8 @@ def step_of(span: float) -> float:
     >>> step_of(0.9), step_of(30.0)
     (0.005, 0.2)
     """
-    decade = 10.0 ** math.floor(math.log10(span / _STEPS))
-    return float(f"{max(f for f in (1, 2, 5) if f * decade <= span / _STEPS) * decade:.3g}")
+    decade = 10.0 ** math.floor(math.log10(span / 100))
+    return float(f"{max(f for f in (1, 2, 5) if f * decade <= span / 100) * decade:.3g}")
 
 
 def _put(widget: Any, subject: Subject) -> None:

@@ -16,8 +16,6 @@ LEFT, RIGHT, TOP, BOTTOM = 44.0, 12.0, 20.0, 32.0
 """Size [px] of a chart, and its margins."""
 _REACH = 92.0
 """Radius [px] of a polar chart."""
-_TICKS = 4
-"""On a logarithmic axis, at most."""
 
 
 def panel(chart: Chart) -> str:
@@ -102,7 +100,7 @@ def _across(chart: Chart) -> list[float]:
     if not chart.logarithmic:
         return list(dict.fromkeys((low, high)))
     powers = np.arange(np.ceil(np.log10(low) - 1e-9), np.log10(high) + 1e-9)
-    return [float(10.0**one) for one in powers[:: max(-(-len(powers) // _TICKS), 1)]]
+    return [float(10.0**one) for one in powers[:: max(-(-len(powers) // 4), 1)]]
 
 
 def _polar_axes() -> Iterator[str]:

@@ -19,9 +19,6 @@ from drystone.virtual import local_corners
 
 _SIDE = 150
 """[px] of a plan."""
-_MARGIN = 12
-"""Margin [px] around the joint in its plan."""
-
 STYLE = """
 :root { color-scheme: light dark; --ink: #1d1b18; --soft: #6b665c; --line: #d5d0c4;
   --paper: #ffffff; --stone: #e9e5da; --kern: KERN; --force: FORCE; --alarm: ALARM; }
@@ -152,7 +149,7 @@ def _plan(result: Result, table: Table, i: int) -> str:
     at = contacts.frame[i, 1:] @ (position - origin[i])
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float((high - low).max())
-    scale = (_SIDE - 2 * _MARGIN) / extent if extent > 0.0 else 1.0
+    scale = (_SIDE - 2 * 12) / extent if extent > 0.0 else 1.0
     middle = 0.5 * (low + high)
 
     def pixels(points: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import BATCH, Ragged
 
 _TOUCHING = 1e-3
 """Share of a block's size by which blocks may reach through a plane between them; chosen, for
@@ -16,8 +16,6 @@ drawing only."""
 _NEARLY_CONVEX = 0.05
 """Share of its size by which a block may stick out of the planes of its own faces and be drawn as
 if convex (warped faces); chosen."""
-_CHUNK = 2_000_000
-"""Corners in one batch, to bound memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +73,7 @@ def spans(bodies: SeparationData, block: Ints, direction: Floats) -> tuple[Float
 def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
     lowest, highest = np.empty(len(block)), np.empty(len(block))
     points = Ragged(start)
-    for some in Ragged.from_counts(points.counts[block]).batches(_CHUNK):
+    for some in Ragged.from_counts(points.counts[block]).batches(BATCH):
         part, row = points.take(block[some])
         reach = dot(point[row], part.spread(direction[some]))
         lowest[some], highest[some] = part.min(reach), part.max(reach)

@@ -26,8 +26,6 @@ _SIZE = 7.0
 """[points], letters of a label."""
 LETTER, LINE = 0.6 * _SIZE / 72.0, 1.7 * _SIZE / 72.0
 """[inches], about the width of a letter and the height of a label."""
-_LONGEST = 24
-"""Letters of a name that are written."""
 _FINE_BLOCK = 0.5
 """[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
 
@@ -178,7 +176,7 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
     near = here[np.argsort(-(scene.assembly.centroid[here] @ sheet.eye), kind="stable")]
     for i in near.tolist():
         number = str(given[i]) if given is not None and given[i] > 0 else ""
-        name = scene.assembly.names[i][:_LONGEST] if names else ""
+        name = scene.assembly.names[i][:24] if names else ""
         text = " ".join(one for one in (number, name) if one)
         if not text:
             continue

@@ -3,6 +3,7 @@ import pytest
 
 from drystone import Block, InputError
 from drystone.geometry.polyhedron import (
+    BOX,
     Fan,
     body_mass_properties,
     mass_properties,
@@ -10,7 +11,6 @@ from drystone.geometry.polyhedron import (
 )
 from drystone.geometry.surface import SHARED_FACES, closed_surface
 from drystone.models import box, concave, cube_curve, prism
-from drystone.models.simple import BOX_FACES
 
 CUBE = box((1.0, 1.0, 1.0)).vertices
 RING = [(np.cos(a), np.sin(a)) for a in np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)]
@@ -25,40 +25,38 @@ def test_long_face_lists_are_not_kept():
     drum = prism(RING, (0.0, 1.0))
     assert len(drum.faces) > SHARED_FACES
     assert closed_surface(drum.faces, 200) is not closed_surface(drum.faces, 200)
-    assert closed_surface(BOX_FACES, 8) is closed_surface(BOX_FACES, 8)
+    assert closed_surface(BOX, 8) is closed_surface(BOX, 8)
 
 
 def test_faces_of_arrays_lists_and_tuples_are_one():
-    assert closed_surface(np.array(BOX_FACES), 8) is closed_surface(BOX_FACES, 8)
-    assert closed_surface([list(f) for f in BOX_FACES], 8) is closed_surface(BOX_FACES, 8)
+    assert closed_surface(np.array(BOX), 8) is closed_surface(BOX, 8)
+    assert closed_surface([list(f) for f in BOX], 8) is closed_surface(BOX, 8)
 
 
 @pytest.mark.parametrize("extra", [0, 2])
 def test_the_same_faces_are_checked_with_their_own_vertices(extra):
     vertices = np.concatenate([CUBE, np.full((extra, 3), 9.0)])
-    assert Block(vertices, BOX_FACES).repairs == (
-        (f"{extra} unused vertices dropped",) * (extra > 0)
-    )
+    assert Block(vertices, BOX).repairs == ((f"{extra} unused vertices dropped",) * (extra > 0))
     with pytest.raises(InputError, match="uses vertex 7"):
-        Block(CUBE[:7], BOX_FACES)
+        Block(CUBE[:7], BOX)
 
 
 def test_a_bad_face_list_is_refused_every_time_under_the_name_of_its_block():
     for name in ("first", "second"):
         with pytest.raises(InputError, match=f"block '{name}'.*4 edges have one face only"):
-            Block(CUBE, BOX_FACES[:-1], name)
+            Block(CUBE, BOX[:-1], name)
 
 
 @pytest.mark.parametrize(
     ("faces", "words"),
     [
-        ((*BOX_FACES, (0, 1, 2)), "non-manifold: more than two faces meet at edges"),
-        (BOX_FACES[:3], "has 3 faces"),
-        ((*BOX_FACES[:-1], (3, 0, 4)), "open mesh"),
-        ((*BOX_FACES[:-1], (3, 0, 0, 7)), "none twice"),
-        ((*BOX_FACES[:-1], (3, 0, -4, 7)), "uses vertex -4"),
-        ((*BOX_FACES[:-1], ("a", "b", "c")), "face 5 is not a list of integers"),
-        ((*BOX_FACES[:-1], 5), "face 5 is not a list of integers"),
+        ((*BOX, (0, 1, 2)), "non-manifold: more than two faces meet at edges"),
+        (BOX[:3], "has 3 faces"),
+        ((*BOX[:-1], (3, 0, 4)), "open mesh"),
+        ((*BOX[:-1], (3, 0, 0, 7)), "none twice"),
+        ((*BOX[:-1], (3, 0, -4, 7)), "uses vertex -4"),
+        ((*BOX[:-1], ("a", "b", "c")), "face 5 is not a list of integers"),
+        ((*BOX[:-1], 5), "face 5 is not a list of integers"),
     ],
 )
 def test_face_lists_that_bound_nothing_are_refused(faces, words):
@@ -68,25 +66,25 @@ def test_face_lists_that_bound_nothing_are_refused(faces, words):
 
 def test_edges_are_named_as_the_caller_numbers_them():
     apart = np.concatenate([np.full((3, 3), 9.0), CUBE])
-    faces = [[i + 3 for i in face] for face in BOX_FACES[:-1]]
+    faces = [[i + 3 for i in face] for face in BOX[:-1]]
     with pytest.raises(InputError, match="3-7"):
         Block(apart, faces)
 
 
 def test_bodies_that_touch_in_a_vertex_are_refused():
     other = CUBE + 1.0
-    faces = list(BOX_FACES) + [[i + 8 if i else 6 for i in face] for face in BOX_FACES]
+    faces = list(BOX) + [[i + 8 if i else 6 for i in face] for face in BOX]
     with pytest.raises(InputError, match="touches itself at vertex 6"):
         Block(np.concatenate([CUBE, other]), faces)
 
 
 def test_an_inside_out_body_is_turned_and_says_so():
-    inside_out = [face[::-1] for face in BOX_FACES]
+    inside_out = [face[::-1] for face in BOX]
     for _ in range(2):
         block = Block(CUBE, inside_out)
         assert block.volume == pytest.approx(1.0)
         assert block.repairs == ("inside out: all faces turned",)
-        assert block.faces == BOX_FACES
+        assert block.faces == BOX
     assert box((1.0, 1.0, 1.0)).repairs == ()
 
 
