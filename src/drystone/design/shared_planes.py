@@ -243,13 +243,13 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
     links: list[tuple[int, int]] = []
     for k in np.flatnonzero(np.diff(contacts.start) > 2).tolist():
         normal, middle = contacts.frame[k, 0], contacts.centroid[k]
-        touching = []
-        for i in (int(contacts.block_a[k]), int(contacts.block_b[k])):
-            near = NEAR * float(size[i])
-            for j in of_block[i]:
-                away = np.abs((bodies.vertex[loops[j]] - middle) @ normal).max()
-                if abs(float(normals[j] @ normal)) > 1.0 - TURNED and away < near:
-                    touching.append(j)
+        touching = [
+            j
+            for i in (int(contacts.block_a[k]), int(contacts.block_b[k]))
+            for j in of_block[i]
+            if abs(float(normals[j] @ normal)) > 1.0 - TURNED
+            and np.abs((bodies.vertex[loops[j]] - middle) @ normal).max() < NEAR * float(size[i])
+        ]
         links += [(touching[0], j) for j in touching[1:]]
     pair = np.array(links, dtype=np.intp).reshape(-1, 2)
     graph = sparse.coo_matrix(

@@ -36,17 +36,16 @@ Outcome = tuple[tuple[float, ...], bool, str]
 def refuse_goals(goals: Sequence[str], parameters: Sequence[Parameter]) -> None:
     """Refuse goals or parameters that are unknown, missing or given twice."""
     names = [one.name for one in parameters]
-    if not names or len(set(names)) < len(names):
-        raise InputError(
-            "a parameter is given twice" if names else "no parameter is varied",
-            remedy="give each parameter once",
-        )
+    if not names:
+        raise InputError("no parameter is varied", remedy="give one or more")
+    if len(set(names)) < len(names):
+        raise InputError("a parameter is given twice", remedy="give each parameter once")
     known = [*MEASURES, *PLANNED, *(one.name for one in parameters if not one.choices)]
     asked = [goal.removeprefix("-") for goal in goals]
-    for goal, name in zip(goals, asked, strict=True):
-        if name not in known:
-            raise InputError(f"'{goal}' is no goal", remedy=f"use {', '.join(known)}")
-    if not asked or len(set(asked)) < len(asked):
+    unknown = sorted(set(asked) - set(known))
+    if unknown:
+        raise InputError(f"'{unknown[0]}' is no goal", remedy=f"use {', '.join(known)}")
+    if len(set(asked)) < max(len(asked), 1):
         raise InputError(
             "the goals contradict each other, or there is none", remedy="name each once"
         )
@@ -73,27 +72,25 @@ def outcome_of(
         result = margin.holds(model, clock.late, settle=False)
     except InputError as error:
         return (), False, str(error)
-    if result.stopped:
-        return None
     good = margin.meets(result)
     why = "" if good else result.message
-    counts: Mapping[str, int] = {}
-    if props is not None or not PLANNED.keys().isdisjoint(names):
+    found = dict(values)
+    if not result.stopped and (props is not None or not PLANNED.keys().isdisjoint(names)):
         if good:
             counts, why = planned_counts(model, clock)
-        if clock.reason:
-            return None
-        if why:
+            found |= {name: counts[kind] for name, kind in PLANNED.items()}
+        if why and not clock.reason:
             return (), False, why
-        if props is not None and counts["propped"] > props:
-            good, why = False, f"{counted(counts['propped'], 'block')} would need a prop"
-    planned = {name: float(counts[kind]) for name, kind in PLANNED.items() if counts}
-    found = {**planned, **values}
-    return (
-        tuple(float(found[name] if name in found else MEASURES[name](model)) for name in names),
-        good,
-        why,
-    )
+        if props is not None and found.get("props", 0) > props:
+            good, why = False, f"{counted(found['props'], 'block')} would need a prop"
+    if result.stopped or clock.reason:
+        return None
+    return tuple(_value(name, found, model) for name in names), good, why
+
+
+def _value(goal: str, found: Mapping[str, Any], model: Model) -> float:
+    """A goal that is a parameter or was planned, else what the model measures."""
+    return float(found[goal]) if goal in found else MEASURES[goal](model)
 
 
 def model_of(made: Any, how: Mapping[str, Any]) -> Model:
