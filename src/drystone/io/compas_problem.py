@@ -8,7 +8,7 @@ solvers add the weight. Its displacements become another one: only a settlement 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,23 +36,18 @@ def with_problems(model: Draft, nodes: Sequence[str], problems: Sequence[Field])
     position = {node: i for i, node in enumerate(nodes)}
     conditions = [[*_groups(problem)] for problem in problems]
     motions = [_motions(groups, position) for groups in conditions]
-    notes = list(model.notes)
+    friction, notes = _friction(problems[0]) if problems else (None, [])
     if len(problems) > 1:
         notes.append(f"friction and supports are those of the first of {len(problems)} problems")
-    friction, remarks = _friction(problems[0]) if problems else (None, [])
     held = motions[0] if motions else {}
     law = {} if friction is None else {"friction": friction}
     shapes = tuple(
-        replace(
-            shape,
-            fixed=shape.fixed or i in held,
-            metadata={**shape.metadata, **law},
-        )
+        replace(shape, fixed=shape.fixed or i in held, metadata={**shape.metadata, **law})
         for i, shape in enumerate(model.shapes)
     )
-    loaded = any(map(_is_loaded, conditions)) or any(np.any([*m.values()]) for m in motions if m)
-    if not loaded and model.finish is None:
-        return replace(model, shapes=shapes, notes=(*notes, *remarks))
+    every = [*zip(problems, conditions, motions, strict=True)]
+    if model.finish is None and not any(_is_loaded(g) or _moves(m) for _, g, m in every):
+        return replace(model, shapes=shapes, notes=(*model.notes, *notes))
 
     def finish(assembly: Assembly, scale: float) -> Extras:
         contacts = model.finish(assembly, scale)[0] if model.finish else None
@@ -60,23 +55,25 @@ def with_problems(model: Draft, nodes: Sequence[str], problems: Sequence[Field])
             contacts = contacts.with_friction(friction)
         cases = [
             case
-            for number, (problem, groups, motion) in enumerate(
-                zip(problems, conditions, motions, strict=True)
-            )
-            for case in _cases(problem, number, groups, motion, assembly, position)
+            for number, one in enumerate(every)
+            for case in _cases(*one, number, assembly, position)
         ]
         if cases and cases[0].motion is not None:
             cases.insert(0, LoadCase.gravity(assembly))
         return contacts, tuple(cases), ()
 
-    return Draft(shapes, "m", finish, (*notes, *remarks))
+    return Draft(shapes, "m", finish, (*model.notes, *notes))
+
+
+def _moves(motion: Mapping[int, Floats]) -> bool:
+    return bool(np.any([*motion.values()]))
 
 
 def _cases(
     problem: Field,
-    number: int,
     groups: Sequence[Field],
-    motion: dict[int, Floats],
+    motion: Mapping[int, Floats],
+    number: int,
     assembly: Assembly,
     position: dict[str, int],
 ) -> Iterator[LoadCase]:
@@ -86,7 +83,7 @@ def _cases(
         weight = LoadCase.gravity(assembly, _gravity(groups))
         loads = [one for group in groups for one in _loads(group, assembly, position)]
         yield LoadCase.combine([(1.0, one) for one in (weight, *loads)], name)
-    if np.any([*motion.values()]):
+    if _moves(motion):
         moves = [(1.0, LoadCase.settlement(assembly, i, by)) for i, by in motion.items()]
         yield LoadCase.combine(moves, f"{name}-displacements")
 

@@ -45,12 +45,7 @@ def read(data: bytes, path: Path) -> Draft:
     """Blocks of a DAE file: the nodes of its scene with a geometry."""
     root = root_of(data, path, "COLLADA", "COLLADA")
     named = {one.get("id", ""): one for one in root.iter() if one.get("id")}
-    up = (root.findtext("asset/up_axis") or "Y_UP").strip()
-    if up not in _UP:
-        raise FormatError(f"its up axis is '{up[:40]}'", where=str(path), remedy="export z up")
-    unit = root.find("asset/unit")
-    told = {} if unit is None else unit.attrib
-    scale = float(numbers(told, "meter", 1, np.ones(1), str(path))[0])
+    turn, units = _axes_and_units(root, path)
     known: dict[str, _Mesh] = {}
     soups = []
     for name, url, matrix in _shown(root, named, path):
@@ -61,7 +56,7 @@ def read(data: bytes, path: Path) -> Draft:
             continue
         placed, mirrored = moved(points, matrix)
         with np.errstate(all="ignore"):  # overflow is found with the vertices
-            upright = placed @ _UP[up].T
+            upright = placed @ turn.T
         loops = [loop[::-1] for loop in faces] if mirrored else faces
         soups.append(FaceSoup(upright, loops, name, f"node '{name[:40]}'"))
         if sum(len(one.faces) for one in soups) > _MOST_FACES:
@@ -72,39 +67,54 @@ def read(data: bytes, path: Path) -> Draft:
         )
     shapes, notes = shapes_of(soups, _SINGLE, path)
     shapes, renamed = named_apart(shapes)
-    units = next((one for one, size in UNITS.items() if abs(size - scale) < 1e-9 * size), None)
-    if units is None:
-        raise FormatError(
-            f"its unit is {scale:g} m", where=str(path), remedy=f"export in {', '.join(UNITS)}"
-        )
     return Draft(tuple(shapes), units, notes=(*notes, *renamed))
+
+
+def _axes_and_units(root: ET.Element, path: Path) -> tuple[Floats, str]:
+    """The rotation (3, 3) to z up, and the unit of length."""
+    up = (root.findtext("asset/up_axis") or "Y_UP").strip()
+    if up not in _UP:
+        raise FormatError(f"its up axis is '{up[:40]}'", where=str(path), remedy="export z up")
+    unit = root.find("asset/unit")
+    told = {} if unit is None else unit.attrib
+    meter = float(numbers(told, "meter", 1, np.ones(1), str(path))[0])
+    for name, size in UNITS.items():
+        if abs(size - meter) < 1e-9 * size:
+            return _UP[up], name
+    raise FormatError(
+        f"its unit is {meter:g} m", where=str(path), remedy=f"export in {', '.join(UNITS)}"
+    )
 
 
 def _shown(
     root: ET.Element, named: dict[str, ET.Element], path: Path
 ) -> Iterator[tuple[str, str, Floats]]:
     """Name, geometry and matrix (4, 4) of the nodes of the scene that show one."""
-    instance = root.find("scene/instance_visual_scene")
-    url = "" if instance is None else _of(instance)
-    scene = named.get(url) if url else root.find("library_visual_scenes/visual_scene")
-    nodes = [] if scene is None else scene.findall("node")
-    waiting = [(node, np.eye(4), 1) for node in nodes][::-1]
+    waiting = [(node, np.eye(4), 1) for node in _roots(root, named)][::-1]
     for _ in range(_MOST):
         if not waiting:
             return
         node, above, depth = waiting.pop()
         if depth > _DEEPEST or len(waiting) > _MOST:
             break
-        where = f"{path}, node '{(node.get('name') or node.get('id') or '')[:40]}'"
+        name = node.get("name") or node.get("id") or f"block-{len(waiting)}"
+        where = f"{path}, node '{name[:40]}'"
         with np.errstate(all="ignore"):  # overflow is found with the vertices
             matrix = above @ _matrix(node, where)
-        name = node.get("name") or node.get("id") or f"block-{len(waiting)}"
         for one in node.findall("instance_geometry"):
             yield name, _of(one), matrix
         inner = [named.get(_of(one)) for one in node.findall("instance_node")]
         inside = [*node.findall("node"), *(one for one in inner if one is not None)]
         waiting += [(one, matrix, depth + 1) for one in inside][::-1]
     raise FormatError(f"has more than {_MOST:,} nodes, or one in itself", where=str(path))
+
+
+def _roots(root: ET.Element, named: dict[str, ET.Element]) -> list[ET.Element]:
+    """The nodes of the scene that the file shows, else of its first one."""
+    instance = root.find("scene/instance_visual_scene")
+    first = root.find("library_visual_scenes/visual_scene")
+    scene = first if instance is None else named.get(_of(instance))
+    return [] if scene is None else scene.findall("node")
 
 
 def _of(instance: ET.Element) -> str:

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
@@ -35,6 +36,8 @@ _USUAL = 1.0
 _SAME = 1e-9
 """Distance of coincident points, relative to the extent."""
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_Outline: TypeAlias = tuple[Floats, Floats, str]
+"""Corners (c, 3), its own thickness as a vector (3,), and its layer."""
 _CLOSED, _IN_SPACE, _GRID, _FACES = 1, 8, 16, 64
 """Flags of a polyline."""
 _FRAME, _FACE = 16, 128
@@ -58,27 +61,23 @@ def read(
     found = drawing(data, path)
     unread: Counter[str] = Counter()
     skipped: Counter[str] = Counter()
-    outlines: list[tuple[Floats, Floats, str]] = []
+    outlines: list[_Outline] = []
     soups: list[FaceSoup] = []
     faces: dict[str, list[Floats]] = {}
     for entity, matrix, layer in found.entities:
         seen = found.visible.get(layer, True) and not entity.number(60)
         if layer not in layers if layers else not (seen or hidden):
             unread[layer] += 1
-        elif entity.kind == "3DFACE":
-            corner = np.array([entity.point(code) for code in (10, 11, 12, 13)])
-            faces.setdefault(layer, []).append(_moved(corner, matrix, layer, path))
-        elif (mesh := _mesh(entity, path)) is not None:
-            point = _moved(mesh[0], matrix, layer, path)
-            turn = -1 if np.linalg.det(matrix[:3, :3]) < 0.0 else 1
-            soups.append(FaceSoup(point, [one[::turn] for one in mesh[1]], layer, layer))
-        elif (outline := _outline(entity)) is not None:
-            frame = np.eye(3) if entity.flags & _IN_SPACE else entity.frame()
-            depth = frame[:, 2:].T * entity.number(39)
-            both = _moved(np.concatenate([outline @ frame.T, depth]), matrix, layer, path)
-            outlines.append((both[:-1], both[-1] - matrix[:3, 3], layer))
-        else:
+            continue
+        part = _part(entity, matrix, layer, path)
+        if part is None:
             skipped[entity.kind] += 1
+        elif isinstance(part, FaceSoup):
+            soups.append(part)
+        elif isinstance(part, tuple):
+            outlines.append(part)
+        else:
+            faces.setdefault(layer, []).append(part)
     soups += [
         FaceSoup(np.concatenate(own), [_corners(k, at) for k, at in enumerate(own)], layer, layer)
         for layer, own in faces.items()
@@ -100,6 +99,27 @@ def read(
             remedy="join lines to closed polylines, and save solids as meshes or STEP",
         )
     return Draft(tuple(named_apart(shapes)[0]), found.units, notes=tuple(notes))
+
+
+def _part(
+    entity: Entity, matrix: Floats, layer: str, path: Path
+) -> FaceSoup | _Outline | Floats | None:
+    """A mesh, an outline or the corners (4, 3) of a face, in its place; ``None`` if it is none."""
+    if entity.kind == "3DFACE":
+        corner = np.array([entity.point(code) for code in (10, 11, 12, 13)])
+        return _moved(corner, matrix, layer, path)
+    mesh = _mesh(entity, path)
+    if mesh is not None:
+        turn = -1 if np.linalg.det(matrix[:3, :3]) < 0.0 else 1
+        point = _moved(mesh[0], matrix, layer, path)
+        return FaceSoup(point, [one[::turn] for one in mesh[1]], layer, layer)
+    outline = _outline(entity)
+    if outline is None:
+        return None
+    frame = np.eye(3) if entity.flags & _IN_SPACE else entity.frame()
+    depth = frame[:, 2:].T * entity.number(39)
+    both = _moved(np.concatenate([outline @ frame.T, depth]), matrix, layer, path)
+    return both[:-1], both[-1] - matrix[:3, 3], layer
 
 
 def _moved(points: Floats, matrix: Floats, layer: str, path: Path) -> Floats:
@@ -124,16 +144,18 @@ def _outline(entity: Entity) -> Floats | None:
         ring = np.c_[np.cos(angle), np.sin(angle), np.zeros(len(angle))]
         return entity.point() + entity.number(40) * ring
     if entity.kind == "LWPOLYLINE":
-        height, bends = entity.number(38), _bends(entity)
-    elif entity.kind == "POLYLINE" and not entity.flags & (_GRID | _FACES):
-        own = [one for one in entity.inner if not one.flags & _FRAME]
-        at = np.array([one.point() for one in own]).reshape(-1, 3)
-        if entity.flags & _IN_SPACE:
-            return at if entity.flags & _CLOSED and len(at) > 2 else None
-        height = entity.number(30)
-        bends = np.c_[at[:, :2], [one.number(42) for one in own]]
-    else:
+        return _closed(_bends(entity), entity.number(38), entity)
+    if entity.kind != "POLYLINE" or entity.flags & (_GRID | _FACES):
         return None
+    own = [one for one in entity.inner if not one.flags & _FRAME]
+    at = np.array([one.point() for one in own]).reshape(-1, 3)
+    if entity.flags & _IN_SPACE:
+        return at if entity.flags & _CLOSED and len(at) > 2 else None
+    return _closed(np.c_[at[:, :2], [one.number(42) for one in own]], entity.number(30), entity)
+
+
+def _closed(bends: Floats, height: float, entity: Entity) -> Floats | None:
+    """Corners (c, 3) of corners with bulges (c, 3), with those on arcs; ``None`` if it is open."""
     if len(bends) < 2:
         return None
     same = np.abs(bends[0, :2] - bends[-1, :2]).max() <= _SAME * np.abs(bends[:, :2]).max()
@@ -180,20 +202,13 @@ def _mesh(entity: Entity, path: Path) -> tuple[Floats, list[Loop]] | None:
     if entity.kind == "MESH":
         columns = zip(*(entity.numbers(code) for code in (10, 20, 30)), strict=False)
         points = np.array([*columns]).reshape(-1, 3)
-        told = [int(one) for one in entity.numbers(90)][: int(entity.number(93))]
-        loops = []
-        while told:
-            size, told = told[0], told[1:]
-            if not 2 < size <= len(told):
-                raise FormatError("a MESH has a face without an end", where=str(path))
-            loops.append(tuple(told[:size]))
-            told = told[size:]
+        loops = _listed([int(one) for one in entity.numbers(90)][: int(entity.number(93))])
     elif entity.kind == "POLYLINE" and entity.flags & _FACES:
         own = [one.point() for one in entity.inner if one.flags & _FACES]
         points = np.array(own).reshape(-1, 3)
-        faces = [one for one in entity.inner if one.flags & _FACE and not one.flags & _FACES]
-        corners = [[int(abs(face.number(code))) - 1 for code in (71, 72, 73, 74)] for face in faces]
-        loops = [tuple(corner for corner in face if corner >= 0) for face in corners]
+        faces = [one for one in entity.inner if one.flags & (_FACE | _FACES) == _FACE]
+        corners = [[int(abs(face.number(code))) for code in (71, 72, 73, 74)] for face in faces]
+        loops = [tuple(corner - 1 for corner in face if corner) for face in corners]
     else:
         return None
     if not loops or not all(0 <= i < len(points) for loop in loops for i in loop):
@@ -201,47 +216,66 @@ def _mesh(entity: Entity, path: Path) -> tuple[Floats, list[Loop]] | None:
     return points, loops
 
 
+def _listed(told: Sequence[int]) -> list[Loop]:
+    """Faces from a list with the number of corners before each; nothing where it ends early."""
+    loops: list[Loop] = []
+    at = 0
+    while at < len(told):
+        end = at + 1 + told[at]
+        if not at + 3 < end <= len(told):
+            return []
+        loops.append(tuple(told[at + 1 : end]))
+        at = end
+    return loops
+
+
 def _prisms(
-    outlines: Sequence[tuple[Floats, Floats, str]],
+    outlines: Sequence[_Outline],
     bodies: bool,
     thickness: float | None,
     scale: float,
     path: Path,
 ) -> tuple[list[DraftBlock], list[str]]:
     """A body for each outline, and notes; ``thickness`` [m] for those without one."""
-    flat = [not depth.any() for _, depth, _ in outlines]
-    in_space = bodies or not all(flat)
-    if thickness is not None and (in_space or not flat):
+    thick = [one for one in outlines if one[1].any()]
+    if not bodies and not thick and outlines:
+        return _section(outlines, thickness, scale)
+    if thickness is not None:
         raise FormatError(
             "is no section: its bodies have a thickness", where=str(path), remedy="leave it out"
         )
-    notes = []
-    if in_space and any(flat):
-        left = counted(sum(flat), "outline")
-        notes.append(f"{left} without a thickness left out beside bodies")
-    depth_of_all = (_USUAL if thickness is None else thickness) / scale
+    left = counted(len(outlines) - len(thick), "outline")
+    notes = [f"{left} without a thickness left out beside bodies"]
+    return [_prism(*one) for one in thick], notes if len(thick) < len(outlines) else []
+
+
+def _section(
+    outlines: Sequence[_Outline], thickness: float | None, scale: float
+) -> tuple[list[DraftBlock], list[str]]:
+    """Blocks of one thickness [m], and notes; upright where the outlines lie in the plan."""
+    depth = (_USUAL if thickness is None else thickness) / scale
     normals = [area_vector(corner) for corner, _, _ in outlines]
-    upright = not in_space and all(abs(n[2]) >= 0.999 * np.linalg.norm(n) for n in normals)
-    if upright and flat:
-        notes.append("a section: the y axis of the drawing is up")
-    if not in_space and thickness is None and flat:
+    flat = all(abs(normal[2]) >= 0.999 * np.linalg.norm(normal) for normal in normals)
+    turn = _Y_UP if flat else np.eye(3)
+    notes = ["a section: the y axis of the drawing is up"] if flat else []
+    if thickness is None:
         notes.append(f"no thickness is given: its blocks are {_USUAL:g} m thick (--thickness)")
     made = []
-    for (corner, depth, layer), normal, bare in zip(outlines, normals, flat, strict=True):
-        if bare and in_space:
-            continue
-        if bare:
-            size = float(np.linalg.norm(normal)) or 1.0
-            depth = depth_of_all * normal / size * np.sign(normal[np.argmax(np.abs(normal))])
-        if depth @ normal < 0.0:
-            corner = corner[::-1]
-        count = len(corner)
-        ring = range(count)
-        points = np.concatenate([corner, corner + depth])
-        loops = [
-            tuple(ring)[::-1],
-            tuple(count + i for i in ring),
-            *((i, (i + 1) % count, count + (i + 1) % count, count + i) for i in ring),
-        ]
-        made.append(DraftBlock(layer, points @ _Y_UP.T if upright else points, loops, layer))
+    for (corner, _, layer), normal in zip(outlines, normals, strict=True):
+        along = normal * np.sign(normal[np.argmax(np.abs(normal))])
+        way = depth * along / (float(np.linalg.norm(along)) or 1.0)
+        made.append(_prism(corner @ turn.T, turn @ way, layer))
     return made, notes
+
+
+def _prism(corner: Floats, depth: Floats, layer: str) -> DraftBlock:
+    """The body that an outline (c, 3) covers when it is moved by ``depth`` (3,)."""
+    if depth @ area_vector(corner) < 0.0:
+        corner = corner[::-1]
+    ring = np.arange(len(corner))
+    after = np.roll(ring, -1)
+    side = np.stack([ring, after, after + len(ring), ring + len(ring)], axis=1)
+    ends = [ring[::-1].tolist(), (ring + len(ring)).tolist()]
+    return DraftBlock(
+        layer, np.concatenate([corner, corner + depth]), [*ends, *side.tolist()], layer
+    )

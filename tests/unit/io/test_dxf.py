@@ -252,7 +252,7 @@ INSERT = [(0, "INSERT"), (2, "a"), (10, 0), (20, 0)]
         (text([INSERT], blocks=LOOP), "block 'a' is in itself"),
         (text([[(0, "INSERT"), (2, "b0")]], blocks=MANY), "more than 100,000 entities"),
         (text([[*INSERT, (70, 30000), (71, 30000)]], blocks=LOOP), "more than 100,000 entities"),
-        (text([[(0, "MESH"), (93, 3), (90, 4), (90, 0), (90, 1)]]), "a face without an end"),
+        (text([[(0, "MESH"), (93, 3), (90, 4), (90, 0), (90, 1)]]), "or no face"),
         (text([[(0, "MESH"), (93, 4), (90, 3), (90, 0), (90, 1), (90, 2)]]), "does not exist"),
         (
             text([light([(0, 0), (1, 1), (1, 0), (0, 1)])]),
