@@ -11,7 +11,7 @@ import pytest
 
 import drystone
 from drystone.models import arch
-from drystone.view import interact, widget
+from drystone.view import interact, notebook
 from tests.page.browser import Browser, Tab
 
 pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")
@@ -58,7 +58,7 @@ def test_sliders_and_picked_blocks_reach_python_and_python_reaches_the_page(
         encoding="utf-8",
     )
     tab = browser.open(path, size=(700, 600))
-    script = Path(widget.__file__).with_name("static") / "widget.js"
+    script = Path(notebook.__file__).with_name("static") / "widget.js"
     source = json.dumps(script.read_text(encoding="utf-8"))
     tab.run(
         f"import(URL.createObjectURL(new Blob([{source}], {{ type: 'text/javascript' }})))"
