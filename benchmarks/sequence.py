@@ -45,7 +45,7 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.checkpoint import read_checkpoint
+from drystone.sequence.checkpoint import Checkpoint
 from drystone.sequence.stages import Stage, members
 from drystone.sequence.structure import Structure
 from drystone.stability import check
@@ -135,7 +135,7 @@ def checked_stages(model: Model, options: PlanOptions, structure: Structure) -> 
         plan(model, options=options, checkpoint=kept)
         every = [
             one
-            for one in read_checkpoint(kept, structure)
+            for one in Checkpoint(kept, structure).known
             if one.held or any(structure.grounds[block] for block in members(one.placed))
         ]
     chosen = np.random.default_rng(0).permutation(len(every))[:COLD_STAGES]

@@ -54,7 +54,7 @@ def answers() -> Iterator[Answer]:
     yield Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True)
     order = drystone.plan(stack)
     yield from (order, sequence.scaffolding(order))
-    yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
+    yield sequence.margins(order, tilt_width=5.0, directions=1)
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
     found = drystone.find_contacts(tower(3))
     yield Inspection(tower(3), found, gap_sweep(tower(3), [1e-4, 1e-3]))

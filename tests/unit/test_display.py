@@ -122,7 +122,7 @@ def values(folder: Path) -> Iterator[object]:
     yield limits.Parametric(tower, lambda given: Model.of(given).contacts, "blocks", "")
     order = drystone.plan(stack)
     yield from (order, sequence.Prop(1, 0, 2, np.ones(6)), sequence.Stage(2**300 - 1, 1))
-    yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
+    yield sequence.margins(order, tilt_width=5.0, directions=1)
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
     yield from (sequence.RemovalTest(order.model), sequence.Evaluator(order.model))
     yield sequence.freedom(np.array([[0.0, 0.0, 1.0]]), np.array([0.0, 0.0, 1.0]))
@@ -157,7 +157,7 @@ def values(folder: Path) -> Iterator[object]:
     drystone.write(stands.model, folder / "vault.json")
     yield from (*FORMATS, read_file(folder / "vault.json"))
     yield from (programs.CRAOptions(), programs.PenaltyOptions(), sequence.PlanOptions())
-    yield from (sequence.MarginOptions(), limits.LimitOptions(), limits.Imperfections())
+    yield from (limits.LimitOptions(), limits.Imperfections())
     yield from (shells.ShellBody(), shells.Layout(), DetectionOptions())
 
 

@@ -154,7 +154,6 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: limits.Imperfections(friction=0.5), "friction must have shape"),
         (lambda: sequence.PlanOptions(width=0), "width is 0; give 1 or more"),
         (lambda: sequence.PlanOptions(patience=float("nan")), "patience is nan; give 0 or more"),
-        (lambda: sequence.MarginOptions(tilt_width=0.0), "tilt_width is 0; give a number above"),
         (lambda: sequence.Rules(hands=1.5), "hands is 1.5; give a whole number"),
         (lambda: Layout(staggered=1), "staggered is 1; give True or False"),
         (lambda: ShellBody(ground="sand"), "ground is 'sand'; give one of 'blocks', 'springers'"),

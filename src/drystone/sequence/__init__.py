@@ -17,7 +17,7 @@ from drystone.sequence.interlocking import (
     gravity_region,
     interlocking,
 )
-from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
+from drystone.sequence.margins import Margin, Margins, margins
 from drystone.sequence.path_search import find_path
 from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
@@ -55,7 +55,6 @@ __all__ = [
     "Interlocking",
     "LocalWorkers",
     "Margin",
-    "MarginOptions",
     "Margins",
     "NoPath",
     "Obstacle",

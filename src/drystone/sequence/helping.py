@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from drystone.sequence.order_search import FoundOrder, OrderSearch
+from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
 
@@ -48,9 +48,9 @@ class Trimmed:
     denied: int
 
 
-def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
-    """The order of a search without its unnecessary help."""
-    path = found.path[::-1]
+def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
+    """The order that a search found, without its unnecessary help."""
+    path = found[0][::-1]
     if search.quick:
         path = apart(path, search)
     props = _props_in_time(path, search)
@@ -62,7 +62,7 @@ def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
                   for node, held in zip(path, props, strict=True)]  # fmt: skip
         answers = search.evaluator.answers(stages, checked=True)
         denied = sum(not answer.stands for answer in answers)
-    return Trimmed(path, props, cost, found.proved, failures, denied)
+    return Trimmed(path, props, cost, found[1], failures, denied)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:

@@ -14,7 +14,7 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.base.arrays import of_type
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
-from drystone.base.settings import Options, checked_call
+from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
@@ -25,31 +25,6 @@ from drystone.sequence.structure import Structure
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
-
-
-@dataclass(frozen=True)
-class MarginOptions(Options):
-    """Accuracy of margins.
-
-    Attributes
-    ----------
-    friction_width
-        Width of the bracket of the least friction.
-    tilt_width, tilt_upper : [degrees]
-        Width of the bracket of the tilt limit, and the largest angle of its search.
-    directions
-        Number of horizontal directions of tilt.
-    """
-
-    friction_width: float = 0.01
-    tilt_width: float = 0.5
-    tilt_upper: float = 45.0
-    directions: int = 4
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("friction_width", "tilt_width", "tilt_upper")
-        self._refuse_below(1, "directions")
 
 
 @dataclass(frozen=True)
@@ -156,7 +131,10 @@ class Margins(Answer):
 def margins(
     plan: Plan,
     *,
-    options: MarginOptions | None = None,
+    friction_width: float = 0.01,
+    tilt_width: float = 0.5,
+    tilt_upper: float = 45.0,
+    directions: int = 4,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -169,11 +147,16 @@ def margins(
     Parameters
     ----------
     plan
-    options
+    friction_width
+        Width of the bracket of the least friction.
+    tilt_width, tilt_upper : [degrees]
+        Width of the bracket of the tilt limit, and the largest angle of its search.
+    directions
+        Number of horizontal directions of tilt.
     """
     of_type(plan, Plan, "the plan", "give what drystone.plan answers")
-    chosen = MarginOptions.of(options)
-    task = partial(_margin_of, plan.model, options=chosen)
+    widths = LimitOptions(width=friction_width, scan=1), LimitOptions(width=tilt_width, scan=2)
+    task = partial(_margin_of, plan.model, widths=widths, upper=tilt_upper, directions=directions)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
     clock = Clock(time_limit_s, stop)
     found = list(in_turn(task, stages, "margins", executor, progress, clock))
@@ -197,26 +180,24 @@ def in_turn(
                 progress(name, number, len(values))
 
 
-def _margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:
+def _margin_of(
+    structure: Structure,
+    stage: Stage,
+    *,
+    widths: tuple[LimitOptions, LimitOptions],
+    upper: float,
+    directions: int,
+) -> Margin:
     """Margins of one stage."""
     stage = Stage(*stage)
     fixed = np.flatnonzero(structure.assembly.fixed).tolist()
     resting = structure.model.with_supports([*fixed, *members(stage.held)])
     some = resting.subset(sorted([*fixed, *members(stage.placed)]))
     if some.assembly.fixed.all():
-        return Margin(0.0, options.tilt_upper)
+        return Margin(0.0, upper)
     some = some.with_contacts(some.contacts.select(some.active))
-    least = limit_friction(
-        some,
-        check=structure.check,
-        options=LimitOptions(width=options.friction_width, scan=1),
-    ).best
-    sweep = tilt_sweep(
-        some,
-        options.directions,
-        upper=options.tilt_upper,
-        check=structure.check,
-        options=LimitOptions(width=options.tilt_width, scan=2),
-    )
+    check = structure.check
+    least = limit_friction(some, check=check, options=widths[0]).best
+    sweep = tilt_sweep(some, directions, upper=upper, check=check, options=widths[1])
     tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
     return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))

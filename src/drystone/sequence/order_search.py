@@ -17,7 +17,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from drystone.base.progress import Progress
 from drystone.results import Verdict
@@ -35,22 +35,6 @@ UNHELPED = 1 / 3
 """Cost of a state without help in models of few blocks, in checks: chosen, so that three times as
 many are checked before help is given. The bridge of the source with its load, at friction 0.34, has
 an order without help that is found after some hundred states."""
-
-
-@dataclass(frozen=True, eq=False)
-class FoundOrder:
-    """Result of a search.
-
-    Attributes
-    ----------
-    path
-        Stages that stand, from the complete structure to the core.
-    proved
-        Whether no path with a lower cost exists.
-    """
-
-    path: list[Node]
-    proved: bool
 
 
 class OrderSearch(StageTree):
@@ -97,8 +81,8 @@ class OrderSearch(StageTree):
         """The next nodes of the queue."""
         return [entry[-1] for entry in heapq.nsmallest(self.evaluator.batch - 1, self.queue)]
 
-    def run(self, root: Node) -> FoundOrder:
-        """Search from a stage that stands to the core."""
+    def run(self, root: Node) -> tuple[list[Node], bool]:
+        """Stages that stand, from a first one to the core, and whether less help is impossible."""
         proved, best, waited = self.exhaustive, root, 0.0
         self.push([root])
         while self.queue:
@@ -123,7 +107,7 @@ class OrderSearch(StageTree):
                 self.report(best)
                 self.queue.clear()
                 self.push([] if self.done(best) else self.removals(best))
-        return FoundOrder(best.path(), proved and self.done(best))
+        return best.path(), proved and self.done(best)
 
     def done(self, node: Node) -> bool:
         """Whether nothing is left to remove."""
@@ -133,7 +117,7 @@ class OrderSearch(StageTree):
         """Number of blocks below which a node is better; one in which nothing is left always is."""
         return node.placed.bit_count() + self.done(node)
 
-    def below(self, root: Node, limit: Cost) -> FoundOrder | None:
+    def below(self, root: Node, limit: Cost) -> tuple[list[Node], bool] | None:
         """The order with the least help below a limit, found with as many checks as the patience.
 
         States that need as much as the best order so far are left out. Of the others the one with
@@ -148,9 +132,9 @@ class OrderSearch(StageTree):
 
         Returns
         -------
-        FoundOrder or None
-            None if nothing was found. ``proved`` if no state below its cost is left. If nothing was
-            found and no state is left, the path is empty and ``proved`` is true.
+        tuple or None
+            As by :meth:`run`; None if nothing was found. If nothing was found and no state is left,
+            the path is empty, and it is proved that no order needs less help.
         """
         exhaustive = self.exhaustive
         queue = [(root.placed.bit_count(), self.estimate(root), 0, root)]
@@ -176,8 +160,8 @@ class OrderSearch(StageTree):
                 heapq.heappush(queue, (one.placed.bit_count(), self.estimate(one), pushed, one))
         done = exhaustive and not queue
         if best is None:
-            return FoundOrder([], True) if done else None
-        return FoundOrder(best.path(), done)
+            return ([], True) if done else None
+        return best.path(), done
 
     def expanded(self, node: Node, answer: StageAnswer) -> tuple[bool, list[Node] | None]:
         """Whether a node stands, and the next ones; None where it was known with as little help."""

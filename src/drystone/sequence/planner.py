@@ -212,7 +212,7 @@ class _Planner:
         less = search.below(root, best.cost)
         if less is None:
             return best
-        if not less.path:
+        if not less[0]:
             return replace(best, proved=True)
         return min(best, trimmed(less, search), key=lambda one: one.cost)
 

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from functools import partial
 
 from drystone.base.arrays import Floats
+from drystone.base.display import named
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.stages import Stage, StageAnswer, mask_of
-
-LISTED = 6
-"""Number of falling blocks named in a message."""
 
 
 def checked_step(
@@ -81,10 +79,6 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
 
 def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:
     """The blocks that fall, followed by a semicolon; empty if unknown."""
-    falling = answer.falling
-    if not falling:
-        return ""
-    if len(falling) == 1:
-        return f"{names[falling[0]]} falls; "
-    more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
-    return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
+    falling = [names[block] for block in answer.falling]
+    verb = "falls" if len(falling) == 1 else "fall"
+    return f"{named(falling)} {verb}; " if falling else ""

@@ -75,14 +75,7 @@ def lay_bond(
         v, share, length = _along(courses, course)
         number = max(least, round(length / width)) if given is None and width else 0
         number = int(given[course]) if given is not None else number
-        if not least <= number <= MOST_BLOCKS:
-            few = number < least
-            raise InputError(
-                f"{number:,} block{' ' if number == 1 else 's '}in a course "
-                f"{'is' if number == 1 else 'are'} too {'few' if few else 'many'}",
-                where=f"{where}, course {course}",
-                remedy=f"give {least} or more" if few else f"give {MOST_BLOCKS:,} or fewer",
-            )
+        _refuse_count(number, least, f"{where}, course {course}")
         tips = (bool(courses.start[course] > 0.0), bool(courses.end[course] < 1.0))
         candidates = [_even(number, half, closed, tips) for half in (False, True)]
         if not staggered:
@@ -91,11 +84,23 @@ def lay_bond(
             candidates.reverse()
         placed = [np.interp(c, share, v) for c in candidates]
         chosen = max(placed, key=lambda x: round(_lap(x, below, closed), 3))
-        chosen = (_apart if staggered else _together)(chosen, below, closed)
+        chosen = _moved(chosen, below, closed, staggered)
         joints.append(np.concatenate([chosen, chosen[:1] + 1.0]) if closed else chosen)
         outside = (below < courses.start[course]) | (below > courses.end[course])
         below = np.sort(np.concatenate([chosen, below[outside]]))
     return courses, tuple(joints)
+
+
+def _refuse_count(number: int, least: int, where: str) -> None:
+    """Refuse too few or too many blocks in a course."""
+    if not least <= number <= MOST_BLOCKS:
+        few = number < least
+        raise InputError(
+            f"{number:,} block{' ' if number == 1 else 's '}in a course "
+            f"{'is' if number == 1 else 'are'} too {'few' if few else 'many'}",
+            where=where,
+            remedy=f"give {least} or more" if few else f"give {MOST_BLOCKS:,} or fewer",
+        )
 
 
 def _tips_apart(courses: Courses, course: int, below: Floats) -> Courses:
@@ -169,24 +174,16 @@ def _narrower(joints: Floats, closed: bool) -> Floats:
     return narrower
 
 
-def _apart(joints: Floats, below: Floats, closed: bool) -> Floats:
-    """Move joints away from those below, to at least the least lap."""
+def _moved(joints: Floats, below: Floats, closed: bool, staggered: bool) -> Floats:
+    """Joints moved away from those below, to at least the least lap.
+
+    Where they are not staggered, onto those that they nearly meet: a small offset leaves a sliver.
+    """
     inner = joints if closed else joints[1:-1]
     if len(inner) == 0 or len(below) == 0:
         return joints
     gap = _gap(inner, below, closed)
     least = LEAST_LAP * _narrower(joints, closed)
-    push = np.where(np.abs(gap) < least, np.where(gap < 0.0, -least, least) - gap, 0.0)
-    moved = inner + push
-    return moved if closed else np.concatenate([joints[:1], moved, joints[-1:]])
-
-
-def _together(joints: Floats, below: Floats, closed: bool) -> Floats:
-    """Continue joints that nearly meet those below; a small offset would leave a sliver."""
-    inner = joints if closed else joints[1:-1]
-    if len(inner) == 0 or len(below) == 0:
-        return joints
-    gap = _gap(inner, below, closed)
-    near = np.abs(gap) < LEAST_LAP * _narrower(joints, closed)
-    moved = inner - np.where(near, gap, 0.0)
+    wanted = np.where(gap < 0.0, -least, least) if staggered else 0.0
+    moved = inner + np.where(np.abs(gap) < least, wanted - gap, 0.0)
     return moved if closed else np.concatenate([joints[:1], moved, joints[-1:]])

@@ -182,20 +182,8 @@ def _assemble(state: _Weld, patterns: Sequence[Pattern]) -> Tessellation:
     renumber = np.array([new[r] for r in roots], dtype=np.intp)
     sites = [(i, *site) for i, old in enumerate(used) for site in dict.fromkeys(state.site[old])]
     table = np.array(sites, dtype=np.float64).reshape(-1, 4)
-    vertex, patch = table[:, 0].astype(np.intp), table[:, 1].astype(np.intp)
-    each_point, each_normal = np.empty((len(table), 3)), np.empty((len(table), 3))
-    each_up = np.empty((len(table), 3))
-    for k, surface in enumerate(shape.patches):
-        here = patch == k
-        u, v = table[here, 2], table[here, 3]
-        each_point[here] = surface.point(u, v)
-        each_normal[here] = surface.normal(u, v)
-        each_up[here] = surface.tangents(u, v)[0]
-    first = np.searchsorted(vertex, np.arange(len(used)))
-    normal = np.zeros((len(used), 3))
-    np.add.at(normal, vertex, each_normal)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    up = each_up[first] / np.linalg.norm(each_up[first], axis=1, keepdims=True)
+    vertex = table[:, 0].astype(np.intp)
+    point, normal, up = _in_space(shape, vertex, table[:, 1:])
     inner = np.zeros(len(used), dtype=bool)
     for k, pattern in enumerate(patterns):
         at = renumber[np.flatnonzero(pattern.inner) + state.offset[k]]
@@ -212,7 +200,7 @@ def _assemble(state: _Weld, patterns: Sequence[Pattern]) -> Tessellation:
         state,
         renumber,
         Tessellation(
-            point=each_point[first],
+            point=point,
             normal=normal,
             up=up,
             inner=inner,
@@ -230,6 +218,31 @@ def _assemble(state: _Weld, patterns: Sequence[Pattern]) -> Tessellation:
             heads=heads,
             supported=_edges_on(state, renumber, shape.supports, cells),
         ),
+    )
+
+
+def _in_space(shape: Shape, vertex: Ints, site: Floats) -> tuple[Floats, Floats, Floats]:
+    """Points, normals and upward tangents (v, 3) of vertices.
+
+    Parameters
+    ----------
+    shape
+    vertex : (s,)
+        Ascending; a vertex on a seam has several sites.
+    site : (s, 3)
+        Patch, u and v.
+    """
+    each = np.empty((3, len(vertex), 3))
+    for k, surface in enumerate(shape.patches):
+        here = site[:, 0] == k
+        u, v = site[here, 1], site[here, 2]
+        each[:, here] = surface.point(u, v), surface.normal(u, v), surface.tangents(u, v)[0]
+    _, first = np.unique(vertex, return_index=True)
+    normal, up = np.add.reduceat(each[1], first), each[2, first]
+    return (
+        each[0, first],
+        normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        up / np.linalg.norm(up, axis=1, keepdims=True),
     )
 
 

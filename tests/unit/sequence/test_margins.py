@@ -11,7 +11,6 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, leaning_column, tower
 from drystone.sequence import (
-    MarginOptions,
     Plan,
     PlanOptions,
     Rules,
@@ -31,7 +30,7 @@ def stack() -> Plan:
 
 def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     # i free cubes topple at atan(1 / i), and slide at atan(0.6) = 31.0 degrees
-    found = margins(stack, options=MarginOptions(tilt_width=0.2, directions=2))
+    found = margins(stack, tilt_width=0.2, directions=2)
     expected = [min(np.degrees(np.arctan(1.0 / i)), 30.96) for i in (1, 2, 3)]
     np.testing.assert_allclose([one.tilt for one in found.stages], expected, atol=0.3)
     assert found.weakest == 2
@@ -39,7 +38,7 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
 
 
 def test_the_table_has_a_row_per_block_with_its_margins(stack):
-    found = margins(stack, options=MarginOptions(tilt_width=1.0, directions=1))
+    found = margins(stack, tilt_width=1.0, directions=1)
     table = found.table()
     assert table["block"].tolist() == ["block-1", "block-2", "block-3"]
     assert (table["tilt"] > 10.0).all()

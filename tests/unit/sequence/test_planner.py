@@ -212,6 +212,12 @@ def test_a_stage_of_a_small_pile_is_checked_and_not_only_looked_at():
     assert len(quick.props) == len(best.props) == 2
 
 
+def test_blocks_are_propped_after_a_check_and_not_after_a_quick_look():
+    found = planned(arch(0.3, 26), 0.6)
+    assert found.stable
+    assert len(found.props) <= 9  # 13 where a quick look decides
+
+
 def needs(found: Plan) -> tuple[int, int]:
     """Props, and blocks that are placed together with another one."""
     return len(found.props), sum(len(step.blocks) - 1 for step in found.steps)
