@@ -76,23 +76,9 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
         remedy = "mesh it in Rhino, or save it while it is shaded"
         return [_unusable(name, where, what, remedy)], []
     told = _told(item["text"], place)
-    vertices = item["vertices"].floats(None, 3)
-    notes: list[str] = []
-    if kind == "brep":
-        loops = [[_loop(one, vertices) for one in f.elements()] for f in item["loops"].elements()]
-        if not all(loops):
-            return [_unusable(name, where, "a face has no outline", "repair it in Rhino")], []
-        made = [DraftBlock(name, vertices, faces_with_holes(vertices, loops))]
-    elif told.polygons is not None and told.vertices == len(vertices):
-        made = [DraftBlock(name, vertices, told.polygons)]
-    else:
-        faces = [_loop(face, vertices) for face in item["faces"].elements()]
-        tolerance = EXACT if item["exact"].boolean() else SINGLE
-        made, notes = shapes_of(
-            [FaceSoup(vertices, faces, name, f"{where} '{name}'")], tolerance, path
-        )
-        if kind == "drawn":
-            notes.append(f"'{name}' is curved: its render mesh was read")
+    made, notes = _meshes(item, told, name, where, path)
+    if not made:
+        return [_unusable(name, where, "a face has no outline", "repair it in Rhino")], []
     fixed = holds(layer) if told.fixed is None else told.fixed
     placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
     metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
@@ -102,6 +88,27 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], lis
         turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
         shapes.append(DraftBlock(one.name, points, turned, where, told.density, fixed, metadata))
     return shapes, notes
+
+
+def _meshes(
+    item: Field, told: _Told, name: str, where: str, path: Path
+) -> tuple[list[DraftBlock], list[str]]:
+    """The shapes of one object in its own frame, and notes; none if a face has no outline."""
+    vertices = item["vertices"].floats(None, 3)
+    kind = item["kind"].text()
+    if kind == "brep":
+        loops = [[_loop(one, vertices) for one in f.elements()] for f in item["loops"].elements()]
+        if not all(loops):
+            return [], []
+        return [DraftBlock(name, vertices, faces_with_holes(vertices, loops))], []
+    if told.polygons is not None and told.vertices == len(vertices):
+        return [DraftBlock(name, vertices, told.polygons)], []
+    faces = [_loop(face, vertices) for face in item["faces"].elements()]
+    tolerance = EXACT if item["exact"].boolean() else SINGLE
+    soup = FaceSoup(vertices, faces, name, f"{where} '{name}'")
+    made, notes = shapes_of([soup], tolerance, path)
+    drawn = [f"'{name}' is curved: its render mesh was read"] if kind == "drawn" else []
+    return made, [*notes, *drawn]
 
 
 def _unusable(name: str, where: str, what: str, remedy: str) -> DraftBlock:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -113,23 +114,23 @@ def _in_parts(block: Block, split: bool) -> tuple[Made, list[str]]:
 
 def _repaired(
     shape: DraftBlock, scale: float, error: InputError, repair: bool, split: bool
-) -> tuple[list[Block | None], list[str]]:
+) -> tuple[Made, list[str]]:
     """The blocks of a broken mesh, and what was done; else its error, with the option to use."""
-    if error.kind not in _MENDABLE:
-        raise error
-    if not repair and not split and len(shape.faces) > _HINTED:
+    if error.kind not in _MENDABLE or (not (repair or split) and len(shape.faces) > _HINTED):
         raise error
     try:
         blocks = mended_blocks(_scaled(shape, scale), shape.faces, shape.name, shape.density)
     except InputError:
         raise error from None
-    if selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks]):
-        raise error
     notes = blocks[0].repairs
-    only_split = len(notes) == 2 and notes[0].startswith("split")
-    parted = error.kind is DefectKind.TOUCHING and notes[-2].startswith("split")
-    if not repair and not (split and only_split):
-        options = "--split or --repair" if only_split or parted else "--repair"
+    touching = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
+    if touching or not notes:
+        raise error
+    mends = notes[:-1]  # the last one tells the volume
+    parted = mends[-1].startswith("split")
+    if not repair and not (split and parted and len(mends) == 1):
+        by_split = parted and (len(mends) == 1 or error.kind is DefectKind.TOUCHING)
+        options = "--split or --repair" if by_split else "--repair"
         said = f"{error.remedy}; {options} would mend it ({'; '.join(notes)})"
         raise error.located(error.where, said)
     made: list[Block | None] = [
@@ -143,14 +144,7 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
 
     Coincident vertices are merged, and repeated faces left out, where this closes the surface.
     """
-    made: list[Block | InputError] = []
-    for shape in shapes:
-        try:
-            if shape.defect is not None:
-                raise shape.defect
-            made.append(_block(shape, _scaled(shape, scale), shape.faces))
-        except InputError as error:
-            made.append(error)
+    made = [_tried(shape, scale) for shape in shapes]
     opened = [
         i for i, one in enumerate(made) if isinstance(one, InputError) and one.kind in _MENDABLE
     ]
@@ -159,20 +153,29 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
     welded = coincidence.weld_each(points, loops, SAME_PLACE)
     for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
         once = list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
+        twice = len(faces) - len(once)
         said = []
         if merged:
             said.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
-        if len(once) < len(faces):
-            twice = counted(
-                len(faces) - len(once), "face that occurs twice", "faces that occur twice"
-            )
-            said.append(f"{twice} left out")
+        if twice:
+            what = counted(twice, "face that occurs twice", "faces that occur twice")
+            said.append(f"{what} left out")
         if said:
-            try:
-                made[i] = _block(shapes[i], vertices, once, *said)
-            except InputError as error:
-                made[i] = error
+            made[i] = _tried(replace(shapes[i], vertices=vertices, faces=once), 1.0, *said)
     return made
+
+
+def _tried(shape: DraftBlock, scale: float, *notes: str) -> Block | InputError:
+    """The block of a shape, or its defect."""
+    if shape.defect is not None:
+        return shape.defect
+    try:
+        loops = tuple(tuple(face) for face in shape.faces)
+        repairs = (*shape.repairs, *notes)
+        points = _scaled(shape, scale)
+        return Block(points, loops, shape.name, shape.density, shape.metadata, repairs)
+    except InputError as error:
+        return error
 
 
 def _with_supports(
@@ -237,11 +240,3 @@ def _scaled(shape: DraftBlock, scale: float) -> Floats:
             f"a coordinate is {far:.3g} m", remedy=f"stay within {_LARGEST_COORDINATE:g} m"
         )
     return vertices
-
-
-def _block(
-    shape: DraftBlock, vertices: Floats, faces: Sequence[Sequence[int]], *notes: str
-) -> Block:
-    loops = tuple(tuple(face) for face in faces)
-    repairs = (*shape.repairs, *notes)
-    return Block(vertices, loops, shape.name, shape.density, shape.metadata, repairs)
