@@ -111,7 +111,7 @@ class Subject:
         for doubt in doubts(model, self.place, how):
             if waiting.ask(f"{doubt.text} Use {doubt.option}?"):
                 changed |= doubt.how
-            else:
+            elif doubt.text not in model.notes:
                 told.append(f"{doubt.text} ({doubt.option})")
         if changed:
             how |= changed

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from drystone.base import units
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.detection.advice import rounded_up
@@ -23,10 +23,8 @@ from drystone.supports import select
 
 _FRICTION = 3.0
 """Chosen: rough stone on stone has at most 1.5."""
-_LARGE = 30.0
-"""[m] Chosen: the largest stone that was ever cut is 25 m long."""
-_SMALL = 1e-3
-"""[m] Chosen."""
+_UNIT = re.compile(r"is the unit right \(--units (\w+)\)\?$")
+"""In the remark of a reader on a model of an improbable size."""
 _MOST = 500
 """Blocks up to which a model is tried on its other side. Chosen: the quick check takes 0.4 s."""
 _BEDS = 0.6
@@ -71,33 +69,14 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
         degrees = f"{friction:g}deg"
         yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?",
                     {"friction": degrees})  # fmt: skip
-    unit = _other_unit(model, how.get("units"))
-    if unit:
-        size = units.extent([float(np.median(_extent(model)))])
-        yield Doubt(f"the median block is {size} long: is the file in {unit}?", {"units": unit})
+    units = [(note, found[1]) for note in model.notes if (found := _UNIT.search(note))]
+    for note, unit in units:
+        yield Doubt(note, {"units": unit})
     yield from _apart(model)
-    if unit == "" and _may_lie(model, path, how) and _stands_upright(model, str(how["supports"])):
+    if not units and _may_lie(model, path, how) and _stands_upright(model, str(how["supports"])):
         yield Doubt(
             "it falls as it is, and stands with y up: does y point up in the file?", {"up": "y"}
         )
-
-
-def _extent(model: Model) -> Any:
-    """The longest side (n,) [m] of the box of each block."""
-    bounds = model.assembly.bounds
-    return (bounds[:, 1] - bounds[:, 0]).max(axis=1)
-
-
-def _other_unit(model: Model, given: str | None) -> str:
-    """The unit with which blocks have a size that they can have; empty where they do."""
-    size = float(np.median(_extent(model)))
-    if _SMALL <= size <= _LARGE:
-        return ""
-    in_file = size / units.UNITS[given or "m"]
-    for unit in ("m", "mm", "cm"):
-        if unit != (given or "m") and 10 * _SMALL <= in_file * units.UNITS[unit] <= _LARGE:
-            return unit
-    return ""
 
 
 def _apart(model: Model) -> Iterator[Doubt]:

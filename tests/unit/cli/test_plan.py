@@ -160,8 +160,11 @@ def test_a_monolith_is_cut_until_every_block_is_free(tmp_path, capsys):
     assert main(["cut", str(path), "--blocks", "3", "--out", str(out), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["free"]
-    assert data["recuts"] == []
-    assert [one["point"][2] for one in data["cuts"]] == pytest.approx([1.0, 2.0])
+    assert [one["kind"] for one in data["changes"]] == ["cut", "cut"]
+    assert [
+        f", {height}) m" in one["description"]
+        for height, one in zip((1, 2), data["changes"], strict=True)
+    ] == [True, True]
     assert io.read(out).assembly.names == ("c00-block", "c01-block", "c02-block")
     assert main(["cut", str(out)]) == 2
     assert "the file has 3 blocks" in capsys.readouterr().err

@@ -36,13 +36,14 @@ def test_a_friction_above_that_of_stone_may_be_an_angle(tmp_path: Path) -> None:
     assert options(path, friction="30deg") == []
 
 
-@pytest.mark.parametrize(("scale", "unit"), [(1e3, "mm"), (1.0, ""), (1e2, "cm")])
+@pytest.mark.parametrize(
+    ("edge", "option"), [(500.0, ["--units mm"]), (1.0, []), (50.0, ["--units cm"])]
+)
 def test_blocks_of_an_improbable_size_may_be_in_another_unit(
-    tmp_path: Path, scale: float, unit: str
+    tmp_path: Path, edge: float, option: list[str]
 ) -> None:
-    path = written(tower(3, edge=scale), tmp_path / "tower.obj")
-    expected = {"mm": ["--units mm"], "cm": ["--units mm"], "": []}[unit]
-    assert options(path, supports="lowest") == expected
+    path = written(tower(3, edge=edge), tmp_path / "tower.obj")
+    assert options(path, supports="lowest") == option
 
 
 def test_blocks_that_nearly_touch_are_joined_by_a_wider_gap(tmp_path: Path) -> None:
