@@ -41,10 +41,6 @@ and weaker ground is not tried where the state is a first motion. Measured: wall
 of up to 2,000 blocks at rest, tilted or not, 5e-5 at most; thin lunes at rest 2e-4; structures
 beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 although they stand."""
 
-MUCH = 1e-2
-"""Share of a block's load on the ground from which on equilibrium is tested before weaker ground is
-tried: more than in any structure that stands."""
-
 SHORTER_SLIPS = (10.0, 1.0, 0.1)
 """Slip lengths of smooth laws that lead to another one, by the local overlap. Measured on an arch
 with a tie and an overhang with a prop, near their limits: from that of 10.0 two of four rest states
@@ -210,10 +206,8 @@ class Attempt:
         if state.converged and most >= CLEARLY and first_motion(self.problem, state) is not None:
             # high towers load this ground as much, and reach a rest state on weaker ground
             return True
-        # without friction equilibrium decides
-        much = MUCH if self.problem.statics.friction.any() else CLEARLY
         # weaker ground helps hardly ever then: in none of 47 piles, arches and domes
-        return falls is not None and (most >= much or not state.converged) and falls()
+        return not rests and falls is not None and falls()
 
     def _start(self, displacement: Floats) -> Start:
         count = len(self.problem.model.assembly)
