@@ -22,6 +22,7 @@ ROOMS = {
     "Analyses": ("drystone.stability", "drystone.programs", "drystone.results"),
     "Settlement and large displacement": ("drystone.settlement",),
     "Films of a fall": ("drystone.fall",),
+    "Resting poses": ("drystone.poses",),
     "Forces in joints": ("drystone.joints", "drystone.virtual"),
     "Files": ("drystone.io",),
     "Pictures": ("drystone.view",),

@@ -24,6 +24,7 @@ FLOORS = {
         "stability",
         "settlement",
         "fall",
+        "poses",
         "formulations",
         "mechanics",
     ),
@@ -40,7 +41,7 @@ FLOORS = {
         "detection",
         "contacts",
     ),
-    "Blocks": ("joint_capacity", "loads", "repair", "supports", "assembly"),
+    "Blocks": ("joint_capacity", "loads", "mesh_objects", "repair", "supports", "assembly"),
     "Numbers": ("solvers", "geometry"),
     "Ground": ("base",),
 }
