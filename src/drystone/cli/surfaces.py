@@ -121,21 +121,20 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     InputError
         A surface that is not known, or an option that it does not have.
     """
-    from drystone.shells.shell_by_name import EYE, SHARE, SPAN, SurfaceKind, shape_by_name
+    from drystone.shells.shell_by_name import EYE, SHARE, SPAN, SURFACES, shape_by_name
 
-    known = [kind.value for kind in SurfaceKind]
-    kind = wanted.surface if wanted.surface in known else None
+    kind = wanted.surface if wanted.surface in SURFACES else None
     if kind is None and not Path(wanted.surface).suffix:
         raise InputError(
             f"surface '{wanted.surface}' is not known",
-            remedy=f"use {', '.join(known)} or a mesh file",
+            remedy=f"use {', '.join(SURFACES)} or a mesh file",
         )
     refuse_unused(wanted)
     if kind is None:
         return _from_mesh(wanted.surface, wanted.supports, wanted.units)
     span = SPAN if wanted.span is None else wanted.span
     shape, notes = shape_by_name(
-        SurfaceKind(kind),
+        kind,
         span=span,
         length=wanted.length,
         rise=wanted.rise,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Mapping
 
 from drystone.base.errors import InputError
@@ -31,20 +30,12 @@ SHARE = 8.0
 """The width of blocks is the span divided by this where none is given."""
 
 
-class SurfaceKind(enum.Enum):
-    """Surfaces that are known by name."""
-
-    BARREL = "barrel"
-    CROSS = "cross"
-    PAVILION = "pavilion"
-    DOME = "dome"
-    FREE_EDGE = "free-edge"
-    THREE_VAULTS = "three-vaults"
-    TRI_DOME = "tri-dome"
+SURFACES = ("barrel", "cross", "pavilion", "dome", "free-edge", "three-vaults", "tri-dome")
+"""Surfaces that are known by name."""
 
 
 def shape_by_name(
-    kind: SurfaceKind,
+    kind: str,
     *,
     span: float = SPAN,
     length: float | None = None,
@@ -71,17 +62,17 @@ def shape_by_name(
     thickness : [m]
         With which a form is found.
     """
-    if kind is SurfaceKind.BARREL:
+    if kind == "barrel":
         return barrel_vault(span, span if length is None else length, rise), ()
-    if kind is SurfaceKind.CROSS:
+    if kind == "cross":
         return cross_vault(span), ()
-    if kind is SurfaceKind.PAVILION:
+    if kind == "pavilion":
         return pavilion_vault(span, eye, keystone=keystone), ()
-    if kind is SurfaceKind.DOME:
+    if kind == "dome":
         return dome(0.5 * span, 0.5 * eye, keystone=keystone), ()
-    if kind is SurfaceKind.TRI_DOME:
+    if kind == "tri-dome":
         return tri_dome(span, 0.5 * span if rise is None else rise, eye, keystone=keystone), ()
-    if kind is SurfaceKind.FREE_EDGE:
+    if kind == "free-edge":
         plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
     else:
         plan = three_legged_plan(span, span * 2.5 / 6.0, span * 0.4)
@@ -130,11 +121,10 @@ def shell_by_name(
     >>> shell_by_name("barrel", courses=6, blocks=4, thickness=0.4)
     Shell('barrel vault', 27 voussoirs, Assembly(36 blocks, 9 fixed))
     """
-    known = [kind.value for kind in SurfaceKind]
-    if surface not in known:
-        raise InputError(f"surface '{surface}' is not known", remedy=f"use {', '.join(known)}")
+    if surface not in SURFACES:
+        raise InputError(f"surface '{surface}' is not known", remedy=f"use {', '.join(SURFACES)}")
     shape, _ = shape_by_name(
-        SurfaceKind(surface),
+        surface,
         span=span,
         length=length,
         rise=rise,
