@@ -25,6 +25,11 @@ HINGED = 0.99
 """From this share of the distance between centroid and rim on, a force counts as acting on the rim.
 From this share of the friction on, friction counts as fully used. Chosen."""
 
+_ON_EDGE = 1e-6
+"""A force acts on the rim, within this share of the distance from the centroid: above rounding."""
+_LOOKED_AT = 20
+"""Joints at whose rims forces act that are looked at one by one. Chosen: they take no time."""
+
 UNITS = {
     "area": "m2",
     "normal": "N",
@@ -284,6 +289,47 @@ def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
     out: Bools = loaded & (made.area > 0.0)
     out &= edge_ratio(made, corners, contacts.start, at) > HINGED
     return out
+
+
+def on_an_edge(
+    assembly: Assembly, contacts: Contacts, resultants: Resultants
+) -> list[tuple[int, int]]:
+    """Blocks that stand exactly above an edge, with the block below: their margin is zero.
+
+    The resultant acts on the rim of a joint that alone holds the block and what it carries. So no
+    other forces balance it. Of many such joints a few are looked at.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+        Joints, as :attr:`Contacts.joints` gives them.
+    resultants
+        Of the joints.
+    """
+    origin, corners, made = joint_sections(contacts)
+    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
+    loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
+    rim = loaded & (made.area > 0.0)
+    rim &= edge_ratio(made, corners, contacts.start, at) > 1.0 - _ON_EDGE
+    found = []
+    for joint in np.flatnonzero(rim)[:_LOOKED_AT].tolist():
+        a, b = int(contacts.block_a[joint]), int(contacts.block_b[joint])
+        held = _held_without(assembly, contacts, joint)
+        found += [pair for pair in ((a, b), (b, a)) if not held[pair[0]]]
+    return found
+
+
+def _held_without(assembly: Assembly, contacts: Contacts, joint: int) -> Bools:
+    """Which blocks (n,) are connected with a support when one joint is missing."""
+    held = assembly.fixed.copy()
+    a, b = (np.delete(end, joint) for end in (contacts.block_a, contacts.block_b))
+    while True:
+        more = held.copy()
+        more[a[held[b]]] = more[b[held[a]]] = True
+        if np.array_equal(more, held):
+            return held
+        held = more
 
 
 def corner_pressure(contacts: Contacts, force: Floats) -> Floats:

@@ -91,3 +91,14 @@ def test_edges_of_smooth_surfaces_are_not_drawn_and_outlines_are() -> None:
     front = faces.normals @ np.array([1.0, 0.2, 0.3]) > 0.0
     assert len(sharp_edges(faces, front)[0]) == len(edge) + 2
     assert len(sharp_edges(Assembly((box((1.0, 1.0, 1.0)),)).faces)[0]) == 12
+
+
+def test_a_block_exactly_above_an_edge_is_told() -> None:
+    base, top = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 1.0), (0.5, 0.0, 1.0), "top")
+    result = check(Model.of(Assembly((base, top), np.array([True, False]))))
+    assert result.stable
+    (said,) = (one.text for one in result.sentences() if "margin is zero" in one.text)
+    assert "'top' stands exactly above an edge of its joint with 'base'" in said
+    for model in (tower(3), curve_three_blocks()):
+        told = check(Model.of(model, friction=0.84)).sentences()
+        assert not any("margin" in one.text for one in told)

@@ -232,11 +232,12 @@ def _overlaps(
     assembly: Assembly, patches: Patches, pairs: Pairs, joined: Ints, options: DetectionOptions
 ) -> tuple[Overlap, ...]:
     """See :func:`block_overlaps`; ``joined`` are pairs as ``a * number + b``."""
-    a, b = pairs
+    apart = ~(assembly.fixed[pairs[0]] & assembly.fixed[pairs[1]])  # supports may overlap
+    a, b = pairs[0][apart], pairs[1][apart]
     most = patches.of_block.max(most_slack(patches, options))
     tolerance = options.reach(np.minimum(patches.size[a], patches.size[b])) + most[a] + most[b]
     together = np.flatnonzero(np.isin(a * len(assembly) + b, joined))
-    return block_overlaps(assembly, patches, pairs, together, tolerance)
+    return block_overlaps(assembly, patches, (a, b), together, tolerance)
 
 
 def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:

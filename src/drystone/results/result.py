@@ -18,6 +18,7 @@ from drystone.joints import (
     ThrustLine,
     by_joint,
     joint_table,
+    on_an_edge,
     thrust_line,
 )
 from drystone.results.solution import Solution
@@ -63,7 +64,25 @@ class Result(Solution, Answer):
         if self.samples.tried:
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
+        if self.verdict is Verdict.STABLE and self.force is not None:
+            said += self._without_margin()
         return [one for one in said if one.text]
+
+    def _without_margin(self) -> list[Sentence]:
+        """What stands exactly above an edge."""
+        joints, names = self.contacts.joints, self.assembly.names
+        found, _ = by_joint(self.contacts, self.resultants, self.utilisation)
+        pairs = on_an_edge(self.assembly, joints, found)
+        if not pairs:
+            return []
+        block, other = pairs[0]
+        more = f", and {len(pairs) - 1} more like this" if len(pairs) > 1 else ""
+        return [
+            Sentence(
+                f"the margin is zero: '{names[block]}' stands exactly above an edge of its joint"
+                f" with '{names[other]}'{more}; the least push overturns it"
+            )
+        ]
 
     def tables(self) -> Sequence[Table]:
         """The blocks that give way with the props that they need; the joints that carry most."""

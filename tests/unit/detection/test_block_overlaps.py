@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, find_contacts
+from drystone.detection import find_overlaps
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, concave, cube_curve, dome, prism, random_pack, wall
 
@@ -63,3 +64,10 @@ def test_bar_through_a_concave_block_is_found() -> None:
 def test_blocks_that_touch_do_not_penetrate(model: Assembly) -> None:
     for each in (model, model.transformed(rotation_about([3.0, 1.0, 2.0], 71.0), (1e4, 0.0, 0.0))):
         assert find_contacts(each).report.overlaps == ()
+
+
+def test_supports_may_overlap() -> None:
+    one, two = box((1.0, 1.0, 1.0), name="one"), box((1.0, 1.0, 1.0), (0.5, 0.0, 0.0), "two")
+    assert find_overlaps(Assembly((one, two))) != ()
+    assert find_overlaps(Assembly((one, two), np.array([True, False]))) != ()
+    assert find_overlaps(Assembly((one, two), np.array([True, True]))) == ()
