@@ -1,12 +1,13 @@
 """The bodies of a USD stage: run by ``extract.py``, never imported. Needs usd-core."""
 
 import importlib
+import json
 import tempfile
 from pathlib import Path
 from typing import Any
 
 
-def content(data: bytes, options: dict[str, Any]) -> dict[str, Any]:
+def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
     """Bodies with their parts and matrices, the unit and the upward axis of a stage.
 
     The file is opened alone in an empty folder, so that it finds no other file.
@@ -23,11 +24,12 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any]:
                 return {"error": "is no USD file that can be read"}
             if stage.GetCompositionErrors():
                 return {"error": "refers to other files"}
-            return _Found(stage).content() | {
+            found = _Found(stage).content() | {
                 "scale": float(geometry.GetStageMetersPerUnit(stage)),
                 "up": str(geometry.GetStageUpAxis(stage)),
             }
-        except tf.ErrorException:
+            return json.dumps(found).encode()
+        except (tf.ErrorException, TypeError, ValueError):  # also values of other types
             return {"error": "is no USD file that can be read"}
 
 

@@ -88,6 +88,11 @@ def test_a_plane_is_the_ground(tmp_path):
         ("3, 2, 1, 4", "3, 2, 99, 4", "a vertex that does not exist"),
         ('def Cube "base"', 'def PhysicsRevoluteJoint "j" {}\ndef Cube "base"', "a joint of type"),
         ("def Xform", "not USD", "is no USD file"),
+        (
+            "int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]",
+            'string faceVertexCounts = "x"',
+            "is no USD",
+        ),
         ('def Cube "base"', 'def Cube "base" (references = @other.usda@)', "refers to other"),
     ],
 )
