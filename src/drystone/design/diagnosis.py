@@ -19,7 +19,7 @@ from drystone.checks import first_motion_of
 from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states, sentence
-from drystone.design.margin import QUICK, quickly_stands
+from drystone.design.margin import quickly_stands
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
 from drystone.design.regions import (
     interfaces_of,
@@ -147,7 +147,7 @@ def _region(
     inside[list(blocks)] = True
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
-    alone = solve_alone(local, late) if options.needs else check(local, options=QUICK, stop=late)
+    alone = solve_alone(local, late)
     wrench = prop[list(blocks)]
     if alone.prop is not None and not alone.stable and np.any(alone.prop):
         wrench = np.array(alone.prop[: len(blocks)])
