@@ -10,7 +10,7 @@ import pytest
 
 from drystone.assembly import Assembly, Block
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.models import box, curve_three_blocks
+from drystone.models import box
 
 PLAY = 0.002
 """[m] between the peg and its sleeve."""
@@ -117,10 +117,3 @@ def test_a_finely_meshed_peg_on_its_edge_touches_along_a_line() -> None:
     found = find_contacts(Assembly((floor, lying), np.array([True, False]))).contacts
     assert np.ptp(found.point[:, 0]) == pytest.approx(0.1, rel=1e-6)
     np.testing.assert_allclose(found.frame[:, 0], [[0.0, 0.0, 1.0]] * found.count, atol=1e-9)
-
-
-def test_memory_of_curved_joints_grows_with_their_facets() -> None:
-    coarse, fine = curve_three_blocks(300), curve_three_blocks(1200)
-    find_contacts(coarse)
-    few, many = (peak(lambda m=m: find_contacts(m)) for m in (coarse, fine))
-    assert many < max(1.5 * 4.0 * few, BATCH)
