@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
 from typing import TypeVar
@@ -218,7 +218,7 @@ class StateSearch:
             return None
         statics = self.problem.statics
         part = solve_equilibrium(
-            statics.at_corners(corners),
+            _at_corners(statics, corners),
             cone=FrictionCone.exact(),
             options=ConicOptions(time_limit_s=self.clock.left_s),
             stop=self.clock.late,
@@ -229,6 +229,15 @@ class StateSearch:
         force = np.zeros((statics.corner_count, 3))
         force[corners] = part.force
         return force
+
+
+def _at_corners(statics: Statics, corners: Bools) -> Statics:
+    """The same blocks and loads with some of the corners (k,) only."""
+    of_corners = (
+        "block_a", "block_b", "lever_a", "lever_b", "frame", "friction", "tributary", "block_area",
+        "interface", "tension", "cohesion", "shear",
+    )  # fmt: skip
+    return replace(statics, **{name: getattr(statics, name)[corners] for name in of_corners})
 
 
 def _state_within(

@@ -15,7 +15,7 @@ import pytest
 
 import drystone
 from drystone import LoadCase, Model, design, limits, sequence, shells
-from drystone.answer import Answer, Role, Scene
+from drystone.answer import Answer, Role, Scene, Sentence, Statement
 from drystone.answer.chart import Chart
 from drystone.detection import gap_sweep
 from drystone.fall import Film
@@ -79,7 +79,16 @@ ANSWERS = list(answers())
 
 
 def test_every_public_kind_is_here() -> None:
-    assert kinds() == {type(one) for one in ANSWERS}
+    assert kinds() - {Statement} == {type(one) for one in ANSWERS}
+
+
+def test_a_statement_is_an_answer_without_a_model() -> None:
+    one = Statement((Sentence("Three files were written.", Role.GOOD),), values={"files": 3})
+    assert (one.title, one.code) == ("Three files were written.", 0)
+    for again in (one, copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+        assert json.loads(json.dumps(again.to_dict()))["files"] == 3
+    with pytest.raises(drystone.InputError, match="has no picture"):
+        one.layers()
 
 
 @pytest.mark.parametrize("one", ANSWERS, ids=lambda one: type(one).__name__)
@@ -103,10 +112,7 @@ def test_an_answer_says_five_things_of_itself(one: Answer) -> None:
 @pytest.mark.parametrize("one", ANSWERS, ids=lambda one: type(one).__name__)
 def test_an_answer_is_plain_in_json_and_the_same_in_a_copy(one: Answer) -> None:
     told = json.dumps(one.to_dict(), allow_nan=False)
-    copies = [copy.copy(one), copy.deepcopy(one)]
-    if not isinstance(one, shells.Shell):  # its surface is a function
-        copies.append(pickle.loads(pickle.dumps(one)))
-    for again in copies:
+    for again in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
         assert json.dumps(again.to_dict(), allow_nan=False) == told
     assert json.loads(told)["asked"]["version"] == drystone.__version__
 

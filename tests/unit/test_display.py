@@ -30,8 +30,16 @@ from drystone import (
     shells,
     view,
 )
+from drystone.answer import Sentence, Statement
 from drystone.base.display import Card, shortened
-from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
+from drystone.detection import (
+    ContactReport,
+    Detection,
+    DetectionOptions,
+    Resampled,
+    Shortfall,
+    gap_sweep,
+)
 from drystone.fall import FallOptions, Film
 from drystone.io import FORMATS, Inspection, read_file
 from drystone.joints import force_network
@@ -100,6 +108,8 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], pressed)))
     yield Inspection(tower(3), drystone.find_contacts(tower(3)))
     yield design.Changed.by_hand(stands.model, stands)
+    yield Resampled(0, 1, 9, 4, 16, 3.0, 0.01)
+    yield from (Statement((Sentence("All is said."),)), drystone.find_poses(box((1.0, 1.0, 2.0))))
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
     moves = {"springer-right": (0.01, 0.0, 0.0)}

@@ -151,7 +151,7 @@ def push(
 
         asked = asked.instead(reduce_friction)
     else:
-        case = subject.case_of(live or "seismic:1,0", model)
+        case = subject.case_of("seismic:1,0" if live is None else live, model)
         subjects.append(case)
         notes = case.notes
     found = asked.of(waiting, *subjects, doing="pushing")
