@@ -15,10 +15,12 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.law import ContactResponse, respond
-from drystone.mechanics.maps import FEW, Solve, corner_rows, maps_between
+from drystone.mechanics.maps import Solve, corner_rows, maps_between
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.positions import BlockPositions, place_corners
 
+FEW = 24
+"""Largest number of free blocks that are not many; from timings."""
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""
 STUCK = 6

@@ -16,7 +16,7 @@ from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbe
 from drystone.mechanics.both_carriers import ends_alike
 from drystone.mechanics.corners import Carrier, flush_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
-from drystone.mechanics.maps import FEW
+from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors, rotations
 from drystone.mechanics.soft_springs import STIFFEST

@@ -19,7 +19,7 @@ from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
-from drystone.mechanics.maps import FEW
+from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import faces_apart
 from drystone.model import Model
 from drystone.results import Residuals

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
 from drystone.checks import accelerations, block_speed
-from drystone.mechanics.maps import FEW
+from drystone.mechanics.increments import FEW
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.stability.free_fall import unpressed
