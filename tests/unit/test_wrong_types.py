@@ -35,7 +35,8 @@ MODEL = Model.of(TOWER)
 CONTACTS = MODEL.contacts
 WRONG = [
     42, 2.5, True, "x", None, [1, 2], {"a": 1}, object(), np.zeros(3), TOWER, CONTACTS, MODEL,
-    1j, np.array([1.0, 2j, 0.0]), np.array(["a", "b"]), b"\0", float("nan"), -1e400, {1, 2},
+    1j, 10**400, [10**400, 0, 0], np.array([1.0, 2j, 0.0]), np.array(["a", "b"]), b"\0", -1e400,
+    float("nan"), {1, 2},
 ]  # fmt: skip
 ALL = tuple(getattr(CONTACTS, name) for name in Contacts.__dataclass_fields__)
 

@@ -46,7 +46,7 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
         if np.iscomplexobj(given):
             raise TypeError
         array = np.array(given, dtype=np.float64, order="C", copy=True)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         got = f"got {type(values).__name__}"
         raise InputError(f"{what} must be numbers", remedy=got) from error
     expected = tuple(shape)
@@ -118,7 +118,7 @@ def number(value: Any, what: str, *, finite: bool = True) -> float:
         if isinstance(value, str | bytes | bool | np.bool_ | np.complexfloating):
             raise TypeError
         given = float(value)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what} is {shortened(repr(value), 60)}, not a number") from error
     if finite and not np.isfinite(given):
         raise InputError(f"{what} is {given}", remedy="give a finite number")
@@ -138,7 +138,7 @@ def one_or_each(values: Any, count: int, what: str) -> Floats:
         if given.dtype.kind in "USbc":
             raise TypeError
         return np.broadcast_to(given.astype(np.float64), (count,)).copy()
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         each = "" if count == 1 else f", nor {count} numbers, one for each interface"
         said = shortened(repr(values), 60)
         raise InputError(f"{what} is {said}, not a number{each}") from error

@@ -13,7 +13,10 @@ from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures
 
 
-@command("drystone poses part.obj --html poses.html", "drystone poses parts.stl --block solid-3")
+@command(
+    "drystone poses arch.json --block voussoir-03 --html poses.html",
+    "drystone poses arch.json --block voussoir-06 --json",
+)
 def poses(
     *,
     source: Source,

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
-from drystone.loads import DOWN, STANDARD_GRAVITY, LoadCase
+from drystone.loads import LoadCase
 
-_KEYS = {
-    "gravity": ("g", "direction"),
-    "seismic": ("kx", "ky", "g"),
-    "point": ("block", "force", "at"),
-    "line": ("block", "force_per_length", "start", "end"),
-    "surface": ("block", "traction", "pressure", "faces", "facing"),
-    "moment": ("block", "moment"),
-    "mass": ("block", "mass", "at", "g", "direction"),
-    "settlement": ("block", "motion"),
+_KINDS: dict[str, Callable[..., LoadCase]] = {
+    "gravity": LoadCase.gravity,
+    "seismic": LoadCase.seismic,
+    "point": LoadCase.point_load,
+    "line": LoadCase.line_load,
+    "surface": LoadCase.surface_load,
+    "moment": LoadCase.moment,
+    "mass": LoadCase.extra_mass,
+    "settlement": LoadCase.settlement,
 }
-"""Kinds of parts, and the keys of each besides its factor. SI units."""
+"""Kinds of parts. The keys of each are what its constructor takes, in SI units, and its factor."""
 
 
 def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
@@ -41,11 +41,10 @@ def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
     parts = []
     for part in field.elements():
         kind = part["kind"].text()
-        if kind not in _KEYS:
-            raise part["kind"].error(f"'{kind[:40]}' is no load", f"known are {', '.join(_KEYS)}")
-        part.only(("kind", "factor", *_KEYS[kind]))
+        if kind not in _KINDS:
+            raise part["kind"].error(f"'{kind[:40]}' is no load", f"known are {', '.join(_KINDS)}")
         try:
-            parts.append((part.get("factor", 1.0).number(), _MAKERS[kind](part, assembly)))
+            parts.append((part.get("factor", 1.0).number(), _made(part, kind, assembly)))
         except InputError as error:
             if error.where.startswith(str(field.file)):
                 raise
@@ -55,73 +54,19 @@ def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
     return LoadCase.combine(parts, name)
 
 
-def _gravity(part: Field, assembly: Assembly) -> LoadCase:
-    return LoadCase.gravity(assembly, _g(part), _direction(part))
-
-
-def _seismic(part: Field, assembly: Assembly) -> LoadCase:
-    shares = part["kx"].number(), part.get("ky", 0.0).number()
-    return LoadCase.seismic(assembly, *shares, g=_g(part))
-
-
-def _point(part: Field, assembly: Assembly) -> LoadCase:
-    return LoadCase.point_load(assembly, _block(part), part["force"].floats(3), _at(part))
-
-
-def _line(part: Field, assembly: Assembly) -> LoadCase:
-    ends = part["start"].floats(3), part["end"].floats(3)
-    force = part["force_per_length"].floats(3)
-    return LoadCase.line_load(assembly, _block(part), force, *ends)
-
-
-def _surface(part: Field, assembly: Assembly) -> LoadCase:
-    if part.has("traction") == part.has("pressure"):
-        raise part.error("needs either a traction or a pressure")
-    pressing = part.has("pressure")
-    traction = part["pressure"].number() if pressing else part["traction"].floats(3)
-    faces = part["faces"].integers(None).tolist() if part.has("faces") else None
-    facing = part["facing"].floats(3) if part.has("facing") else None
-    return LoadCase.surface_load(assembly, _block(part), traction, faces, facing)
-
-
-def _moment(part: Field, assembly: Assembly) -> LoadCase:
-    return LoadCase.moment(assembly, _block(part), part["moment"].floats(3))
-
-
-def _mass(part: Field, assembly: Assembly) -> LoadCase:
-    mass = part["mass"].number()
-    where = _at(part)
-    return LoadCase.extra_mass(assembly, _block(part), mass, where, _g(part), _direction(part))
-
-
-def _settlement(part: Field, assembly: Assembly) -> LoadCase:
-    return LoadCase.settlement(assembly, _block(part), part["motion"].floats(None))
-
-
-def _block(part: Field) -> int | str:
-    block = part["block"]
-    return block.integer() if isinstance(block.value, int) else block.text()
-
-
-def _at(part: Field) -> Floats | None:
-    return part["at"].floats(3) if part.has("at") else None
-
-
-def _g(part: Field) -> float:
-    return part.get("g", STANDARD_GRAVITY).number()
-
-
-def _direction(part: Field) -> Floats:
-    return part.get("direction", list(DOWN)).floats(3)
-
-
-_MAKERS: dict[str, Callable[[Field, Assembly], LoadCase]] = {
-    "gravity": _gravity,
-    "seismic": _seismic,
-    "point": _point,
-    "line": _line,
-    "surface": _surface,
-    "moment": _moment,
-    "mass": _mass,
-    "settlement": _settlement,
-}
+def _made(part: Field, kind: str, assembly: Assembly) -> LoadCase:
+    """What the constructor of a kind makes of the keys of a part."""
+    make = _KINDS[kind]
+    _, *takes = inspect.signature(make).parameters.values()
+    names = {one.name: one.name for one in takes}
+    if kind == "surface":
+        if part.has("traction") == part.has("pressure"):
+            raise part.error("needs either a traction or a pressure")
+        names["traction"] = "pressure" if part.has("pressure") else "traction"
+    part.only(("kind", "factor", *names.values()))
+    given = {
+        one.name: part[names[one.name]].value
+        for one in takes
+        if part.has(names[one.name]) or one.default is one.empty
+    }
+    return make(assembly, **given)

@@ -9,6 +9,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, Ints, frozen_floats, number, of_type, whole
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
@@ -113,14 +114,14 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
         raise InputError("faces are chosen twice", where=where, remedy="by number or by direction")
     if faces is not None:
         listed = faces if isinstance(faces, Iterable) else [faces]
-        chosen = np.array([whole(face, "a face", least=0) for face in listed], dtype=np.intp)
-        if len(chosen) == 0 or chosen.max() >= part.count:
+        numbers = [whole(face, "a face", least=0) for face in listed]
+        if not numbers or max(numbers) >= part.count:
             raise InputError(
-                f"some of the faces {chosen.tolist()} do not exist",
+                f"some of the faces {shortened(str(numbers), 60)} do not exist",
                 where=where,
                 remedy=f"they are numbered 0 to {part.count - 1}",
             )
-        return chosen
+        return np.array(numbers, dtype=np.intp)
     if facing is None:
         return np.arange(part.count, dtype=np.intp)
     area = part.area_vectors

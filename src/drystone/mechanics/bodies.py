@@ -45,7 +45,7 @@ class Bodies:
     load : (f, 6) force, and moment by the radius of gyration
     size : (n,) cube root of the volume
     block_a, block_b : (k,) positions of the blocks: the corner slides over the face of a
-    turned : (k,) whether these are b and a of the interface, see :mod:`.faces.roles`
+    turned : (k,) whether these are b and a of the interface, see :mod:`.roles`
     arm_a, arm_b : (k, 3) from the centroid to the corner, before the motion
     frame : (k, 3, 3) rows n, u, v, before the motion
     ends : where the corners are when blocks slide
