@@ -42,7 +42,7 @@ ARRAYS = {
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("stiffness_ratio", "stopped", "options", "solver", "iterations", "time_s"),
+    *("stopped", "options", "solver", "iterations", "time_s"),
 )
 _HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
@@ -174,7 +174,7 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
 def _result(
     field: Field, assembly: Assembly, contacts: Contacts, loads: Sequence[LoadCase]
 ) -> Result:
-    field.only(RESULT)
+    field.only((*RESULT, "stiffness_ratio"))  # which older files have
     position = field["load"].integer()
     if not 0 <= position < len(loads):
         raise field["load"].error(f"is no load: {position}", f"there are {len(loads)}")
@@ -210,7 +210,6 @@ def _result(
         mechanism=array("mechanism"),
         prop=array("prop"),
         eta=field["eta"].number() if field.has("eta") else None,
-        stiffness_ratio=field["stiffness_ratio"].number() if field.has("stiffness_ratio") else None,
         stopped=field.get("stopped", "").text(),
     )
 

@@ -151,7 +151,6 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "samples": dataclasses.asdict(result.samples),
         "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
         "eta": result.eta,
-        "stiffness_ratio": result.stiffness_ratio,
         "stopped": result.stopped,
         "options": _plain(result.options),
         "solver": result.solver,

@@ -56,9 +56,6 @@ class Solution(OfModel, OneLine):
         Positions of the blocks that fall; in the penalty form those that need help, neediest first.
     eta
         Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
-    stiffness_ratio
-        The largest contact stiffness by the smallest one in the state that was found, where none
-        of the stiffnesses tried leads to rest.
     settlement
         Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
         stiffness that was tried holds a structure that stands after settling, its forces balance
@@ -82,7 +79,6 @@ class Solution(OfModel, OneLine):
     samples: Samples = field(default_factory=Samples)
     residuals: Residuals | None = None
     eta: float | None = None
-    stiffness_ratio: float | None = None
     stopped: str = ""
     settlement: Any = None
     options: Any = None

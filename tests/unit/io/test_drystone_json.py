@@ -76,7 +76,6 @@ def full_model() -> io.Contents:
         samples=Samples(7, 3),
         residuals=Residuals(1e-17, 0.0, 5e-324, 1.7e308, 0.1),
         eta=1.0 / 3.0,
-        stiffness_ratio=1.0 / 7.0,
         options={"eta": 10.0},
         solver="newton 1",
         iterations=12,
