@@ -154,8 +154,8 @@ def find_poses(given: Block | Given, *, block: int | str | None = None, **how: A
     if isinstance(given, Block):
         return _found(given, origin)
     if is_paths(given):
-        origin = Origin(str(place_of(given)), digest_of(files_at(given)))
         assembly = read_file(given, **how).assembly
+        origin = Origin(str(place_of(given)), digest_of(files_at(given)))
     else:
         assembly = given.assembly if isinstance(given, Model) else assembly_of(given)
     if block is None:

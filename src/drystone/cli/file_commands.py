@@ -47,7 +47,7 @@ def convert(
     """Write a model in another format, and list what that format cannot hold."""
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.model import Model
-    from drystone.supports import select
+    from drystone.supports import ground_of, select
 
     how = source.how
     friction = how.pop("friction", None)
@@ -64,7 +64,9 @@ def convert(
     read = io.read_file(source.place, **how)
     notes = list(read.notes)
     if supports is not None:
-        read = replace(read, assembly=select(read.assembly, supports), results=(), loads=())
+        grounded, fixed = ground_of(read.assembly, supports)
+        placed = select(grounded, str(fixed))
+        read = replace(read, assembly=placed, results=(), loads=())
     if contacts:
         waiting.stage("detect", "finding contacts")
         made = Model.of(read.assembly, friction=friction, anyway=True)

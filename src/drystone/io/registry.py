@@ -76,7 +76,7 @@ _LAYERED = ("layers", "hidden")
 _LOADS = "loads and results"
 _CONTACTS = f"contacts, {_LOADS}"
 _MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
-_SIMULATED = "results, loads but for gravity"
+_SIMULATED = "joint capacities, results, loads but for gravity"
 _SINGLE = "digits beyond single precision, polygons that are not plane"
 _COMPAS = f"friction, metadata, {_LOADS} but for forces"
 FORMATS: tuple[Format, ...] = (
@@ -155,6 +155,10 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
+    if not writing and not suffix and not as_path(path).exists():
+        raise FormatError(
+            "there is no such file or folder", where=str(path), remedy="check the path"
+        )
     able = [f for f in FORMATS if (f.writer if writing else f.reader)]
     suffixes = ", ".join(sorted({s for f in able for s in f.suffixes}))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"

@@ -114,6 +114,10 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
         A file has contacts, loads or results.
     """
     stems = [file.stem for file, _ in drafts]
+    names = [file.name for file, _ in drafts]
+    for file, _ in drafts:
+        if sum(file == other for other, _ in drafts) > 1:
+            raise FormatError("is given twice", where=str(file), remedy="name each file once")
     shapes: list[DraftBlock] = []
     size: list[float] = []
     notes: list[str] = []
@@ -125,6 +129,7 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
                 remedy="read it alone, or convert it to a mesh",
             )
         name = stem if stems.count(stem) == 1 else file.name
+        name = name if names.count(file.name) == 1 else f"{file.parent.name}/{stem}"
         scale = scale_of(units or draft.units or "m")
         own = [_placed(shape, file, name, len(draft.shapes), scale) for shape in draft.shapes]
         shapes += own

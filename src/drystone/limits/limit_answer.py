@@ -17,6 +17,7 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
+from drystone.detection.unjoined import words_on
 from drystone.limits.brackets import Bracket, Evaluation, plain
 from drystone.limits.limit_families import Shrunk
 from drystone.model import Model
@@ -128,7 +129,10 @@ class LimitAnswer(Answer):
             again = f"it stands again from {self._short(low)} to {self._short(high)}"
             said.append(Sentence(again, Role.REMARK))
         falling = self.best.falling
-        if falling is not None and falling.falling:
+        if not found and falling is not None and falling.model.unjoined:
+            near = words_on(falling.model.unjoined, falling.model.assembly.names)
+            said[0] = Sentence(f"Not decided: near blocks do not touch: {near}", Role.UNSURE)
+        elif falling is not None and falling.falling:
             said.append(Sentence(f"gives way: {named(falling.falling_names, _LISTED)}"))
             said.append(Sentence(falling.message))
         if self.stopped:

@@ -141,9 +141,10 @@ def build_bodies(
     n = frame[:, 0]
     stiffness = _weights(contacts.tributary, contacts.interface)
     touching = ~away.any(axis=1)
-    if touching.any():
-        # all corners that touch carry the whole load together at the overlap
-        stiffness = stiffness * (len(free) / (overlap * stiffness[touching].sum()))
+    # all corners that touch carry the whole load together at the overlap; all, where none touches
+    carrying = stiffness[touching].sum() if touching.any() else stiffness.sum()
+    if carrying:
+        stiffness = stiffness * (len(free) / (overlap * carrying))
     return Bodies(
         free=free,
         slot=slot,

@@ -36,6 +36,7 @@ from drystone.sequence.stages import (
 from drystone.sequence.step_checks import checked_step, falling_words, without_help
 from drystone.sequence.structure import CHECKED, Structure
 from drystone.stability.screening import stage_screening
+from drystone.stability.verdict import check as check_whole
 
 EFFORT, LARGE = 1600.0, 50.0
 """The planner holds or props blocks after EFFORT / n stages without progress, with n free blocks
@@ -142,6 +143,12 @@ def plan(
         complete = evaluator.answer(Stage(model.everything))
         if check is None and model.small and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
+        if complete.verdict is Verdict.UNSTABLE and model.model.unjoined:
+            found = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
+            if found.verdict is Verdict.UNDECIDED:
+                complete = replace(
+                    complete, verdict=found.verdict, message=found.message, falling=()
+                )
         if not complete.stands and not chosen.anyway:
             return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
         planner = _Planner(evaluator, bound, chosen, progress)

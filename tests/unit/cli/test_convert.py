@@ -88,3 +88,11 @@ def test_a_suffix_of_another_format_is_refused(tmp_path: Path) -> None:
     assert main(["convert", str(path), str(tmp_path / "x.glb"), "--to", "stl"]) == 2
     assert not (tmp_path / "x.glb").exists()
     assert main(["convert", str(path), str(tmp_path / "x.data"), "--to", "stl"]) == 0
+
+
+def test_convert_lays_the_ground_that_is_asked_for(tmp_path: Path) -> None:
+    model, out = tmp_path / "tower.json", tmp_path / "grounded.json"
+    io.write(tower(2), model)
+    assert main(["convert", str(model), str(out), "--supports", "ground"]) == 0
+    assembly = io.read(out).assembly
+    assert assembly.fixed.tolist() == [False, False, True]

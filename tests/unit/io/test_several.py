@@ -57,6 +57,23 @@ def test_a_file_of_several_blocks_names_them_after_itself(folder: Path) -> None:
     assert names[-2:] == ("tower.block-0", "tower.block-1")
 
 
+def test_files_of_one_name_in_two_folders_are_told_apart(folder: Path) -> None:
+    other = folder.parent / "others"
+    other.mkdir()
+    shutil.copy(folder / "stone-10.obj", other / "stone-9.obj")
+    files = [folder / "stone-9.obj", other / "stone-9.obj"]
+    assert drystone.read(files).assembly.names == ("parts/stone-9", "others/stone-9")
+    with pytest.raises(FormatError, match="is given twice"):
+        drystone.read([files[0], files[0]])
+
+
+def test_a_folder_that_is_not_there_is_told_as_such(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="there is no such file or folder"):
+        drystone.read(tmp_path / "nowhere")
+    with pytest.raises(FormatError, match="there is no such file"):
+        drystone.find_poses(tmp_path / "nothing.obj")
+
+
 def test_files_of_one_name_keep_their_suffix(folder: Path) -> None:
     drystone.write(Assembly((box((1.0, 1.0, 1.0), (3.0, 0.0, 0.0)),)), folder / "stone-9.stl")
     names = drystone.read(folder).assembly.names

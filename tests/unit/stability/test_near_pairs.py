@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Model, Verdict, check, solve_rbe
+from drystone import Assembly, Block, Model, Verdict, check, limits, plan, settle, solve_rbe
+from drystone.answer import Role
 from drystone.detection import DetectionOptions
 from drystone.detection.reasons import Reason
 from drystone.models import box, stool, tower
@@ -28,6 +29,22 @@ def test_a_block_that_hangs_near_another_is_undecided_and_the_option_is_named() 
     assert "--gap 0.021" in found.message
     assert not found.falling
     assert found.mechanism is None
+
+
+def test_no_plan_and_no_limit_takes_a_near_pair_for_a_fall() -> None:
+    found = plan(above(0.02))
+    assert found.complete.verdict is Verdict.UNDECIDED
+    assert "'base' and 'middle' are 20 mm apart" in found.message
+    told = limits.limit_tilt(above(0.02)).sentences()[0]
+    assert told.role is Role.UNSURE
+    assert "'base' and 'middle' are 20 mm apart" in told.text
+
+
+def test_a_block_that_touches_nothing_at_first_settles_onto_what_is_near() -> None:
+    floor, cube = box((2.0, 2.0, 0.1)), box((0.1, 0.1, 0.1), (0.0, 0.0, 0.101), "cube")
+    settled = settle(Assembly((floor, cube)).with_fixed([0]), friction=0.6)
+    assert settled.rests
+    assert settled.path.positions[-1, 1, 2] == pytest.approx(-1e-3, rel=0.1)
 
 
 def test_the_option_that_is_named_joins_the_pair() -> None:
