@@ -38,7 +38,7 @@ SLOW = (
     r"|limit tilt model"
 )
 """Beginnings and options of commands that take more than a second or two."""
-ABSENT = ("armadillo.obj", "wall.3dm", "my.3dm", "soup.stl")
+ABSENT = ("armadillo.obj", "wall.3dm", "my.3dm", "soup.stl", "bridge.dxf")
 """Files that a reader has; a command on them is parsed by a test and not run here."""
 COMMAND = re.compile(r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", re.MULTILINE)
 
@@ -88,6 +88,8 @@ def write_models(folder: Path, names: set[str], lines: str) -> None:
         stem, path = name.split(".")[0], folder / name
         if name == "tower.obj":
             drystone.write(Assembly((models.box((1.0, 1.0, 4.0)),), np.array([True])), path)
+        elif name == "part.obj":
+            drystone.write(Assembly((models.box((1.0, 2.0, 3.0)),)), path)
         elif name == "model.json":
             drystone.write(Model.of(bridge_of_names(), friction=0.7), path)
             path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | loaded()), "utf-8")

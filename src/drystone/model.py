@@ -198,8 +198,7 @@ class Model(Card):
         Parameters
         ----------
         assembly
-            Or meshes of trimesh, pyvista or COMPAS, their scenes and lists; see
-            :func:`drystone.mesh_objects.assembly_of`.
+            Or meshes of trimesh, pyvista or COMPAS, their scenes and lists.
         supports
             Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or positions and
             names of blocks. ``ground``, ``ground:Z`` and :class:`drystone.supports.GroundPlane`

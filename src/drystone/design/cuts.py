@@ -92,8 +92,8 @@ def cut_until_free(
         The shape; its lowest part becomes the support.
     proposals
         Per place, from the bottom up, cuts in the order of preference. A cut that misses the shape,
-        or divides it into more than two parts, is passed over. When left out, those of
-        :func:`proposed_cuts`.
+        or divides it into more than two parts, is passed over. When left out: planes at equal
+        heights, tilted, shifted and with a notch.
     options
 
     Examples
