@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
 from drystone.base.display import shortened
-from drystone.base.errors import FormatError
+from drystone.base.errors import FormatError, InputError
 
 PathLike: TypeAlias = str | os.PathLike[str]
 Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
@@ -227,6 +227,8 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
                 temporary.chmod(_mode(target))
             except FormatError as error:
                 raise error.located(str(target)) from error
+            except InputError:  # of what is written, not of the place
+                raise
             except (OSError, ValueError) as error:
                 raise unwritable(target, error) from error
             done.append((target, temporary))

@@ -16,8 +16,8 @@ from drystone.base.errors import FormatError
 from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
 
 _LOG = logging.getLogger(__name__)
-_DIGITS = 8
-"""Hexadecimal digits of a CRC-32."""
+_LARGEST = 2**30
+"""[bytes], chosen: some million records. One more would make a file that cannot be continued."""
 
 
 class Journal:
@@ -80,7 +80,7 @@ class Journal:
         self.records += new
 
     def _read(self) -> None:
-        data = read_bytes(self.path)
+        data = read_bytes(self.path, _LARGEST)
         self._size = len(data)
         lines = BytesIO(data).readlines()
         values = []
@@ -130,8 +130,8 @@ def _value(line: bytes) -> Any:
     """
     if not line.endswith(b"\n"):
         raise ValueError("it has no end")
-    text = line[_DIGITS + 1 : -1]
-    if line[: _DIGITS + 1] != b"%08x " % zlib.crc32(text):
+    checksum, _, text = line[:-1].partition(b" ")
+    if checksum != b"%08x" % zlib.crc32(text):
         raise ValueError("its checksum differs")
     try:
         return json.loads(text)

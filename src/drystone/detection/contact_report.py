@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -289,6 +289,14 @@ class ContactReport(Card):
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, numbers and strings, for JSON."""
         name = self.names
+
+        def rows(pairs: Sequence[Any], *values: str) -> list[dict[str, Any]]:
+            return [
+                {"blocks": [name[one.block_a], name[one.block_b]]}
+                | {key: getattr(one, key) for key in values}
+                for one in pairs
+            ]
+
         return {
             "options": {
                 key: getattr(self.options, key)
@@ -326,35 +334,9 @@ class ContactReport(Card):
                 }
                 for m in self.missed
             ],
-            "inexact": [
-                {
-                    "blocks": [name[pair.block_a], name[pair.block_b]],
-                    "error": str(pair.error),
-                    "off": pair.off,
-                }
-                for pair in self.inexact
-            ],
-            "resampled": [
-                {
-                    "blocks": [name[pair.block_a], name[pair.block_b]],
-                    "facets": pair.facets,
-                    "pieces": pair.pieces,
-                    "points": pair.points,
-                    "turn": pair.turn,
-                    "moved": pair.moved,
-                }
-                for pair in self.resampled
-            ],
-            "shortfalls": [
-                {
-                    "blocks": [name[short.block_a], name[short.block_b]],
-                    "area": short.area,
-                    "share": short.share,
-                    "gap": short.gap,
-                    "angle": short.angle,
-                }
-                for short in self.shortfalls
-            ],
+            "inexact": rows(self.inexact, "error", "off"),
+            "resampled": rows(self.resampled, "facets", "pieces", "points", "turn", "moved"),
+            "shortfalls": rows(self.shortfalls, "area", "share", "gap", "angle"),
             "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
             "isolated": [name[i] for i in self.isolated],

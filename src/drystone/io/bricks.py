@@ -23,6 +23,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError
 from drystone.contacts import Contacts
+from drystone.geometry.polyhedron import BOX, box_corners
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
@@ -44,7 +45,6 @@ FARTHEST = 100_000
 """Largest coordinate of a brick, chosen."""
 _MOST_CELLS = 1_000_000
 """Studs times plates of all bricks, chosen."""
-_BOX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
 
 @dataclass(frozen=True)
@@ -134,10 +134,9 @@ def _cells(bricks: Sequence[Brick], path: Path) -> dict[tuple[int, int, int], in
 def _shape(brick: Brick, name: str, pitch: float, *, fixed: bool = False) -> DraftBlock:
     unit = np.array([pitch, pitch, PLATE])
     size = unit * [brick.size_x, brick.size_y, brick.height]
-    flat = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float64)
-    corners = np.concatenate([np.c_[flat, np.full(4, height)] for height in (0.0, 1.0)])
-    vertices = unit * [brick.x, brick.y, brick.z] + corners * size
-    return DraftBlock(name, vertices, _BOX, density=brick.mass / float(size.prod()), fixed=fixed)
+    low = unit * [brick.x, brick.y, brick.z]
+    corners = box_corners(low, low + size)
+    return DraftBlock(name, corners, BOX, density=brick.mass / float(size.prod()), fixed=fixed)
 
 
 def _joints(

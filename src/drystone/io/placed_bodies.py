@@ -21,7 +21,7 @@ from drystone.base.errors import FormatError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
-from drystone.geometry.polyhedron import Loop, mass_properties, stack_faces
+from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
@@ -44,7 +44,6 @@ _ROUND = 64
 """Sides of a cylinder. Chosen: its radius is short by a thousandth in the middle of a side."""
 _MARGIN = 0.25
 """Of the extent of the scene: how far the ground reaches beyond it, and how thick it is. Chosen."""
-_BOX = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +171,7 @@ def placed(part: Part, pose: Floats) -> Part:
 
 def box_part(half: Floats) -> Part:
     """A box about the origin with half sizes (3,) [m]."""
-    corner = np.array([(i & 1, i >> 1 & 1, i >> 2) for i in range(8)], dtype=np.float64)
-    return (2.0 * corner - 1.0) * half, _BOX
+    return box_corners(-half, half), BOX
 
 
 def cylinder_part(radius: float, half: float) -> Part:
@@ -209,11 +207,9 @@ def ground_under(bodies: Sequence[PlacedBody], pose: Floats) -> Part:
     local = (every - pose[:3, 3]) @ pose[:3, :3]
     low, high = local.min(axis=0), local.max(axis=0)
     reach = _MARGIN * (float((high - low).max()) or 1.0)
-    half = 0.5 * (high - low) + reach
-    middle = 0.5 * (low + high)
-    half[2], middle[2] = 0.5 * reach, -0.5 * reach
-    point, faces = box_part(half)
-    return placed((point + middle, faces), pose)
+    low, high = low - reach, high + reach
+    low[2], high[2] = -reach, 0.0
+    return placed((box_corners(low, high), BOX), pose)
 
 
 def mesh_beside(path: Path, name: str, where: str) -> list[Part]:

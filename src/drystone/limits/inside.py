@@ -126,12 +126,15 @@ def searched(
         width = Width(least)
         if means.options.width is None and share is not None:
             width = Width(_LEAST * abs(end - start), share)
-        if outer.stands is None:
-            found = {"rest": FoundBracket(outer, (), ())}
-        else:
+        last, known = outer.stands, outer
+        if last is None and outer.falls != start:  # the program leaves the start open
+            at = (means.check or partial(verdict, stop=means.clock.late))(family(start))
+            last = end if STANDS[at.verdict] else None
+            known = Bracket(falls=start if at.falls else None, falling=at)
+        found = {"rest": FoundBracket(known, (), ())}
+        if last is not None:
             with WorkerPool(means.workers) as pool:
-                span = start, outer.stands
-                found = _inside(family, span, outer, width, means, pool.executor)
+                found = _inside(family, (start, last), outer, width, means, pool.executor)
     means.tell("done", 3)
     rest = found.get("rest")
     tried = {one.value: one for each in found.values() for one in each.evaluations}

@@ -17,7 +17,6 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
-from drystone.detection.unjoined import words_on
 from drystone.limits.brackets import Bracket, Evaluation, plain
 from drystone.limits.limit_families import Shrunk
 from drystone.model import Model
@@ -82,8 +81,13 @@ class LimitAnswer(Answer):
 
     @property
     def states(self) -> list[tuple[Result, float, bool]]:
-        """The known states on either side: result, value, and whether it falls."""
+        """The known states on either side: result, value, and whether it falls.
+
+        Where the verdict at the start is undecided, that state alone.
+        """
         best = self.best
+        if self._open and best.falling is not None:
+            return [(best.falling, self.start, False)]
         sides = ((best.standing, best.stands, False), (best.falling, best.falls, True))
         return [(s, v, falls) for s, v, falls in sides if s is not None and v is not None]
 
@@ -111,9 +115,16 @@ class LimitAnswer(Answer):
         return replace(asked, friction=None) if "friction" in self.parameter else asked
 
     @property
+    def _open(self) -> bool:
+        """Whether the verdict at the start is undecided."""
+        return self.best.falling is not None and self.best.falls is None
+
+    @property
     def title(self) -> str:
         """Up to which value it stands."""
         stands = self.best.stands
+        if stands is None and self._open:
+            return f"Not decided at {self._quantity(self.start)}"
         if stands is None:
             return f"Stands at no {self._name} that was tried"
         return f"{self._verb} {self._quantity(stands)}"
@@ -121,6 +132,9 @@ class LimitAnswer(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """Up to which value it stands, what gives way beyond, and where the joints decide."""
         found = self.best.stands is not None
+        falling = self.best.falling
+        if self._open and falling is not None:
+            return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
         said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
         if self.parameter == Shrunk.parameter and self.best.stands:
             said.append(Sentence(f"geometric safety factor: {1.0 / self.best.stands:.4g}"))
@@ -128,11 +142,7 @@ class LimitAnswer(Answer):
         for low, high in self.islands:
             again = f"it stands again from {self._short(low)} to {self._short(high)}"
             said.append(Sentence(again, Role.REMARK))
-        falling = self.best.falling
-        if not found and falling is not None and falling.model.unjoined:
-            near = words_on(falling.model.unjoined, falling.model.assembly.names)
-            said[0] = Sentence(f"Not decided: near blocks do not touch: {near}", Role.UNSURE)
-        elif falling is not None and falling.falling:
+        if falling is not None and falling.falling:
             said.append(Sentence(f"gives way: {named(falling.falling_names, _LISTED)}"))
             said.append(Sentence(falling.message))
         if self.stopped:
@@ -226,11 +236,13 @@ class LimitAnswer(Answer):
 
     def _stage(self, state: Result, value: float, falls: bool) -> SceneStage:
         """One side of the limit."""
-        headline = f"{'Falls at' if falls else self._verb} {self._quantity(value)}"
+        verb = "Not decided at" if self._open else self._verb
+        headline = f"{'Falls at' if falls else verb} {self._quantity(value)}"
         facts = {
             key: text for key, text in state.asked.facts().items() if key in ("Load", "Friction")
         }
-        label = f"{'falls' if falls else 'stands'} at {self._short(value)}"
+        label = f"{'falls' if falls else 'not decided' if self._open else 'stands'} at "
+        label += self._short(value)
         means = "; ".join(one for one in (state.message, *self._means()) if one)
         return replace(state.stage(label), headline=headline, message=means, facts=facts)
 

@@ -143,6 +143,8 @@ def limit_friction(
         The default width is 0.001.
     """
     model = supported_model(given, **how)
+    if not model.contacts.count:
+        raise InputError("no blocks touch", remedy="join near ones with a wider gap (--gap)")
     family = Friction(model, scaled)
     largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
     start = largest if upper is None else number(upper, "the largest friction")

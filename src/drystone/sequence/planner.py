@@ -143,12 +143,14 @@ def plan(
         complete = evaluator.answer(Stage(model.everything))
         if check is None and model.small and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
-        if complete.verdict is Verdict.UNSTABLE and model.model.unjoined:
-            found = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
-            if found.verdict is Verdict.UNDECIDED:
-                complete = replace(
-                    complete, verdict=found.verdict, message=found.message, falling=()
-                )
+        if check is None and complete.verdict is Verdict.UNSTABLE and model.model.unjoined:
+            whole = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
+            if whole.verdict is Verdict.UNDECIDED:
+                why = whole.message
+                complete = replace(complete, verdict=whole.verdict, message=why, falling=())
+                if not chosen.anyway:
+                    message = f"the complete structure was not shown to stand; {why}"
+                    return _no_plan(evaluator, complete, message)
         if not complete.stands and not chosen.anyway:
             return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
         planner = _Planner(evaluator, bound, chosen, progress)

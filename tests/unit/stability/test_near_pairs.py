@@ -1,11 +1,24 @@
 """A proof of falling never rests on a pair of blocks that is near and was not joined."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Model, Verdict, check, limits, plan, settle, solve_rbe
+from drystone import (
+    Assembly,
+    Block,
+    InputError,
+    Model,
+    Verdict,
+    check,
+    limits,
+    plan,
+    save_figure,
+    settle,
+    solve_rbe,
+)
 from drystone.answer import Role
 from drystone.detection import DetectionOptions
 from drystone.detection.reasons import Reason
@@ -38,6 +51,25 @@ def test_no_plan_and_no_limit_takes_a_near_pair_for_a_fall() -> None:
     told = limits.limit_tilt(above(0.02)).sentences()[0]
     assert told.role is Role.UNSURE
     assert "'base' and 'middle' are 20 mm apart" in told.text
+
+
+def test_a_near_pair_that_has_no_part_in_a_fall_leaves_the_limit_decided() -> None:
+    leaning = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "leaning")
+    apart = box((0.2, 0.2, 0.2), (5.0, 0.0, 0.0)), box((0.2, 0.2, 0.2), (5.0, 0.0, 0.202), "near")
+    model = Assembly((box((1.0, 1.0, 1.0), name="base"), leaning, *apart)).with_fixed([0, 2, 3])
+    assert check(model, friction=0.7).falls
+    limit = limits.limit_tilt(model, friction=0.7)
+    assert limit.sentences()[0].role is Role.BAD
+    assert limit.best.falls == 0.0
+
+
+def test_a_limit_that_is_open_at_its_start_has_a_picture(tmp_path: Path) -> None:
+    limit = limits.limit_tilt(above(0.02))
+    assert (limit.best.stands, limit.best.falls) == (None, None)
+    assert [stage.label for stage in limit.layers().stages] == ["not decided at 0°"]
+    save_figure(limit, tmp_path / "open.png")
+    with pytest.raises(InputError, match="no blocks touch"):
+        limits.limit_friction(above(0.2, 0.2))
 
 
 def test_a_block_that_touches_nothing_at_first_settles_onto_what_is_near() -> None:
