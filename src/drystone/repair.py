@@ -133,7 +133,6 @@ def _mended(
     points, loops, notes = _welded(vertices, faces, name, merge, sided=sided)
     used = points[sorted({i for loop in loops for i in loop})]
     size = float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
-    before = enclosed_volume(points, [tuple(map(int, face)) for face in faces])
 
     def done(number: int, one: str, many: str, what: str) -> None:
         if number:
@@ -148,6 +147,9 @@ def _mended(
     lids, holes = plane_lids(points, loops, _NEAR * size)
     loops += lids
     done(holes, "plane hole", "plane holes", "closed")
+    if not loops:
+        raise InputError("no face of it is left", where=f"block '{name}'")
+    before = enclosed_volume(points, [tuple(map(int, face)) for face in faces])
     open_edges = edge_defects(loops)[0]
     if open_edges:
         raise InputError(

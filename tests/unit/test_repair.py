@@ -7,7 +7,7 @@ import pytest
 
 from drystone import Assembly, Block, InputError, find_contacts
 from drystone.models import box, tower
-from drystone.repair import mended_block, split_components
+from drystone.repair import mended_block, mended_blocks, split_components
 
 CUBE = box((1.0, 1.0, 1.0), name="cube")
 
@@ -36,6 +36,18 @@ def test_parts_become_blocks_with_their_support_and_density() -> None:
     assert split.blocks[1].repairs == ("part 2 of 2 of 'pair'",)
     assert split.volume == pytest.approx([1.0, 1.0, 1.0])
     assert find_contacts(split).contacts.count == 2
+
+
+@pytest.mark.parametrize(
+    "faces", [[], [(0, 1, 2)], [(0, 1, 2), (2, 1, 0)], [(0, 1, 2), (0, 1, 2), (0, 2, 1)]]
+)
+def test_a_mesh_of_which_no_face_is_left_is_refused(faces: list[tuple[int, ...]]) -> None:
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    for vertices in (flat, flat * [1.0, 0.0, 0.0]):
+        with pytest.raises(InputError):
+            mended_blocks(vertices, faces)
+    with pytest.raises(InputError):
+        mended_blocks(np.empty((0, 3)), [])
 
 
 def test_cavity_stays_in_its_block() -> None:
