@@ -45,6 +45,8 @@ def answers() -> Iterator[Answer]:
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.limit_tilt(stack, options=coarse)
     yield limits.tilt_sweep(stack, 2, options=coarse)
+    yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
+    yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))
     yield limits.imperfections(stack, limits.Imperfections(offset=0.01), draws=2)
     yield drystone.settle(tower(2))
     yield drystone.settlement.push(tower(2), friction=0.3, to=0.01)

@@ -116,6 +116,33 @@ def shrink(
 
 
 @command(
+    "drystone limit thrust arch.json springer-right",
+    "drystone limit thrust arch.json springer-left --direction x --html thrust.html",
+)
+def thrust(
+    *,
+    subject: OneFile,
+    block: Annotated[str, Argument("BLOCK", "On which block, usually a support.")],
+    asked: Annotated[
+        Analysis,
+        Of(
+            "drystone.limits.thrust_bounds",
+            shown=("direction",),
+            metavars={"direction": "AXIS|X,Y,Z"},
+        ),
+    ],
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Told:
+    """The least and the largest thrust on a block, by equilibrium alone.
+
+    The page shows the forces at both. Exit code 1: no forces balance the loads.
+    """
+    model = _prepared(subject, pictures, waiting)
+    return _told(asked.of(waiting, model, block), model, pictures)
+
+
+@command(
     "drystone push arch.json --png push.png --html push.html",
     "drystone push arch.json seismic:0,1 --to 0.01 --curve push.csv",
 )

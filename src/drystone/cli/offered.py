@@ -81,8 +81,10 @@ class Analysis:
     def of(self, waiting: Waiting, *subject: Any, doing: str = "searching", **more: Any) -> Any:
         """What it answers about a model, or about other things that it takes by position."""
         waiting.stage("solve", doing)
+        takes = inspect.signature(self.analysis).parameters
         with waiting.keywords(self.time_limit, self.workers) as common:
-            return self.analysis(*subject, **self.given, **more, **common)
+            late = {name: value for name, value in common.items() if name in takes}
+            return self.analysis(*subject, **self.given, **more, **late)
 
 
 _LATE = {"time_limit_s": "--time-limit", "executor": "--workers"}

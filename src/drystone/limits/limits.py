@@ -276,7 +276,7 @@ def limit_thickness(
     return bisected(family, first, last, width, means)
 
 
-def axis_vector(axis: Any) -> Any:
+def axis_vector(axis: Any, called: str = "axis") -> Any:
     """An axis (3,) from a name or a vector.
 
     Raises
@@ -288,4 +288,4 @@ def axis_vector(axis: Any) -> Any:
         if axis not in AXES:
             raise InputError(f"no axis is called '{axis}'", remedy=f"{', '.join(AXES)} or X,Y,Z")
         return np.array(AXES[axis])
-    return unit(axis, "axis")
+    return unit(axis, called)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.answer import Answer, Role, Scene, Sentence, Verdict
+from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
-from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, as_model
+from drystone.limits.limits import axis_vector
 from drystone.mechanics.statics import build_statics
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.solvers.conic import ConicStatus
 
 CHECKED = 1e-6
@@ -26,11 +28,12 @@ CHECKED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class ThrustBounds(OneLine):
+class ThrustBounds(Answer):
     """Least and largest thrust on a block along a direction.
 
     Attributes
     ----------
+    model
     block
     direction : (3,) unit
     least, most : [N]
@@ -39,6 +42,7 @@ class ThrustBounds(OneLine):
         Results with the forces, if they exist.
     """
 
+    model: Model
     block: str
     direction: Floats
     least: float
@@ -49,12 +53,47 @@ class ThrustBounds(OneLine):
     def _summary(self) -> str:
         return f"block '{self.block}', {self.least:.4g} to {self.most:.4g} N"
 
+    @property
+    def title(self) -> str:
+        """Both bounds."""
+        if np.isnan(self.least):
+            return f"No forces balance the loads, so there is no thrust on '{self.block}'"
+        most = "any force" if np.isinf(self.most) else f"{self.most:.4g} N"
+        return f"Thrust on '{self.block}' from {self.least:.4g} N to {most}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Both bounds, and along what they are measured."""
+        along = ", ".join(f"{x:.3g}" for x in self.direction)
+        said = [Sentence(self.title, Role.BAD if np.isnan(self.least) else Role.GOOD)]
+        said.append(Sentence(f"measured along ({along}); forces by equilibrium alone"))
+        if np.isinf(self.most):
+            said.append(Sentence("blocks wedged between supports can be pressed without limit"))
+        return said
+
+    def layers(self) -> Scene:
+        """The forces at the least and at the largest thrust."""
+        states = (("least thrust", self.least_state), ("largest thrust", self.most_state))
+        stages = [one.stage(label) for label, one in states if one is not None]
+        scene = bare_scene(self.assembly, self.contacts, self.model)
+        shown = [replace(one, headline=f"{self.title}: {one.label}") for one in stages]
+        return replace(scene, title=self.title, stages=tuple(shown) or scene.stages)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The bounds."""
+        return {
+            "block": self.block,
+            "direction": self.direction,
+            "least": self.least,
+            "most": self.most,
+            "unit": "N",
+        }
+
 
 @checked_call
 def thrust_bounds(
     given: Given,
     block: int | str,
-    direction: Any,
+    direction: Floats | Sequence[float] | str = "x",
     *,
     cone: FrictionCone | None = None,
     **how: Unpack[How],
@@ -69,9 +108,15 @@ def thrust_bounds(
         A model; or an assembly or a file that ``how`` turns into one.
     block
         Any block, usually a support.
-    direction : (3,)
+    direction : (3,) or a name
+        ``x``, ``y``, ``z``, ``-x``, ``-y`` or a vector.
     cone
         Exact when left out.
+
+    Raises
+    ------
+    InputError
+        The block touches nothing, or the direction has no length.
 
     Examples
     --------
@@ -85,7 +130,7 @@ def thrust_bounds(
     model = as_model(given, **how)
     assembly, contacts = model.assembly, model.contacts
     which = int(assembly.indices([block])[0])
-    along = unit(direction, "direction")
+    along = axis_vector(direction, "direction")
     touching = (contacts.block_a == which) | (contacts.block_b == which)
     if not touching.any():
         raise InputError(f"block '{assembly.names[which]}' touches nothing", remedy="name another")
@@ -107,7 +152,7 @@ def thrust_bounds(
         return statics.force_unit * float((price * solution.force).sum()), state
 
     least, most = extreme(1.0), extreme(-1.0)
-    return ThrustBounds(assembly.names[which], along, least[0], most[0], least[1], most[1])
+    return ThrustBounds(model, assembly.names[which], along, least[0], most[0], least[1], most[1])
 
 
 def _state(

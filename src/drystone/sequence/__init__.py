@@ -8,15 +8,11 @@ from drystone.sequence.friction_sweeps import (
     least_buildable_friction,
     sweep_friction,
 )
+from drystone.sequence.gravity_regions import GravityRegion, gravity_region
 from drystone.sequence.grips import GripFace
 from drystone.sequence.handling import Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.interlocking import (
-    GravityRegion,
-    Interlocking,
-    gravity_region,
-    interlocking,
-)
+from drystone.sequence.interlocking import Interlocking, interlocking
 from drystone.sequence.margins import Margin, Margins, margins
 from drystone.sequence.path_search import find_path
 from drystone.sequence.plan_steps import Prop, Status, Step

@@ -14,28 +14,22 @@ ACM Trans. Graph. 38 (6)), who show that this is the same as equilibrium under e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Unpack
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
 
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats
-from drystone.base.display import OneLine
-from drystone.base.errors import InputError, SolverError
-from drystone.base.progress import Clock, Progress, Stop, Workers
-from drystone.base.settings import checked_call
-from drystone.base.workers import WorkerPool
+from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.answer.drawing import bare_scene, seen
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError, SolverError, counted
 from drystone.io.opening import Given, How, as_model
-from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.programs import RBEOptions, solve_rbe
-from drystone.results import Verdict
 from drystone.sequence.freedom import Joints, free_twists
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
-from drystone.stability import check
 
 OPENS = 1e-6
 """Least mean of the opening speeds that counts as opening, with the largest speed 1; above the
@@ -46,7 +40,7 @@ rounding."""
 
 
 @dataclass(frozen=True, eq=False)
-class Interlocking(OneLine):
+class Interlocking(Answer):
     """Whether an assembly interlocks.
 
     Attributes
@@ -75,6 +69,42 @@ class Interlocking(OneLine):
     def names(self) -> tuple[str, ...]:
         """Names of the blocks that can move alone."""
         return tuple(self.model.assembly.names[b] for b in self.first)
+
+    @property
+    def title(self) -> str:
+        """Whether it interlocks."""
+        return "Interlocks" if self.holds else "Does not interlock"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether it interlocks, and what can move."""
+        if self.holds:
+            told = "no motion opens its joints or slides along them: it carries every load"
+            return [Sentence(self.title, Role.GOOD), Sentence(told)]
+        alone = f"blocks that can move alone: {', '.join(self.names[:8]) or 'none'}"
+        more = f", and {len(self.first) - 8} more" if len(self.first) > 8 else ""
+        told = f"{counted(len(self.moving), 'block')} can move together without friction"
+        return [Sentence(self.title, Role.BAD), Sentence(told), Sentence(alone + more)]
+
+    def layers(self) -> Scene:
+        """The free motion."""
+        scene = bare_scene(self.assembly, self.contacts, self.model)
+        motion = None if self.motion is None else seen(self.assembly, self.motion)
+        told = "; ".join(one.text for one in self.sentences()[1:])
+        stage = replace(
+            scene.stages[0], headline=self.title, message=told, motion=motion,
+            motion_name="Free motion", plays=motion is not None,
+        )  # fmt: skip
+        return replace(scene, title=self.title, stages=(stage,))
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it holds, what moves, and how."""
+        names = self.assembly.names
+        return {
+            "holds": self.holds,
+            "moving": [names[block] for block in self.moving],
+            "can_move_alone": self.names,
+            "motion": self.motion,
+        }
 
 
 def interlocking(
@@ -188,130 +218,3 @@ def _sliding(rows: sparse.csr_matrix) -> Floats | None:
         return None
     square, vector = np.linalg.eigh(gram)
     return vector[:, 0] if square[0] < SLIDES * max(square[-1], 1e-300) else None
-
-
-@dataclass(frozen=True, eq=False)
-class GravityRegion(OneLine):
-    """The directions of gravity in which an assembly stands.
-
-    Attributes
-    ----------
-    model
-    direction : (g, 3) unit
-        Directions of gravity.
-    frictionless : (g,)
-        Whether there are contact forces in equilibrium without friction.
-    balanced : (g,)
-        Whether there are contact forces in equilibrium with the friction of the model.
-    stands : (g,) or None
-        Whether the verdict of :func:`drystone.check` is STABLE; None if not requested.
-    """
-
-    model: Model
-    direction: Floats
-    frictionless: Bools
-    balanced: Bools
-    stands: Bools | None = None
-
-    @property
-    def shares(self) -> dict[str, float]:
-        """Share of the directions for each of the three questions."""
-        out = {
-            "frictionless": float(self.frictionless.mean()),
-            "balanced": float(self.balanced.mean()),
-        }
-        return out if self.stands is None else out | {"stands": float(self.stands.mean())}
-
-
-@checked_call
-def gravity_region(
-    given: Given,
-    key: int | str | Sequence[int | str] | None = None,
-    *,
-    directions: int | Floats = 200,
-    stands: bool = False,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
-) -> GravityRegion:
-    """The directions of gravity in which an assembly holds, without and with friction.
-
-    Ended early, the result has the first directions, at least one.
-
-    Parameters
-    ----------
-    given
-        A model; or an assembly or a file that ``how`` turns into one.
-    key
-        The block or blocks that are held; the supports of the model when left out.
-    directions
-        Number of directions, evenly spread over the sphere, or the directions (g, 3).
-    stands
-        Whether to compute the full verdict too. It takes longer.
-
-    Examples
-    --------
-    >>> from drystone.models import tower
-    >>> down = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.5, 0.0, -1.0]])
-    >>> found = gravity_region(tower(2), directions=down, friction=0.6)
-    >>> found.frictionless.tolist(), found.balanced.tolist()
-    ([True, False, False], [True, False, True])
-    """
-    model = as_model(given, **how)
-    if key is not None:
-        model = model.with_supports([key] if isinstance(key, int | str) else list(key))
-        if not model.assembly.fixed.any():
-            raise InputError(
-                "no block is held", where="key", remedy="name a block, or leave it out"
-            )
-    unit = _unit_directions(directions)
-    jobs = [(model, tuple(one), stands) for one in unit.tolist()]
-    found: list[tuple[bool, bool, bool]] = []
-    clock = Clock(time_limit_s, stop)
-    with WorkerPool(executor) as pool:
-        for answer in pool.answers(_held, jobs, lambda: bool(found) and clock.late()):
-            found.append(answer)
-            if progress is not None:
-                progress("directions", len(found), len(jobs))
-    table = np.array(found, dtype=bool).reshape(-1, 3)
-    unit = unit[: len(found)]
-    return GravityRegion(model, unit, table[:, 0], table[:, 1], table[:, 2] if stands else None)
-
-
-def _unit_directions(directions: int | Floats) -> Floats:
-    """Unit directions (g, 3): so many, or those given."""
-    if isinstance(directions, int):
-        if directions < 1:
-            raise InputError(f"{directions} directions", remedy="give one or more")
-        return _spread(directions)
-    given = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
-    length = np.linalg.norm(given, axis=1, keepdims=True)
-    if not (len(length) and np.isfinite(length).all() and (length > 0.0).all()):
-        raise InputError("a direction is zero or not finite", where="directions")
-    unit: Floats = given / length
-    return unit
-
-
-def _held(job: tuple[Model, tuple[float, float, float], bool]) -> tuple[bool, bool, bool]:
-    model, direction, full = job
-    pull = LoadCase.gravity(model.assembly, 9.81, direction=direction)
-    loaded = model.with_load(pull)
-    smooth = _balances(loaded.with_friction(0.0))
-    rough = smooth or _balances(loaded)
-    return smooth, rough, full and rough and check(loaded).stable
-
-
-def _balances(model: Model) -> bool:
-    found = solve_rbe(model, options=RBEOptions.feasibility())
-    return found.verdict is Verdict.EQUILIBRIUM_EXISTS
-
-
-def _spread(count: int) -> Floats:
-    """Directions (count, 3) spread evenly over the sphere: a spiral of equal areas."""
-    step = np.arange(count) + 0.5
-    height = 1.0 - 2.0 * step / count
-    turn = np.pi * (1.0 + np.sqrt(5.0)) * step
-    across = np.sqrt(1.0 - height**2)
-    return np.column_stack([across * np.cos(turn), across * np.sin(turn), height])

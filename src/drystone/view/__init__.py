@@ -5,7 +5,7 @@ from drystone.view.figure import save_figure
 from drystone.view.notebook import Frame, interact, show
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import PRESETS, Preset
-from drystone.view.plots import save_chart, save_gravity
+from drystone.view.plots import save_chart
 from drystone.view.report import save_report
 from drystone.view.save_cad import save_cad
 from drystone.view.subjects import scene_of
@@ -25,7 +25,6 @@ __all__ = [
     "save_cad",
     "save_chart",
     "save_figure",
-    "save_gravity",
     "save_page",
     "save_report",
     "scene_of",
