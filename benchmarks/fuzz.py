@@ -6,17 +6,24 @@ Files of all formats are made from small models and damaged: bits turned, bytes 
 moved, numbers replaced by awkward ones, words of the format strewn in, values of a JSON file
 replaced by others, archives that unpack to more than they are. Each input gets 5 s and 1.5 GiB; an
 audit hook watches for what a reader must not do: run code, start programs, open sockets, write.
-The reader of 3dm is a program of its own, started anew for every file: it gets two in a thousand of
-the inputs; ``--only 3dm`` gives it all.
+
+3dm, STEP, IFC and USD are read by a program of its own for each file. Here that program is a fork
+of this one, which has the library loaded already. How often it died is told too: a reader answers
+that with an error.
 """
 
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import io as text_io
 import json
+import os
 import random
+import runpy
+import select
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -26,12 +33,16 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
+from benchmarks.solid_files import ifc_file, step_file
 from drystone import io
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError
@@ -43,6 +54,10 @@ from drystone.models import arch, concave, tower
 LIMIT_S = 5.0
 MEMORY = 3 * 2**29
 """[bytes]"""
+OUTSIDE = {"3dm": "rhino3dm", "step": "cascadio", "ifc": "ifcopenshell", "usd": "pxr.Usd"}
+"""Package of each format whose library is of another language."""
+LIMIT_OUTSIDE_S = 30.0
+"""More than each of them may take by itself."""
 SHARES = {
     "drystone": 0.24,
     "npz": 0.08,
@@ -57,6 +72,9 @@ SHARES = {
     "bricks": 0.02,
     "ldraw": 0.02,
     "3dm": 0.002,
+    "step": 0.002,
+    "ifc": 0.002,
+    "usd": 0.004,
     "mjcf": 0.05,
     "urdf": 0.05,
 }
@@ -92,7 +110,7 @@ SMALL = {
     "bricks": (b"# two\n0 0 0 4 2\n1 0 1 4 2 90 2.3\n", b"2x4 (0,0,0)\n4x2 (1,1,1)\n"),
     "ldraw": (
         b"0 FILE a.ldr\n1 4 0 0 0 1 0 0 0 1 0 0 0 1 3001.dat\n1 16 80 0 0 0 0 1 0 1 0 -1 0 0 b\n"
-        b"0 FILE b\n1 4 40 -24 0 1 0 0 0 1 0 0 0 1 3023.dat\n0 STEP\n0 NOFILE\n",
+        b"0 FILE b\n1 4 40 -24 10 1 0 0 0 1 0 0 0 1 3023.dat\n0 STEP\n0 NOFILE\n",
     ),
     "mjcf": (
         b"""<mujoco><compiler angle="degree"/><default><geom friction=".5"/>
@@ -111,6 +129,56 @@ SMALL = {
 <joint type="fixed"><parent link="world"/><child link="a"/></joint>
 <joint type="floating"><parent link="world"/><child link="b"/></joint></robot>""",
     ),
+    "step": (step_file(tower(2).blocks).encode(), step_file(concave("short").blocks[1:]).encode()),
+    "ifc": (
+        ifc_file(
+            [
+                ("IfcFooting", "foot", tower(3).blocks[0], ""),
+                ("IfcBuildingElementPart", "stone", tower(3).blocks[1], "wall"),
+                ("IfcBuildingElementPart", "stone", tower(3).blocks[2], "wall"),
+                ("IfcDoor", "door", arch(voussoirs=5).blocks[2], ""),
+            ]
+        ).encode(),
+    ),
+    "usd": (
+        b"""#usda 1.0
+(
+    metersPerUnit = 0.01
+    upAxis = "Y"
+)
+def Cube "base" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+{
+    double size = 100
+}
+def Plane "floor" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+{
+    uniform token axis = "Y"
+}
+def Xform "top" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+{
+    float physics:mass = 12
+    double3 xformOp:translate = (5, 50, 0)
+    float3 xformOp:scale = (-1, 2, 1)
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+    def Mesh "shape" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+    {
+        int[] faceVertexCounts = [3, 3, 3, 3]
+        int[] faceVertexIndices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]
+        point3f[] points = [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)]
+    }
+    def Cylinder "round" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+    {
+        double radius = 2
+        double height = 3
+        uniform token axis = "X"
+    }
+}
+def PhysicsFixedJoint "held"
+{
+    rel physics:body0 = </top>
+}
+""",
+    ),
 }
 """Sound files of formats that are only read, or of which our own have not all."""
 WORDS = {
@@ -120,6 +188,9 @@ WORDS = {
     "ldraw": ("0 FILE b", "0 NOFILE", "1 4 0 0 0 1 0 0 0 1 0 0 0 1 b", "2 24", "3004.dat"),
     "mjcf": ("<body>", "</body>", "<freejoint/>", '<geom mesh="m"/>', '<joint type="ball"/>'),
     "urdf": ("<link/>", "</link>", "<joint/>", '<mesh filename="x.obj"/>', '<origin xyz="1"/>'),
+    "step": ("#9=FACETED_BREP('',#1);", "#1=PLANE('',#2);", "ENDSEC;", "$", "(#1,#1)", ".MILLI."),
+    "ifc": ("#9=IFCWALL('a',$,$,$,$,$,$,$,$);", "#1=IFCDIRECTION((0.,0.));", "ENDSEC;", "(#1,#1)"),
+    "usd": ('def Sphere "s" {}', "}", "rel a = </b>", "float a = (1", "over </top> {}", "class"),
     "obj": ("f -1 -2 -3", "o", "g", "o a", "v", "f", "curv 0 1", "call x", "\\", "l 1 2", "#"),
     "stl": ("solid x", "endsolid", "facet", "outer loop", "vertex 0 0 0", "endloop", "endfacet"),
     "ply": ("element vertex 9", "property list int int x", "end_header", "comment", "format"),
@@ -144,11 +215,14 @@ class Tally:
         Each a format, the number of the input and what went wrong.
     slowest
         [s] by format.
+    ends
+        How programs of a file ended that did not answer: a signal, or what was raised.
     """
 
     outcomes: Counter[tuple[str, str]] = field(default_factory=Counter)
     failures: list[tuple[str, int, str]] = field(default_factory=list)
     slowest: dict[str, float] = field(default_factory=dict)
+    ends: Counter[str] = field(default_factory=Counter)
 
 
 class TooSlowError(Exception):
@@ -166,10 +240,14 @@ def samples() -> dict[str, list[bytes]]:
             full = Contents(model, contacts, (LoadCase.gravity(model),))
             for name in SHARES.keys() - SMALL.keys():
                 made[name] += _written(full, name, Path(folder))
+    for name, package in OUTSIDE.items():
+        if find_spec(package.partition(".")[0]) is None:
+            made.pop(name, None)
     made["stl"].append(_binary_stl(models[0]))
     made["compas-dem"] += [_analysis(data) for data in made["compas-dem"]]
     for name, files in SMALL.items():
-        made[name] += files
+        if name in made:
+            made[name] += files
     return {name: files for name, files in made.items() if files}
 
 
@@ -200,7 +278,7 @@ def _analysis(model: bytes) -> bytes:
 def _binary_stl(model: Assembly) -> bytes:
     faces = model.faces
     corner = np.concatenate(
-        [faces.point[faces.loop[a : a + 3]] for a in faces.start[:-1].tolist()]
+        [faces.point[faces.loop[[a, a + 1, a + 2, a, a + 2, a + 3]]] for a in faces.start[:-1]]
     ).reshape(-1, 9)
     record = np.zeros(len(corner), np.dtype([("n", "<f4", 3), ("c", "<f4", 9), ("s", "<u2")]))
     record["c"] = corner
@@ -354,12 +432,22 @@ def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = 
     files = samples()
     tally = Tally()
     watch = watching()
-    _warm_up(files)
-    before = _limited_memory()
+    names = [name for name in files if not only or name in only]
+    for name in OUTSIDE.keys() & names:
+        import_module(OUTSIDE[name])
+    programs = _Forks(tally)
+    before = None
     try:
-        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        with (
+            mock.patch("subprocess.run", programs.run),
+            tempfile.TemporaryDirectory() as folder,
+            warnings.catch_warnings(),
+        ):
+            _warm_up({name: files[name] for name in names})
+            tally.ends.clear()
+            before = _limited_memory()
             warnings.simplefilter("error")
-            for number, name, data in _inputs(files, inputs, seed, only):
+            for number, name, data in _inputs(files, inputs, seed, names):
                 _one(name, number, data, Path(folder), tally, watch, keep)
     finally:
         _restore_memory(before)
@@ -367,9 +455,8 @@ def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = 
 
 
 def _inputs(
-    files: dict[str, list[bytes]], inputs: int, seed: int, only: tuple[str, ...]
+    files: dict[str, list[bytes]], inputs: int, seed: int, names: list[str]
 ) -> Iterator[tuple[int, str, bytes]]:
-    names = [name for name in files if not only or name in only]
     weights = [SHARES[name] for name in names]
     for number in range(inputs):
         rng = random.Random(f"{seed}-{number}")
@@ -383,12 +470,13 @@ def _warm_up(files: dict[str, list[bytes]]) -> None:
         for name, sound in files.items():
             for data in (*sound, sound[0][: len(sound[0]) // 2]):
                 try:
-                    io.read(_file(name, data, Path(folder)))
+                    io.read(file_of(name, data, Path(folder)))
                 except InputError:
                     continue
 
 
-def _file(name: str, data: bytes, folder: Path) -> Path:
+def file_of(name: str, data: bytes, folder: Path) -> Path:
+    """Write the bytes of a file of a format to a folder."""
     if name == "npz":
         from drystone.io.npz import digest
 
@@ -414,13 +502,14 @@ def _one(
     watch: Watch,
     keep: Path | None,
 ) -> None:
-    path = _file(name, data, folder)
+    path = file_of(name, data, folder)
     there = sorted(p.name for p in folder.iterdir())
+    limit = LIMIT_OUTSIDE_S if name in OUTSIDE else LIMIT_S
     begin = time.perf_counter()
     wrong = ""
     try:
-        with _deadline(LIMIT_S):
-            watch.active = name != "3dm"
+        with _deadline(limit):
+            watch.active = name not in OUTSIDE
             io.read(path)
         outcome = "model"
     except InputError as error:
@@ -430,7 +519,7 @@ def _one(
         if "\n" in str(error) or len(str(error)) > 1000:
             wrong = "error of several lines"
     except TooSlowError:
-        outcome, wrong = "hang", f"more than {LIMIT_S} s"
+        outcome, wrong = "hang", f"more than {limit} s"
     except Exception as error:  # any other kind is what is looked for
         outcome, wrong = "other", f"{type(error).__name__}: {error}"
     finally:
@@ -448,6 +537,76 @@ def _one(
         if keep is not None:
             keep.mkdir(parents=True, exist_ok=True)
             (keep / f"{number}-{name}{path.suffix}").write_bytes(data)
+
+
+class _Forks:
+    """Runs the program of a file as a fork of this process, in place of ``subprocess.run``."""
+
+    def __init__(self, tally: Tally) -> None:
+        self.tally = tally
+        self.contents: dict[str, Callable[[bytes, Any], Any]] = {}
+
+    def run(
+        self, command: list[str], *, input: bytes, timeout: float, **_: object
+    ) -> subprocess.CompletedProcess[bytes]:
+        """What the program writes, and 0 if it ended well."""
+        program, cpu_s, options = command[-3:]
+        if program not in self.contents:
+            self.contents[program] = runpy.run_path(program)["content"]
+        end, begin = os.pipe()
+        child = os.fork()
+        if not child:
+            os.close(end)
+            _child(begin, self.contents[program], input, json.loads(options), int(cpu_s))
+        os.close(begin)
+        out = b""
+        last = time.perf_counter() + timeout
+        try:
+            while select.select([end], [], [], max(0.0, last - time.perf_counter()))[0]:
+                part = os.read(end, 2**20)
+                out += part
+                if not part:
+                    break
+            else:
+                os.kill(child, signal.SIGKILL)
+                raise subprocess.TimeoutExpired(command, timeout)
+        finally:
+            os.close(end)
+            status = os.waitpid(child, 0)[1]
+        code = os.waitstatus_to_exitcode(status)
+        if code:
+            name = signal.Signals(-code).name if code < 0 else out.decode("utf-8", "replace")
+            self.tally.ends[f"{Path(program).stem}: {name}"] += 1
+        return subprocess.CompletedProcess(command, code, out, b"")
+
+
+def _child(
+    out: int, content: Callable[[bytes, Any], Any], data: bytes, options: Any, cpu_s: int
+) -> None:
+    """Write what a function makes of a file, and end this process."""
+    code = 1
+    try:
+        faulthandler.disable()
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, 1)
+        os.dup2(nothing, 2)
+        _limited_memory(2**31)
+        _limited_cpu(cpu_s)
+        found = content(data, options)
+        answer, code = found if isinstance(found, bytes) else json.dumps(found).encode(), 0
+    except BaseException as error:  # a fork ends here, whatever it was
+        answer = f"{type(error).__name__}: {str(error)[:80]}".encode()
+    with os.fdopen(out, "wb") as pipe:
+        pipe.write(answer)
+    os._exit(code)
+
+
+def _limited_cpu(most_s: int) -> None:
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_CPU, (most_s, most_s + 1))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 class _deadline:  # noqa: N801  # reads as a verb
@@ -508,6 +667,8 @@ def main() -> int:
         counts = " | ".join(f"{tally.outcomes[name, kind]:,}" for kind in kinds)
         print(f"| {name} | {counts} | {tally.slowest[name]:.2f} |")
     print(f"{sum(tally.outcomes.values()):,} inputs in {spent:.0f} s, seed {chosen.seed}")
+    for name, times in sorted(tally.ends.items()):
+        print(f"ended without an answer, {times:,} times: {name}")
     for name, number, wrong in tally.failures[:20]:
         print(f"FAILED {name} input {number}: {wrong}")
     print(f"{len(tally.failures)} failures")

@@ -68,6 +68,6 @@ def content_of(
         ) from error
     if done.returncode != 0:
         raise FormatError(
-            "is damaged: reading it does not end", where=str(path), remedy="save it again"
+            "is damaged: what reads it broke off", where=str(path), remedy="save it again"
         )
     return done.stdout
