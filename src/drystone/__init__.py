@@ -12,6 +12,7 @@ gives it.
 <Verdict.STABLE: 'stable'>
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,12 @@ if TYPE_CHECKING:
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
     from drystone.view import show as show
+
+if not getattr(sys, "_is_gil_enabled", lambda: True)():
+    raise ImportError(
+        "drystone shares what it computed between threads and needs the interpreter lock of Python:"
+        " start python with -X gil=1, or take a build that is not free-threaded"
+    )
 
 __version__ = "0.2.0"
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import click
 import pytest
+import yaml
 
 import drystone as drystone_package
 from drystone import Verdict, __version__, models
@@ -66,6 +67,34 @@ def test_the_two_commands_that_set_it_up_are_in_the_readme_and_the_second_is_wha
         windows = command.replace("python3", "py").replace(".venv/bin/", ".venv\\Scripts\\")
         assert f"    {windows}\n" in README
     assert f"\n{TESTING}" in (ROOT / ".ci" / "run").read_text("utf-8")
+
+
+def test_the_workflow_tests_every_python_as_the_readme_says_on_each_system() -> None:
+    workflow = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text("utf-8"))
+    jobs = workflow["jobs"]
+    matrix = jobs["platforms"]["strategy"]["matrix"]
+    assert matrix["system"] == ["ubuntu-latest", "macos-latest", "windows-latest"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    told = [one.rpartition(" ")[2] for one in project["classifiers"] if "Python :: 3." in one]
+    assert matrix["python"] == told
+    assert project["requires-python"] == f">={told[0]}"
+    run = {step.get("if"): step.get("run") for step in jobs["platforms"]["steps"]}
+    windows = TESTING.replace("python3", "python").replace(".venv/bin/", ".venv\\Scripts\\")
+    assert run["runner.os != 'Windows'"] == TESTING
+    assert run["runner.os == 'Windows'"] == windows
+    assert any(step.get("run") == ".ci/run" for step in jobs["all-checks"]["steps"])
+
+
+@pytest.mark.parametrize(
+    "path", [*(ROOT / ".github/workflows").glob("*.yml")], ids=lambda p: p.stem
+)
+def test_workflows_may_only_read_and_use_actions_of_one_commit(path: Path) -> None:
+    workflow = yaml.safe_load(path.read_text("utf-8"))
+    assert workflow["permissions"] == {"contents": "read"}
+    jobs = workflow["jobs"]
+    assert {name for name, job in jobs.items() if "permissions" in job} <= {"publish"}
+    used = re.findall(r"uses: (.*)", path.read_text("utf-8"))
+    assert [one for one in used if not re.fullmatch(r"\S+@[0-9a-f]{40} # v\d[\d.]*", one)] == []
 
 
 def test_the_readmes_example_is_a_dozen_lines_and_prints_what_stands_below_it(

@@ -1,4 +1,4 @@
-"""A process may be forked while its threads calculate."""
+"""A process may be forked while its threads calculate, and is refused without their lock."""
 
 import os
 import subprocess
@@ -34,3 +34,11 @@ def test_a_child_of_a_process_whose_threads_check_is_answered() -> None:
     # with threads of its own OpenBLAS can wait for itself in a fork
     alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     subprocess.run([sys.executable, "-W", "ignore", "-c", FORKS], check=True, env=alone)
+
+
+def test_python_without_the_interpreter_lock_is_refused_in_words() -> None:
+    without = "import sys; sys._is_gil_enabled = lambda: False; import drystone"
+    run = subprocess.run([sys.executable, "-c", without], capture_output=True, text=True)
+    assert run.returncode == 1
+    assert "ImportError: drystone shares" in run.stderr
+    assert "-X gil=1" in run.stderr

@@ -1,6 +1,7 @@
 """Source, documentation and tests use the words of the glossary and plain English."""
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -40,7 +41,9 @@ SOURCE = {
 
 
 def texts(*folders: str) -> dict[str, str]:
-    """Text files under version control, by name; this file is left out."""
+    """Text files under version control, by name; this file is left out. None without git."""
+    if shutil.which("git") is None:
+        return {}
     names = subprocess.run(
         ["git", "ls-files", "-z", *folders], cwd=ROOT, capture_output=True, text=True, check=False
     ).stdout.split("\0")
