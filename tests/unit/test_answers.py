@@ -56,6 +56,7 @@ def answers() -> Iterator[Answer]:
     yield Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True)
     order = drystone.plan(stack)
     yield from (order, sequence.scaffolding(order))
+    yield sequence.handling(order, [sequence.Robot("left")])
     yield sequence.margins(order, tilt_width=5.0, directions=1)
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
     found = drystone.find_contacts(tower(3))

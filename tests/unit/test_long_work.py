@@ -103,7 +103,9 @@ def plain(value: Any) -> Any:
     if hasattr(value, "to_dict"):
         value = value.to_dict()
     if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items() if not re.search("time|_s$", key)}
+        return {
+            key: plain(one) for key, one in value.items() if not re.search("time|_s$|^made$", key)
+        }
     if isinstance(value, list | tuple):
         return [plain(one) for one in value]
     return repr(np.asarray(value).tolist()) if isinstance(value, np.ndarray) else repr(value)

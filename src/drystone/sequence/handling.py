@@ -7,14 +7,14 @@ centroid; in place its axes are the world axes. All poses refer to that frame.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from drystone.answer import plain
+from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
 from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
@@ -24,6 +24,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
+from drystone.model import Model
 from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
 from drystone.sequence.path_search import PathFinder
@@ -96,7 +97,7 @@ class Hold(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Handling(OneLine):
+class Handling(Answer):
     """All placements and holds of a plan, in their order.
 
     Attributes
@@ -114,8 +115,37 @@ class Handling(OneLine):
     holds: tuple[Hold, ...]
     notes: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values; lengths in m, masses in kg, forces in N."""
+    @property
+    def model(self) -> Model:
+        """That of the plan."""
+        return self.plan.model.model
+
+    @cached_property
+    def asked(self) -> Question:
+        """What was asked of the plan."""
+        return self.plan.asked
+
+    @property
+    def title(self) -> str:
+        """How many blocks are placed, and by how many robots."""
+        robots = f" by {counted(len(self.robots), 'robot')}" if self.robots else ""
+        return f"{counted(len(self.placements), 'block')} placed{robots}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How many blocks are placed, and what no robot can do."""
+        role = Role.BAD if self.notes else Role.GOOD
+        return [Sentence(self.title, role), *(Sentence(one, Role.REMARK) for one in self.notes)]
+
+    def tables(self) -> Sequence[Table]:
+        """The placements."""
+        return [self.table()]
+
+    def layers(self) -> Scene:
+        """The stages of the plan."""
+        return self.plan.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Robots, placements, holds and props; lengths in m, masses in kg, forces in N."""
         return {
             "format": "drystone-handling",
             "version": 2,
