@@ -21,7 +21,7 @@ import click
 from drystone.base.errors import DrystoneError, InputError
 from drystone.cli import kinds, output
 from drystone.cli.command import SETTINGS, write_examples
-from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
+from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY, ends_as_ctrl_c
 
 _SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""
@@ -187,10 +187,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # a name that it cannot encode is written escaped
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        code = int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
-        if sys.stdout is not None:
-            sys.stdout.flush()
-        return code
+        with ends_as_ctrl_c():
+            code = int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
+            if sys.stdout is not None:
+                sys.stdout.flush()
+            return code
     except DrystoneError as error:
         return output.fail(error, output.code_of(error), as_json)
     except click.UsageError as error:

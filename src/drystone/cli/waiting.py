@@ -91,27 +91,21 @@ class Waiting:
         So do a request to end and a closed terminal (SIGTERM, SIGHUP), which keep what is known so
         far too. Yields the function ``stop`` of the library.
         """
-        before = {one: signal.getsignal(one) for one in _REQUESTS}
+        requests = _handled_by(signal.default_int_handler)
 
         def ask(*_: object) -> None:
-            for one in before:
+            for one in requests:
                 signal.signal(one, signal.default_int_handler)
             self.interrupted = True
             self(_STOPPING, 0, 0)
 
-        ours = (
-            threading.current_thread() is threading.main_thread()
-            and before[signal.SIGINT] is signal.default_int_handler
-        )
-        if ours:
-            for one in before:
-                signal.signal(one, ask)
+        for one in requests:
+            signal.signal(one, ask)
         try:
             yield lambda: self.interrupted
         finally:
-            if ours:
-                for one, handler in before.items():
-                    signal.signal(one, handler)
+            for one in requests:
+                signal.signal(one, signal.default_int_handler)
 
     @contextmanager
     def keywords(
@@ -203,6 +197,29 @@ class Waiting:
 
 UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)
 """The running work of the command, if it has begun."""
+
+
+@contextmanager
+def ends_as_ctrl_c() -> Iterator[None]:
+    """In this context a request to end and a closed terminal (SIGTERM, SIGHUP) are as Ctrl-C.
+
+    One that is ignored, as ``nohup`` has it, stays ignored.
+    """
+    requests = _handled_by(signal.SIG_DFL)
+    for one in requests:
+        signal.signal(one, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for one in requests:
+            signal.signal(one, signal.SIG_DFL)
+
+
+def _handled_by(handler: object) -> list[signal.Signals]:
+    """The requests to end that a handler answers; none in other threads, which cannot set one."""
+    if threading.current_thread() is not threading.main_thread():
+        return []
+    return [one for one in _REQUESTS if signal.getsignal(one) is handler]
 
 
 def _end_workers() -> None:

@@ -53,8 +53,11 @@ def interrupt(
     return run.returncode, out, err
 
 
+REQUESTS = pytest.mark.parametrize("request_to_end", ["SIGINT", "SIGTERM", "SIGHUP"])
+
+
 @posix
-@pytest.mark.parametrize("request_to_end", ["SIGINT", "SIGTERM", "SIGHUP"])
+@REQUESTS
 def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
     tmp_path: Path, request_to_end: str
 ) -> None:
@@ -82,7 +85,10 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
 
 
 @posix
-def test_ctrl_c_while_files_are_made_keeps_the_verdict(tmp_path: Path) -> None:
+@REQUESTS
+def test_ctrl_c_while_files_are_made_keeps_the_verdict(
+    tmp_path: Path, request_to_end: str
+) -> None:
     io.write(tower(2), tmp_path / "tower.json")
     code = (
         "import drystone.results.result\n"
@@ -91,11 +97,29 @@ def test_ctrl_c_while_files_are_made_keeps_the_verdict(tmp_path: Path) -> None:
     )
     table = tmp_path / "joints.csv"
     run = child(code, "check", str(tmp_path / "tower.json"), "--json", "--joints", str(table))
-    number, out, _ = interrupt(run, "joints")
+    number, out, _ = interrupt(run, "joints", number=getattr(signal, request_to_end))
     told = json.loads(out)
     assert (number, told["verdict"], told["files"]) == (130, "stable", [])
     assert "interrupted: nothing was written" in told["notes"]
-    assert not table.exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]
+
+
+@posix
+def test_a_request_that_is_ignored_stays_ignored_and_the_others_are_heard(tmp_path: Path) -> None:
+    io.write(tower(2), tmp_path / "tower.json")
+    code = (
+        "import drystone.stability\n"
+        "once = drystone.stability.check\n"
+        "def check(*model, stop, **more):\n"
+        "    signal.raise_signal(signal.SIGHUP)\n"
+        "    tell(f'asked {stop()}'); wait(stop); return once(*model, stop=stop, **more)\n"
+        "drystone.stability.check = check\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+        "signal.signal(signal.SIGINT, signal.SIG_IGN)"
+    )
+    run = child(code, "check", str(tmp_path / "tower.json"))
+    number, out, _ = interrupt(run, "asked False", number=signal.SIGTERM)
+    assert (number, "it was interrupted" in out) == (130, True)
 
 
 @posix
