@@ -12,6 +12,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from drystone.base.declared import Declared, declared, refuse_unknown
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext, read
 from drystone.model import Model
@@ -80,16 +81,20 @@ class Folder:
                 remedy="give a path relative to it, without '..'",
             )
         at = self.path
-        for part in parts:
-            at = at / part
-            if at.is_symlink():
-                raise InputError(
-                    "is a symbolic link, which is not followed", where=name, remedy="copy the file"
-                )
-        if not at.resolve().is_relative_to(self.path):  # such as by a junction
-            raise InputError("is outside the folder", where=name, remedy="copy the file")
-        if not at.is_file():
-            raise InputError("there is no such file", where=name, remedy="name one that is there")
+        try:
+            for part in parts:
+                at = at / part
+                if at.is_symlink():
+                    what = "is a symbolic link, which is not followed"
+                    raise InputError(what, where=name, remedy="copy the file")
+            if not at.resolve().is_relative_to(self.path):  # such as by a junction
+                raise InputError("is outside the folder", where=name, remedy="copy the file")
+            there = at.is_file()
+        except (OSError, UnicodeError):  # a name that no file can have
+            there = False
+        if not there:
+            told = shortened(name, 60)
+            raise InputError("there is no such file", where=told, remedy="name one that is there")
         self.accept(at.stat().st_size, name)
         return at
 

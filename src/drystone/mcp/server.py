@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -17,7 +18,9 @@ _SIZE_LIMIT = 16.0
 def serve(
     folder: str | Path, *, time_limit: float = _TIME_LIMIT, size_limit: float = _SIZE_LIMIT
 ) -> None:
-    """Answer the calls of one client over standard input and output until it disconnects.
+    """Answer the calls of one client over standard input and output.
+
+    It ends when the client disconnects, or with Ctrl-C.
 
     Parameters
     ----------
@@ -43,4 +46,5 @@ def serve(
         raise MissingDependency("mcp", extra="mcp", purpose="the server")
     from drystone.mcp.tools import build  # needs the package
 
-    build(models, time_limit).run()
+    with suppress(KeyboardInterrupt):
+        build(models, time_limit).run()

@@ -16,9 +16,10 @@ from pydantic import WithJsonSchema
 
 import drystone
 from drystone.base.declared import refuse_unknown
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, meant
 from drystone.mcp.answers import TOOLS, Tool, answer
 from drystone.mcp.folder import MODEL, Folder
+from drystone.mcp.listening import listening
 
 INSTRUCTIONS = """\
 drystone tells whether a structure of loose rigid blocks stands by contact and friction alone.
@@ -30,14 +31,22 @@ no hint in either direction."""
 
 
 class _Server(MCPServer[Any]):
-    """A server that refuses arguments that a tool does not have."""
+    """A server that refuses arguments that a tool does not have, and answers every line."""
+
+    async def run_stdio_async(self) -> None:
+        """Serve over standard input and output."""
+        options = self._lowlevel_server.create_initialization_options()
+        async with listening() as (heard, told):
+            await self._lowlevel_server.run(heard, told, options)
 
     async def call_tool(
         self, name: str, arguments: dict[str, Any], *more: Any, **named: Any
     ) -> Any:
         """Call a tool."""
+        if name not in TOOLS:
+            raise ToolError(f"there is no tool '{name}'; {meant(name, tuple(TOOLS))}")
         try:
-            refuse_unknown(arguments, TOOLS[name].names_of_all if name in TOOLS else ())
+            refuse_unknown(arguments, TOOLS[name].names_of_all)
         except InputError as error:
             raise ToolError(str(error)) from None
         return await super().call_tool(name, arguments, *more, **named)

@@ -86,9 +86,7 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
 
 @posix
 @REQUESTS
-def test_ctrl_c_while_files_are_made_keeps_the_verdict(
-    tmp_path: Path, request_to_end: str
-) -> None:
+def test_ctrl_c_while_files_are_made_keeps_the_verdict(tmp_path: Path, request_to_end: str) -> None:
     io.write(tower(2), tmp_path / "tower.json")
     code = (
         "import drystone.results.result\n"

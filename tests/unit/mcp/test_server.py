@@ -3,6 +3,8 @@
 import asyncio
 import json
 import os
+import signal
+import subprocess
 import sys
 from collections.abc import Coroutine, Iterable, Iterator
 from pathlib import Path
@@ -305,3 +307,57 @@ def test_the_command_refuses_a_folder_that_is_not_there(
     assert "there is no such folder" in capsys.readouterr().err
     assert main(["mcp", str(tmp_path), "--time-limit", "0"]) == 2
     assert "--time-limit: is 0" in capsys.readouterr().err
+
+
+class Raw:
+    """A server that is written to line by line."""
+
+    def __init__(self, folder: Path) -> None:
+        command = [sys.executable, "-m", "drystone", "mcp", str(folder)]
+        pipe = subprocess.PIPE
+        self.run = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+        about = {"protocolVersion": "2025-06-18", "capabilities": {}}
+        about["clientInfo"] = {"name": "raw", "version": "1"}
+        self.ask({"id": 0, "method": "initialize", "params": about})
+        self.say(json.dumps({"jsonrpc": "2.0", "method": "notifications/initialized"}))
+
+    def say(self, line: str) -> None:
+        assert self.run.stdin is not None
+        self.run.stdin.write(line + "\n")
+        self.run.stdin.flush()
+
+    def ask(self, message: str | dict[str, Any]) -> dict[str, Any]:
+        plain = isinstance(message, str)
+        self.say(str(message) if plain else json.dumps({"jsonrpc": "2.0", **message}))
+        assert self.run.stdout is not None
+        answered: dict[str, Any] = json.loads(self.run.stdout.readline())
+        return answered
+
+    def call(self, name: str, file: str) -> str:
+        given = {"name": name, "arguments": {"model": {"file": file}}}
+        answered = self.ask({"id": 1, "method": "tools/call", "params": given})
+        text: str = answered["result"]["content"][0]["text"]
+        return text
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
+@pytest.mark.parametrize("request_to_end", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_every_line_is_answered_and_a_request_to_end_ends_it_while_none_comes(
+    folder: Path, request_to_end: str
+) -> None:
+    raw = Raw(folder)
+    try:
+        assert "a?.json: there is no such file" in raw.call("check", "a\ud800.json")
+        assert "there is no such file" in raw.call("check", "x" * 5000)
+        assert "there is no tool 'chekc'; did you mean check" in raw.call("chekc", "shelf.json")
+        for line in ("no JSON", '{"id": 5}', "[" * 5000, '{"id": %s}' % ("1" * 5000)):
+            answered = raw.ask(line)
+            assert (answered["id"], answered["error"]["code"]) == (None, -32700)
+        assert '"verdict": "unstable"' in raw.call("check", "shelf.json")
+        raw.run.send_signal(getattr(signal, request_to_end))
+        assert raw.run.wait(30.0) == 0
+        assert raw.run.stderr is not None
+        assert raw.run.stderr.read() == ""
+    finally:
+        raw.run.kill()
+        raw.run.communicate()
