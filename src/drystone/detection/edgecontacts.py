@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.candidates import Pairs, warp_slack
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.interfaces import Interfaces
@@ -21,51 +20,136 @@ from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import edges_of
 
-_INSIDE = 1e-6
+INSIDE = 1e-6
 """A contact lies inside a face when it is farther than this share of the block size from the
 outline. Nearer to it, edge meets edge, and the contact has no defined normal."""
-_SHORT = 1e-3
+SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
-_PARALLEL = 0.05
+PARALLEL = 0.05
 """Edges cross when the sine of their angle is larger, about 3 degrees; chosen."""
+_MANY = 4096
+"""Edges of one block times faces or edges of another above which a tree finds the near ones."""
 
 
 @dataclass(frozen=True)
-class _Touch:
-    """One line (two points) or point contact; the normal points from block a to block b."""
+class Wires:
+    """Vertices and edges of some blocks, relative to the patches' origin.
 
-    points: Floats
-    normal: Floats
-    face_a: int
-    face_b: int
-    gap: float
+    Attributes
+    ----------
+    point : (v, 3) [m]
+    edge : (e, 2) vertices
+    of_block
+        The edges of each block of the assembly; none of a block that is not asked for.
+    low, high : (e, 3) [m]
+        Corners of the box of every edge.
+    """
 
+    point: Floats
+    edge: Ints
+    of_block: Ragged
+    beside: tuple[Ragged, Ints]
+    low: Floats
+    high: Floats
 
-@dataclass(frozen=True)
-class _Wire:
-    """Vertices and edges of one block, relative to the patches' origin."""
-
-    point: Floats  # (v, 3)
-    edge: Ints  # (e, 2)
-
-    @cached_property
-    def beside(self) -> tuple[Ragged, Ints]:
-        """The neighbours of each vertex: rows by vertex, and the neighbour of each row."""
-        mine, theirs = np.concatenate([self.edge, self.edge[:, ::-1]]).T
+    @classmethod
+    def of(cls, assembly: Assembly, origin: Floats, blocks: Ints) -> Wires:
+        """The wires of some blocks (b,), ascending."""
+        points, edges, first = [np.zeros((0, 3))], [np.zeros((0, 2), dtype=np.intp)], 0
+        count = np.zeros(len(assembly), dtype=np.intp)
+        known: dict[int, Ints] = {}  # copies of one body share their face list
+        for i in blocks.tolist():
+            body = assembly.blocks[i]
+            if id(body.faces) not in known:
+                known[id(body.faces)] = edges_of(body.faces)
+            points.append(body.vertices - origin)
+            edges.append(known[id(body.faces)] + first)
+            count[i], first = len(edges[-1]), first + len(body.vertices)
+        point, edge = np.concatenate(points), np.concatenate(edges)
+        mine, theirs = np.concatenate([edge, edge[:, ::-1]]).T
         order = np.lexsort((theirs, mine))
-        return Ragged.from_owners(mine[order], len(self.point)), theirs[order]
-
-    @cached_property
-    def boxes(self) -> tuple[Floats, Floats]:
-        """Lowest and highest corner (e, 3) [m] of every edge."""
-        one, other = self.point[self.edge[:, 0]], self.point[self.edge[:, 1]]
-        return np.minimum(one, other), np.maximum(one, other)
+        beside = Ragged.from_owners(mine[order], len(point)), theirs[order]
+        one, other = point[edge[:, 0]], point[edge[:, 1]]
+        low, high = np.minimum(one, other), np.maximum(one, other)
+        return cls(point, edge, Ragged.from_counts(count), beside, low, high)
 
     def around(self, vertex: Ints) -> tuple[Ragged, Ints]:
         """Some vertices, each with its neighbours: rows by given vertex, and their vertices."""
         rows, neighbour = self.beside
         part, row = rows.take(vertex)
         return part, neighbour[row]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Arrays of one length."""
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return len(getattr(self, fields(self)[0].name))
+
+    def take(self: R, rows: Ints | Bools) -> R:
+        """Some of the rows."""
+        return type(self)(*(getattr(self, one.name)[rows] for one in fields(self)))
+
+
+R = TypeVar("R", bound=_Rows)
+
+
+def _joined(some: Sequence[R]) -> R:
+    """The rows of several, one after another."""
+    names = [one.name for one in fields(some[0])]
+    return type(some[0])(*(np.concatenate([getattr(one, x) for one in some]) for x in names))
+
+
+@dataclass(frozen=True)
+class _Rests(_Rows):
+    """Edges (c = 2) or vertices (c = 1) that may rest on patches.
+
+    Attributes
+    ----------
+    pair : (r,)
+    of_a : (r,) bool
+        Whether they are of block a, and the patch of block b.
+    vertex : (r, c)
+    patch : (r,)
+    """
+
+    pair: Ints
+    of_a: Bools
+    vertex: Ints
+    patch: Ints
+
+    @classmethod
+    def none(cls, corners: int) -> _Rests:
+        """No rows."""
+        none = np.zeros(0, dtype=np.intp)
+        return cls(none, none.astype(bool), np.zeros((0, corners), dtype=np.intp), none)
+
+
+@dataclass(frozen=True)
+class _Touches(_Rows):
+    """Lines (two points) and points of contact.
+
+    Attributes
+    ----------
+    pair : (t,)
+    point : (t, 2, 3) [m]
+        Both the same for a point.
+    line : (t,) bool
+    normal : (t, 3) from block a to block b
+    face_a, face_b : (t,)
+    gap : (t,) [m]
+    """
+
+    pair: Ints
+    point: Floats
+    line: Bools
+    normal: Floats
+    face_a: Ints
+    face_b: Ints
+    gap: Floats
 
 
 def edge_contacts(
@@ -86,260 +170,274 @@ def edge_contacts(
         Pairs that meet only along parallel edges or at corners, where the contact has no defined
         normal.
     """
-    search = _EdgeSearch(assembly, patches, options)
-    rows: list[tuple[int, int, _Touch]] = []
-    undirected = []
-    for a, b in zip(pairs[0].tolist(), pairs[1].tolist(), strict=True):
-        touches, meets = search.between(a, b)
-        rows += [(a, b, touch) for touch in touches]
-        if meets and not touches:
-            undirected.append((a, b))
-    return _interfaces(patches, rows), np.array(undirected, dtype=np.intp).reshape(-1, 2)
+    search = _EdgeSearch(assembly, patches, pairs, options)
+    on_faces, meets = search.on_faces()
+    touched = np.zeros(len(pairs[0]), dtype=bool)
+    touched[on_faces.pair] = True
+    crossing = search.crossing(np.flatnonzero(~touched))
+    touched[crossing.pair] = True
+    meets &= ~touched
+    found = _interfaces(patches, pairs, _joined([on_faces, crossing]))
+    return found, np.stack([pairs[0][meets], pairs[1][meets]], axis=1)
 
 
-def _interfaces(patches: Patches, rows: list[tuple[int, int, _Touch]]) -> Interfaces:
-    count = np.array([len(touch.points) for _, _, touch in rows], dtype=np.intp)
-    block_a = np.array([a for a, _, _ in rows], dtype=np.intp)
-    block_b = np.array([b for _, b, _ in rows], dtype=np.intp)
-    normals = np.array([touch.normal for _, _, touch in rows]).reshape(-1, 3)
-    none = np.zeros(len(rows))
+def _interfaces(patches: Patches, pairs: Pairs, found: _Touches) -> Interfaces:
+    corner = np.stack([np.ones(found.count, dtype=bool), found.line], axis=1)
+    none = np.zeros(found.count)
+    a, b = pairs[0][found.pair], pairs[1][found.pair]
     return Interfaces(
-        block_a=block_a,
-        block_b=block_b,
-        face_a=np.array([touch.face_a for _, _, touch in rows], dtype=np.intp),
-        face_b=np.array([touch.face_b for _, _, touch in rows], dtype=np.intp),
-        frame=frames_from_normals(normals),
-        point=np.concatenate([np.zeros((0, 3)), *(touch.points for _, _, touch in rows)]),
-        start=Ragged.from_counts(count).start,
+        block_a=a,
+        block_b=b,
+        face_a=found.face_a,
+        face_b=found.face_b,
+        frame=frames_from_normals(found.normal),
+        point=found.point[corner],
+        start=Ragged.from_counts(corner.sum(axis=1)).start,
         area=none,
-        gap=np.array([touch.gap for _, _, touch in rows], dtype=np.float64),
+        gap=found.gap,
         warp=none,
         angle=none,
-        clipped=np.zeros(len(rows), dtype=bool),
-        merged=np.ones(len(rows), dtype=np.intp),
-        size=np.minimum(patches.size[block_a], patches.size[block_b]),
+        clipped=np.zeros(found.count, dtype=bool),
+        merged=np.ones(found.count, dtype=np.intp),
+        size=np.minimum(patches.size[a], patches.size[b]),
     )
 
 
 class _EdgeSearch:
-    """Search for contacts of the edges and vertices of two blocks."""
+    """Search for contacts of the edges and vertices of pairs of blocks."""
 
-    def __init__(self, assembly: Assembly, patches: Patches, options: DetectionOptions) -> None:
-        self._assembly = assembly
-        self._patches = patches
-        self._options = options
-        self._slack = warp_slack(patches, options)
-        self._frame = frames_from_normals(patches.normal)
-        self._wires: dict[int, _Wire] = {}
-        self._regions: dict[int, Any] = {}
+    def __init__(
+        self, assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
+    ) -> None:
+        self.patches, self.pairs = patches, pairs
+        self.wires = Wires.of(assembly, patches.origin, np.unique(np.concatenate(pairs)))
+        self.slack = warp_slack(patches, options)
+        self.frame = frames_from_normals(patches.normal)
+        self.size: Floats = np.minimum(patches.size[pairs[0]], patches.size[pairs[1]])
+        self.reach = options.reach(self.size)
 
-    def _reach(self, size: float) -> float:
-        """Largest distance [m] of blocks of a size [m]."""
-        return float(self._options.reach(np.array(size)))
+    def on_faces(self) -> tuple[_Touches, Bools]:
+        """Contacts of edges and vertices with faces, and which pairs meet at outlines (q,)."""
+        edges, vertices = self._resting()
+        used, place = np.unique(np.concatenate([edges.patch, vertices.patch]), return_inverse=True)
+        region = self._regions(used)
+        meets = np.zeros(len(self.size), dtype=bool)
+        lines, covered = self._lines(edges, region[place[: edges.count]], meets)
+        region, alone = region[place[edges.count :]], ~np.isin(self._keys(vertices), covered)
+        points = self._points(vertices.take(alone), region[alone], meets)
+        return _joined([lines, points]), meets
 
-    def between(self, a: int, b: int) -> tuple[list[_Touch], bool]:
-        """Contacts, and whether edges or corners meet without one."""
-        size = float(min(self._patches.size[a], self._patches.size[b]))
-        touches: list[_Touch] = []
-        meets = False
-        for body, other, sign in ((a, b, -1.0), (b, a, 1.0)):
-            found, at_outline = self._on_faces(body, other, sign, size)
-            touches += found
-            meets |= at_outline
-        return touches or self._crossing(a, b, size), meets
+    def _lines(self, edges: _Rests, region: Any, meets: Bools) -> tuple[_Touches, Ints]:
+        """Contacts of edges (r, 2), and the vertices on patches that need no other."""
+        size = self.size[edges.pair]
+        ends = self._flat(edges.vertex, edges.patch[:, None])
+        shared = shapely.intersection(shapely.linestrings(ends), region)
+        part, row = shapely.get_parts(shared, return_index=True)
+        long = shapely.length(part) > SHORT * size[row]
+        part, row = part[long], row[long]
+        middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
+        off = shapely.distance(middle, shapely.boundary(region)[row])
+        inside = off > INSIDE * size[row]
+        meets[edges.pair[row[~inside]]] = True
+        covered = self._keys(edges.take(row))
+        part, edges = part[inside], edges.take(row[inside])
+        flat = [shapely.get_coordinates(shapely.get_point(part, i)) for i in (0, -1)]
+        return self._touches(edges, np.stack(flat, axis=1)), covered
 
-    def _wire(self, block: int) -> _Wire:
-        if block not in self._wires:
-            body = self._assembly.blocks[block]
-            self._wires[block] = _Wire(body.vertices - self._patches.origin, edges_of(body.faces))
-        return self._wires[block]
+    def _points(self, vertices: _Rests, region: Any, meets: Bools) -> _Touches:
+        """Contacts of vertices (r, 1)."""
+        flat = self._flat(vertices.vertex, vertices.patch[:, None])
+        point = shapely.points(flat[:, 0])
+        off = shapely.distance(point, shapely.boundary(region))
+        inside = INSIDE * self.size[vertices.pair]
+        near = off <= np.maximum(inside, self.reach[vertices.pair])
+        meets[vertices.pair[near]] = True
+        rests = shapely.contains(region, point) & (off > inside)
+        return self._touches(vertices.take(rests), flat[rests])
 
-    def _region(self, patch: int) -> Any:
-        """The patch as a shapely polygon in its own plane."""
-        if patch not in self._regions:
-            p = self._patches
-            ring = p.ring_start[p.first_ring[patch] : p.first_ring[patch + 1] + 1]
-            flat = self._flat(p.corner[ring[0] : ring[-1]], patch)
-            owner = np.zeros(len(ring) - 1, dtype=np.intp)
-            self._regions[patch] = planar.regions(flat, ring - ring[0], owner)[0]
-        return self._regions[patch]
+    def _touches(self, rows: _Rests, flat: Floats) -> _Touches:
+        """Points (t, c, 2) of face planes in space, halfway up the gap."""
+        p, patch = self.patches, rows.patch
+        gap = heights(p, self.wires.point[rows.vertex], patch[:, None]).mean(axis=1)
+        plane = self.frame[patch]
+        point = (p.centre[patch] + (0.5 * gap)[:, None] * plane[:, 0])[:, None] + flat @ plane[
+            :, 1:
+        ]
+        theirs, none = p.face[patch], np.full(len(patch), -1)
+        return _Touches(
+            rows.pair,
+            point[:, [0, -1]],
+            np.full(len(patch), flat.shape[1] == 2),
+            np.where(rows.of_a, -1.0, 1.0)[:, None] * p.normal[patch],
+            np.where(rows.of_a, none, theirs),
+            np.where(rows.of_a, theirs, none),
+            gap,
+        )
 
-    def _flat(self, points: Floats, patch: int) -> Floats:
-        flat: Floats = (points - self._patches.centre[patch]) @ self._frame[patch, 1:].T
+    def _regions(self, patch: Ints) -> Any:
+        """Some patches as shapely polygons in their own planes."""
+        p = self.patches
+        part, ring = Ragged(p.first_ring).take(patch)
+        corners, corner = Ragged(p.ring_start).take(ring)
+        owner = corners.spread(part.spread(patch))
+        local = p.corner[corner] - p.centre[owner]
+        flat = np.einsum("lij,lj->li", self.frame[owner, 1:], local)
+        return planar.regions(flat, corners.start, part.owner)
+
+    def _flat(self, vertex: Ints, patch: Ints) -> Floats:
+        """Vertices (r, c) in the planes (u, v) of patches (r, 1)."""
+        local = self.wires.point[vertex] - self.patches.centre[patch]
+        flat: Floats = np.einsum("rcij,rcj->rci", self.frame[patch, 1:], local)
         return flat
 
-    def _on_faces(
-        self, body: int, other: int, sign: float, size: float
-    ) -> tuple[list[_Touch], bool]:
-        """Edges and vertices of one block on faces of the other."""
-        wire = self._wire(body)
-        resting = _Resting(wire, self._patches, self._frame, self._slack, self._reach(size))
-        edge, edge_patch, vertex, vertex_patch = resting.on(other)
-        touches: list[_Touch] = []
-        meets = False
-        every = np.unique(np.concatenate([edge_patch, vertex_patch]))
-        edges = np.searchsorted(edge_patch, [every, every + 1]).T.tolist()
-        vertices = np.searchsorted(vertex_patch, [every, every + 1]).T.tolist()
-        for g, (i, j), (k, m) in zip(every.tolist(), edges, vertices, strict=True):
-            found, at_outline = self._on_face(wire, g, edge[i:j], vertex[k:m], size)
-            meets |= at_outline
-            for points, gap in found:
-                mine, theirs = -1, int(self._patches.face[g])
-                faces = (mine, theirs) if sign < 0 else (theirs, mine)
-                touches.append(_Touch(points, sign * self._patches.normal[g], *faces, gap))
-        return touches, meets
+    def _keys(self, rows: _Rests) -> Ints:
+        """A number for each vertex on each patch."""
+        keys: Ints = rows.patch[:, None] * len(self.wires.point) + rows.vertex
+        return keys.ravel()
 
-    def _on_face(
-        self, wire: _Wire, patch: int, edge: Ints, vertex: Ints, size: float
-    ) -> tuple[list[tuple[Floats, float]], bool]:
-        """Points (2, 3) or (1, 3) and gap of the contacts with one face.
-
-        ``edge`` and ``vertex`` rest on its plane.
-        """
-        region = self._region(patch)
-        outline = shapely.boundary(region)
-        inside = _INSIDE * size
-        found: list[tuple[Floats, float]] = []
-        meets = False
-        covered: set[int] = set()
-        for i, j in wire.edge[edge].tolist():
-            ends = self._flat(wire.point[[i, j]], patch)
-            shared = shapely.intersection(shapely.linestrings(ends), region)
-            for part in shapely.get_parts(shared):
-                if shapely.length(part) <= _SHORT * size:
-                    continue
-                middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
-                covered |= {i, j}
-                if shapely.distance(middle, outline) <= inside:
-                    meets = True
-                    continue
-                flat = shapely.get_coordinates(part)[[0, -1]]
-                found.append(self._lifted(flat, patch, self._heights(wire, patch, [i, j])))
-        for i in vertex.tolist():
-            if i in covered:
-                continue
-            flat = self._flat(wire.point[[i]], patch)
-            point = shapely.points(flat[0])
-            if shapely.distance(point, outline) <= max(inside, self._reach(size)):
-                meets = True
-            if shapely.contains(region, point) and shapely.distance(point, outline) > inside:
-                found.append(self._lifted(flat, patch, self._heights(wire, patch, [i])))
-        return found, meets
-
-    def _heights(self, wire: _Wire, patch: int, vertex: list[int]) -> Floats:
-        return heights(self._patches, wire.point[vertex], np.full(len(vertex), patch))
-
-    def _lifted(self, flat: Floats, patch: int, height: Floats) -> tuple[Floats, float]:
-        """Points of a face plane in space, halfway up the gap, and the gap."""
-        gap = float(height.mean())
-        plane = self._frame[patch]
-        centre = self._patches.centre[patch]
-        return centre + flat @ plane[1:] + 0.5 * gap * plane[0], gap
-
-    def _crossing(self, a: int, b: int, size: float) -> list[_Touch]:
-        """Points where edges of the two blocks cross, outside of both."""
-        one, two = self._wire(a), self._wire(b)
-        touches = []
-        for i, j, p, q in _crossings(one, two, self._reach(size)):
-            along = (
-                np.diff(one.point[one.edge[i]], axis=0)[0],
-                np.diff(two.point[two.edge[j]], axis=0)[0],
-            )
-            normal = np.cross(*along)
-            normal /= np.sqrt(normal @ normal)
-            mine, theirs = (wire.around(wire.edge[k])[1] for wire, k in ((one, i), (two, j)))
-            for direction in (normal, -normal):
-                below = (one.point[mine] - p) @ direction
-                above = (two.point[theirs] - q) @ direction
-                if below.max() <= _INSIDE * size and above.min() >= -_INSIDE * size:
-                    gap = float((q - p) @ direction)
-                    touches.append(_Touch(0.5 * (p + q)[None], direction, -1, -1, gap))
-                    break
-        return touches
-
-
-@dataclass(frozen=True)
-class _Resting:
-    """Edges and vertices of one block that may rest on faces of another."""
-
-    wire: _Wire
-    patches: Patches
-    frame: Floats  # (p, 3, 3) of all patches
-    slack: Floats  # (p,) [m]
-    margin: float  # [m]
-
-    def on(self, block: int) -> tuple[Ints, Ints, Ints, Ints]:
-        """Edges and their patches, vertices and their patches; by patch, then by number.
+    def _resting(self) -> tuple[_Rests, _Rests]:
+        """Edges (r, 2), and vertices (s, 1), of one block that may rest on faces of another.
 
         Both ends of such an edge, and such a vertex, are near the plane of the patch and have all
         their neighbours on its outer side. The edge or the vertex is in front of the box of the
         patch, or so near to it that it may meet its outline.
         """
-        first, last = self.patches.first_patch[block : block + 2]
-        patch = np.arange(first, last)
-        reach = (2.0 * self.margin + self.slack[patch] + self.patches.warp[patch])[:, None]
-        low, high = self.patches.low[patch] - reach, self.patches.high[patch] + reach
-        some = _within(self.wire, low, high)
-        edges, vertices = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)]
-        count = max(self.wire.edge.shape[0], len(self.wire.point))
-        for i, j in boxes.batches(self.wire.boxes[0][some], self.wire.boxes[1][some], low, high):
-            ends, near = self.wire.edge[some[i]], patch[j]
-            rests = self._rest(ends.ravel(), np.repeat(near, 2)).reshape(-1, 2)
+        edges, vertices = [_Rests.none(2)], [_Rests.none(1)]
+        for pair, of_a, edge, patch in self._near_edges():
+            ends = self.wires.edge[edge]
+            tolerance = self.reach[pair] + self.slack[patch]
+            rests = self._rest(ends.ravel(), np.repeat(patch, 2), np.repeat(tolerance, 2))
+            rests = rests.reshape(-1, 2)
             both = rests.all(axis=1)
-            edges.append(near[both] * count + some[i[both]])
-            vertices.append((near[:, None] * count + ends)[rests])
-        on_patch, edge = np.divmod(np.unique(np.concatenate(edges)), count)
-        at_patch, vertex = np.divmod(np.unique(np.concatenate(vertices)), count)
-        return edge, on_patch, vertex, at_patch
+            edges.append(_Rests(pair[both], of_a[both], ends[both], patch[both]))
+            row, end = np.nonzero(rests)
+            vertices.append(_Rests(pair[row], of_a[row], ends[row, end][:, None], patch[row]))
+        found = _joined(vertices)
+        _, once = np.unique(self._keys(found), return_index=True)
+        return _joined(edges), found.take(once)
 
-    def _rest(self, vertex: Ints, patch: Ints) -> Bools:
+    def _near_edges(self) -> Iterator[tuple[Ints, Bools, Ints, Ints]]:
+        """Pairs, whether the edge is of block a, edges, and patches whose boxes they are near."""
+        p, wires = self.patches, self.wires
+        (a, b), count = self.pairs, len(self.size)
+        body, other = np.concatenate([a, b]), np.concatenate([b, a])
+        margin = 2.0 * np.tile(self.reach, 2)
+        wider = (self.slack + p.warp)[:, None]
+        found = near_items(
+            (wires.of_block, body, wires.low, wires.high),
+            (p.of_block, other, p.low - wider, p.high + wider),
+            margin,
+        )
+        for row, edge, patch in found:
+            yield row % count, row < count, edge, patch
+
+    def _rest(self, vertex: Ints, patch: Ints, tolerance: Floats) -> Bools:
         """Whether each vertex (q,) is near the plane of its patch and no neighbour is behind it."""
-        tolerance = self.margin + self.slack[patch]
-        away = np.abs(heights(self.patches, self.wire.point[vertex], patch))
+        away = np.abs(heights(self.patches, self.wires.point[vertex], patch))
         rests: Bools = away <= tolerance
         near = np.flatnonzero(rests)
-        part, neighbour = self.wire.around(vertex[near])
-        height = heights(self.patches, self.wire.point[neighbour], part.spread(patch[near]))
+        part, neighbour = self.wires.around(vertex[near])
+        height = heights(self.patches, self.wires.point[neighbour], part.spread(patch[near]))
         rests[near] = part.min(height) >= -tolerance[near]
         return rests
 
+    def crossing(self, pairs: Ints) -> _Touches:
+        """Points where edges of some pairs of blocks cross, outside of both.
 
-def _within(wire: _Wire, low: Floats, high: Floats) -> Ints:
-    """Edges whose boxes reach into the box around some boxes (b, 3)."""
-    around = low.min(axis=0)[None], high.max(axis=0)[None]
-    return np.flatnonzero(boxes.touching(*wire.boxes, *around))
+        Source: Ericson 2005, Real-time collision detection, section 5.1.9.
+        """
+        wires, block = self.wires, [self.pairs[i][pairs] for i in (0, 1)]
+        none, nowhere = np.zeros(0, dtype=np.intp), np.zeros((0, 3))
+        found = [self._outside(none, none, none, nowhere, nowhere)]
+        sides = [(wires.of_block, one, wires.low, wires.high) for one in block]
+        for row, first, second in near_items(sides[0], sides[1], self.reach[pairs]):
+            pair = pairs[row]
+            start, begin = (wires.point[wires.edge[one, 0]] for one in (first, second))
+            along = wires.point[wires.edge[first, 1]] - start
+            run = wires.point[wires.edge[second, 1]] - begin
+            between = start - begin
+            a, b, c = dot(along, along), dot(along, run), dot(run, run)
+            d, e = dot(along, between), dot(run, between)
+            square = a * c - b * b
+            crosses = square > PARALLEL**2 * a * c
+            safe = np.where(crosses, square, 1.0)
+            s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
+            crosses &= (s > INSIDE) & (s < 1.0 - INSIDE) & (t > INSIDE) & (t < 1.0 - INSIDE)
+            p, q = start + s[:, None] * along, begin + t[:, None] * run
+            crosses &= dot(p - q, p - q) <= self.reach[pair] ** 2
+            k = np.flatnonzero(crosses)
+            found.append(self._outside(pair[k], first[k], second[k], p[k], q[k]))
+        return _joined(found)
+
+    def _outside(self, pair: Ints, first: Ints, second: Ints, p: Floats, q: Floats) -> _Touches:
+        """Those of crossing edges at which the blocks lie on two sides of a plane."""
+        wires = self.wires
+        ends = [wires.point[wires.edge[one]] for one in (first, second)]
+        normal = np.cross(ends[0][:, 1] - ends[0][:, 0], ends[1][:, 1] - ends[1][:, 0])
+        normal /= np.sqrt(dot(normal, normal))[:, None]
+        inside = INSIDE * self.size[pair]
+        across = []
+        for edge, at in ((first, p), (second, q)):
+            part, neighbour = wires.around(wires.edge[edge].ravel())
+            row = part.owner // 2
+            height = dot(wires.point[neighbour] - at[row], normal[row])
+            least, most = part.min(height), part.max(height)
+            across.append((least.reshape(-1, 2).min(axis=1), most.reshape(-1, 2).max(axis=1)))
+        (low_a, high_a), (low_b, high_b) = across
+        ahead = (high_a <= inside) & (low_b >= -inside)
+        behind = (low_a >= -inside) & (high_b <= inside) & ~ahead
+        normal[behind] *= -1.0
+        keep = ahead | behind
+        point = np.repeat(0.5 * (p + q)[:, None], 2, axis=1)
+        none = np.full(len(pair), -1)
+        return _Touches(
+            pair, point, np.zeros(len(pair), dtype=bool), normal, none, none, dot(q - p, normal)
+        ).take(keep)
+
+
+_Side = tuple[Ragged, Ints, Floats, Floats]
+"""Items of all blocks, one block per pair, and the boxes of the items."""
+
+
+def near_items(one: _Side, other: _Side, margin: Floats) -> Iterator[tuple[Ints, Ints, Ints]]:
+    """Pairs (q,) of blocks, items of the first and of the second whose boxes are within a margin.
+
+    In batches of bounded size.
+    """
+    count, wide = len(margin), margin[:, None]
+    spans = [
+        (of.min(low)[block] - wide, of.max(high)[block] + wide)
+        for of, block, low, high in (one, other)
+    ]
+    (first, mine), (second, theirs) = _items(one, spans[1]), _items(other, spans[0])
+    begin = np.searchsorted(second, np.arange(count + 1))
+    several = np.diff(begin)
+    product = several[first]
+    low, high, below, above = one[2], one[3], other[2], other[3]
+    large = np.bincount(first, product, minlength=count) > _MANY
+    small = np.flatnonzero(~large[first])
+    for batch in Ragged.from_counts(product[small]).batches(BATCH):
+        chosen = small[batch]
+        source, place = expand(begin[first[chosen]], product[chosen])
+        row, i, j = first[chosen][source], mine[chosen][source], theirs[place]
+        near = boxes.touching(low[i], high[i], below[j] - wide[row], above[j] + wide[row])
+        yield row[near], i[near], j[near]
+    for one_row in np.flatnonzero(large).tolist():
+        i, j = mine[first == one_row], theirs[begin[one_row] : begin[one_row + 1]]
+        least, most = below[j] - margin[one_row], above[j] + margin[one_row]
+        for k, m in boxes.batches(low[i], high[i], least, most):
+            yield np.full(len(k), one_row), i[k], j[m]
+
+
+def _items(side: _Side, around: tuple[Floats, Floats]) -> tuple[Ints, Ints]:
+    """Items whose boxes reach into boxes (q, 3) around the other block, with their pair."""
+    of_block, block, low, high = side
+    pair, item = expand(of_block.first[block], of_block.counts[block])
+    near = boxes.touching(low[item], high[item], around[0][pair], around[1][pair])
+    return pair[near], item[near]
 
 
 def heights(patches: Patches, point: Floats, patch: Ints) -> Floats:
-    """Distance (q,) [m] of points (q, 3) from the planes of patches (q,), outwards."""
-    height: Floats = ((point - patches.centre[patch]) * patches.normal[patch]).sum(axis=1)
+    """Distance (...) [m] of points (..., 3) from the planes of patches (...), outwards."""
+    height: Floats = ((point - patches.centre[patch]) * patches.normal[patch]).sum(axis=-1)
     return height
-
-
-def _crossings(
-    one: _Wire, two: _Wire, distance: float
-) -> Iterator[tuple[int, int, Floats, Floats]]:
-    """Pairs of edges that pass each other within a distance, and the nearest points.
-
-    Source: Ericson 2005, Real-time collision detection, section 5.1.9.
-    """
-    low, high = two.boxes[0] - distance, two.boxes[1] + distance
-    some = _within(one, low, high)
-    for i, j in boxes.batches(one.boxes[0][some], one.boxes[1][some], low, high):
-        order = np.lexsort((j, i))
-        first, second = some[i[order]], j[order]
-        start, begin = one.point[one.edge[first, 0]], two.point[two.edge[second, 0]]
-        along = one.point[one.edge[first, 1]] - start
-        run = two.point[two.edge[second, 1]] - begin
-        between = start - begin
-        a, b, c = dot(along, along), dot(along, run), dot(run, run)
-        d, e = dot(along, between), dot(run, between)
-        square = a * c - b * b
-        crosses = square > _PARALLEL**2 * a * c
-        safe = np.where(crosses, square, 1.0)
-        s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
-        crosses &= (s > _INSIDE) & (s < 1.0 - _INSIDE) & (t > _INSIDE) & (t < 1.0 - _INSIDE)
-        p, q = start + s[:, None] * along, begin + t[:, None] * run
-        crosses &= dot(p - q, p - q) <= distance**2
-        for k in np.flatnonzero(crosses).tolist():
-            yield int(first[k]), int(second[k]), p[k], q[k]

@@ -65,7 +65,7 @@ def faces_apart(model: Model, reach: float) -> Apart:
         keep[i] = not _is_joint(model.contacts, found, i, float(margin[i]))
     chosen = contacts.select(keep)
     gap = found.gap[keep[contacts.interface]]
-    return Apart(chosen.with_friction(_friction(model, chosen)), gap)
+    return Apart(chosen.with_friction(least_friction(model, chosen)), gap)
 
 
 @lru_cache(maxsize=4)
@@ -123,8 +123,8 @@ def _is_joint(joints: Contacts, apart: Apart, i: int, margin: float) -> bool:
     return bool((off < reach).any())
 
 
-def _friction(model: Model, contacts: Contacts) -> Floats:
-    """(m,) the least of the joints of the two blocks."""
+def least_friction(model: Model, contacts: Contacts) -> Floats:
+    """Coefficients (m,) of contacts that are no joints: the least of the joints of the blocks."""
     joints = model.contacts
     fallback = float(joints.friction.min()) if len(joints) else DEFAULT_FRICTION
     least = np.full(len(model.assembly), np.inf)

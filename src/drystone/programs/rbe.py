@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -36,6 +35,7 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
+from drystone.stability.touching_edges import unless_edges_hold
 from drystone.stability.verdict import UNBALANCED
 
 BALANCE_TOLERANCE = 1e-6
@@ -215,8 +215,13 @@ def solve_rbe(
     del executor  # one program
     chosen = RBEOptions.of(options)
     clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
-    ask = partial(_answer, chosen=chosen, clock=clock, progress=progress)
-    return unless_near_pairs_hold(ask(as_model(given, **how)), ask)
+
+    def ask(model: Model) -> Result:
+        """The answer on the contacts of a model, and of what touches beside them."""
+        found = unless_edges_hold(_answer(model, chosen, clock, progress), ask)
+        return unless_near_pairs_hold(found, ask)
+
+    return ask(as_model(given, **how))
 
 
 def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress | None) -> Result:

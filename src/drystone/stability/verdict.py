@@ -40,6 +40,7 @@ from drystone.stability.free_fall import (
 )
 from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
+from drystone.stability.touching_edges import unless_edges_hold
 
 SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state, from which on the blocks are followed. A slide changes the
@@ -152,7 +153,7 @@ def decided(
 
     with WorkerPool(executor) as pool:
         found = _decided(asked, pool, near, rest)
-    return unless_near_pairs_hold(found, touching)
+    return unless_near_pairs_hold(unless_edges_hold(found, touching), touching)
 
 
 @one_blas_thread()

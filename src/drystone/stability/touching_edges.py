@@ -1,0 +1,145 @@
+"""No proof of falling rests on edges and corners that touch and were not searched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.display import named
+from drystone.base.errors import counted
+from drystone.checks import block_speed, mechanism_defects
+from drystone.contacts import Contacts, joined_contacts
+from drystone.detection import EdgeContacts
+from drystone.detection.further import Further, further_contacts, held_everywhere
+from drystone.detection.parallel_edges import ParallelEdges
+from drystone.mechanics.meeting import least_friction
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.stability.proofs import MECHANISM_TOLERANCE, moving_blocks
+
+_SHOWN = 3
+"""Pairs that a note names."""
+
+
+def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:
+    """The result as it is, or that with the edges and corners that touch and may hold what falls.
+
+    Parallel edges that meet press along a normal that may have a range of directions. They hold
+    where they hold with the middle one and with both ends; where they do not hold with each of
+    them, nobody knows. Edges that pass each other along a face, as those of a block that slides out
+    of a wall, do not press.
+
+    Parameters
+    ----------
+    found
+    check
+        Gives the verdict on the same model with more contacts.
+    """
+    model, further = found.model, _further(found)
+    if further is None:
+        return found
+    moving = _moving(found)
+
+    def of_moving(contacts: Contacts) -> Bools:
+        """Those (m,) of a block that moves."""
+        chosen: Bools = moving[contacts.block_a] | moving[contacts.block_b]
+        return chosen
+
+    lines = further.contacts.select(of_moving(further.contacts))
+    lines = lines.with_friction(least_friction(model, lines))
+    if _may_hold(found, lines):
+        return check(_with(model, lines))
+    edges = further.parallel
+    edges = edges.take(moving[edges.block_a] | moving[edges.block_b])
+    turned = _turned(found, edges)
+    if turned is not None:
+        straight = np.zeros(len(edges))
+        friction = least_friction(model, edges.contacts(straight, straight))
+        middle, *ends = (
+            check(_with(model, edges.contacts(turn, friction)))
+            for turn in (straight, turned, -turned)
+        )
+        if middle.verdict is Verdict.UNSTABLE or all(one.verdict is middle.verdict for one in ends):
+            return middle
+        return _undecided(found, np.stack([edges.block_a, edges.block_b], axis=1), "parallel edges")
+    meet = further.corners[moving[further.corners].any(axis=1)]
+    if len(meet):
+        most = float(model.contacts.friction.max(initial=1.0))
+        held = held_everywhere(meet, model.assembly.bounds, most)
+        if check(_with(model, held)).verdict is not Verdict.UNSTABLE:
+            return _undecided(found, meet, "corners")
+    return found
+
+
+def _further(found: Result) -> Further | None:
+    """What touches with edges and corners; None where it was searched, or nothing falls."""
+    report = found.model.report
+    if found.verdict is not Verdict.UNSTABLE or report is None:
+        return None
+    if report.options.edges is not EdgeContacts.ISOLATED:
+        return None
+    return further_contacts(found.assembly, found.contacts, report.options)
+
+
+def _moving(found: Result) -> Bools:
+    """The blocks (n,) that fall or take part in the motion."""
+    moving = np.zeros(len(found.assembly), dtype=bool)
+    moving[list(found.falling)] = True
+    if found.mechanism is not None:
+        moving[list(moving_blocks(found.assembly, found.mechanism))] = True
+    return moving
+
+
+def _may_hold(found: Result, more: Contacts) -> bool:
+    """Whether the motion of what falls is none where the blocks touch as well."""
+    if not len(more) or found.mechanism is None:
+        return len(more) > 0
+    touching = found.model.with_contacts(more)
+    return mechanism_defects(touching, found.mechanism)[0] > MECHANISM_TOLERANCE
+
+
+def _turned(found: Result, edges: ParallelEdges) -> Floats | None:
+    """The end (m,) of the range of each normal to which the edges move; None where they pass."""
+    if not len(edges):
+        return None
+    if found.mechanism is None:
+        return np.ones(len(edges))
+    motion, centroid = found.mechanism, found.assembly.centroid
+    at_a, at_b = (
+        motion[block, None, :3]
+        + cross(motion[block, None, 3:], edges.point - centroid[block, None])
+        for block in (edges.block_a, edges.block_b)
+    )
+    opening, turned = edges.approached(at_b - at_a)
+    speed = float(block_speed(found.assembly, motion).max(initial=0.0))
+    return turned if opening.min() < -MECHANISM_TOLERANCE * speed else None
+
+
+def _with(model: Model, more: Contacts) -> Model:
+    """The model with more contacts, and a note of them."""
+    names = model.assembly.names
+    pairs = sorted(set(zip(more.block_a.tolist(), more.block_b.tolist(), strict=True)))
+    told = named([f"{names[a]}-{names[b]}" for a, b in pairs], _SHOWN)
+    note = f"edges and corners touch as well, where it would fall without: {told}"
+    joined = joined_contacts(model.contacts, more)
+    return replace(model, contacts=joined, notes=(*model.notes, note))
+
+
+def _undecided(found: Result, pairs: Ints, what: str) -> Result:
+    """UNDECIDED: nobody knows in which direction some pairs (u, 2) press."""
+    (a, b), names = pairs[0], found.assembly.names
+    said = f"{what} of '{names[a]}' and '{names[b]}' meet"
+    if len(pairs) > 1:
+        said += f", and those of {counted(len(pairs) - 1, 'more pair')}"
+    return replace(
+        found,
+        verdict=Verdict.UNDECIDED,
+        message=f"it depends on the direction in which edges press: {said}",
+        mechanism=None,
+        prop=None,
+        force_with_props=None,
+        falling=(),
+    )

@@ -1,0 +1,205 @@
+"""Blocks that touch with edges and corners, beside the faces by which they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Block, Model, Verdict, check, solve_rbe
+from drystone.geometry.frames import rotation_about
+from drystone.models import box, prism
+
+FLOOR = box((20.0, 8.0, 1.0), (-10.0, -4.0, -1.0), "floor")
+
+
+def slab(degrees: float, length: float = 2.0, thick: float = 0.15) -> Block:
+    """A slab that leans to the right, its foot cut flat on z = 0."""
+    lean = np.deg2rad(degrees)
+    along = length * np.array([np.cos(lean), np.sin(lean)])
+    foot = thick / np.sin(lean)
+    across = thick * np.array([-np.sin(lean), np.cos(lean)])
+    outline = [(0.0, 0.0), (foot, 0.0), tuple(foot * np.array([1.0, 0.0]) + along)]
+    head = np.array(outline[2]) + across
+    return prism([*outline, tuple(head)], (-0.2, 0.2), "slab")
+
+
+def wall_beside(block: Block) -> Block:
+    """A wall that the highest right edge of a block touches."""
+    return box((1.0, 4.0, 4.0), (float(block.bounds[1, 0]), -2.0, 0.0), "wall")
+
+
+def leaning(degrees: float) -> Assembly:
+    block = slab(degrees)
+    return Assembly((FLOOR, wall_beside(block), block)).with_fixed([0, 1])
+
+
+@pytest.mark.parametrize("degrees", [40.0, 50.0, 60.0, 70.0, 75.0])
+def test_a_leaning_slab_with_a_flat_foot_stands_by_its_upper_edge(degrees: float) -> None:
+    found = check(leaning(degrees), friction=0.9)
+    assert found.verdict is Verdict.STABLE
+    assert any("slab-wall" in note or "wall-slab" in note for note in found.model.notes)
+    assert found.contacts.corner_count > Model.of(leaning(degrees)).contacts.corner_count
+    assert not solve_rbe(leaning(degrees), friction=0.9).falls
+
+
+def test_a_leaning_slab_slips_where_friction_is_too_low_for_its_edge_as_well() -> None:
+    found = check(leaning(60.0), friction=0.1)
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.mechanism is not None
+
+
+def test_a_floor_and_a_wall_of_one_block_are_touched_in_both_places() -> None:
+    block = slab(60.0)
+    corner = prism(
+        [(-4.0, -1.0), (4.0, -1.0), (4.0, 3.0), (float(block.bounds[1, 0]), 3.0),
+         (float(block.bounds[1, 0]), 0.0), (-4.0, 0.0)],
+        (-2.0, 2.0), "corner",
+    )  # fmt: skip
+    assert check(Assembly((corner, block)).with_fixed([0]), friction=0.6).stable
+
+
+def card(degrees: float, length: float, thick: float, foot: Sequence[float], name: str) -> Block:
+    """A card cut square, leaning by an angle from level, its lowest edge at a place (x, z)."""
+    lean = np.deg2rad(degrees)
+    along = length * np.array([np.cos(lean), np.sin(lean)])
+    across = thick * np.array([-np.sin(lean), np.cos(lean)])
+    if degrees > 90.0:
+        across = -across
+    at = np.array(foot)
+    outline = [tuple(at), tuple(at + along), tuple(at + along + across), tuple(at + across)]
+    return prism(outline if degrees < 90.0 else outline[::-1], (-0.5, 0.5), name)
+
+
+def card_house(storeys: int, degrees: float = 70.0, thick: float = 0.02) -> Assembly:
+    """Pairs of cards that lean on each other, with level cards between the storeys."""
+    half = np.cos(np.deg2rad(degrees))
+    blocks, level = [FLOOR], 0.0
+    for storey in range(storeys):
+        pairs = storeys - storey
+        for i in range(pairs):
+            x = 2.2 * half * (i - 0.5 * (pairs - 1))
+            blocks.append(card(degrees, 1.0, thick, (x - half, level), f"left-{storey}-{i}"))
+            blocks.append(
+                card(180.0 - degrees, 1.0, thick, (x + half, level), f"right-{storey}-{i}")
+            )
+        top = float(blocks[-1].bounds[1, 2])
+        for i in range(pairs - 1):
+            x = 2.2 * half * (i - 0.5 * (pairs - 2))
+            blocks.append(
+                box(
+                    (2.2 * half - 1e-3, 1.0, thick),
+                    (x - 1.1 * half, -0.5, top),
+                    f"flat-{storey}-{i}",
+                )
+            )
+        level = top + thick
+    return Assembly(tuple(blocks)).with_fixed([0])
+
+
+@pytest.mark.parametrize("storeys", [1, 2, 3, 4, 5])
+def test_a_card_house_stands_by_the_edges_of_its_cards(storeys: int) -> None:
+    assert check(card_house(storeys), friction=0.5).stable
+
+
+def test_two_cards_need_half_the_cotangent_of_their_lean_and_all_of_it_whichever_way() -> None:
+    """Moments about a foot: the thrust at the head is half the weight times the cotangent.
+
+    The normal of their edges may lie as far from level as the cards from upright.
+    """
+    house = card_house(1, 65.0, 1e-3)
+    cotangent = 1.0 / np.tan(np.deg2rad(65.0))
+    assert check(house, friction=0.5 * cotangent - 0.005).falls
+    assert check(house, friction=0.5 * cotangent + 0.005).verdict is Verdict.UNDECIDED
+    assert check(house, friction=cotangent - 0.005).verdict is Verdict.UNDECIDED
+    assert check(house, friction=cotangent + 0.005).stable
+
+
+def test_cards_that_lean_at_45_degrees_depend_on_the_direction_of_their_edges() -> None:
+    """The normal may lie 45 degrees to either side: friction of less holds the middle one only."""
+    found = check(card_house(1, 45.0), friction=0.7)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "the direction in which edges press" in found.message
+    assert check(card_house(1, 45.0), friction=1.1).stable
+
+
+def test_planks_of_an_a_frame_with_flat_feet_lean_on_each_other() -> None:
+    left = slab(65.0).renamed("left")
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    reach = float(left.bounds[1, 0])
+    right = left.transformed(mirror, (2.0 * reach, 0.0, 0.0)).renamed("right")
+    frame = Assembly((FLOOR, left, right)).with_fixed([0])
+    assert check(frame, friction=0.6).stable
+    assert check(frame, friction=0.15).falls
+
+
+def ladder(mu_margin: float) -> tuple[Assembly, float]:
+    """A thin ladder of two rails and five rungs as one body, and the friction that it needs."""
+    degrees = 60.0
+    rails = [slab(degrees, 4.0, 0.01).transformed(translation=(0.0, y, 0.0)) for y in (-0.8, 0.8)]
+    thin = np.tan(np.deg2rad(degrees))
+    least = np.sqrt(thin**2 + 1.0) - thin
+    wall = wall_beside(rails[0])
+    blocks = (FLOOR, wall, *(rail.renamed(f"rail-{i}") for i, rail in enumerate(rails)))
+    return Assembly(blocks).with_fixed([0, 1]), float(least) + mu_margin
+
+
+@pytest.mark.parametrize(("margin", "expected"), [(0.01, True), (-0.01, False)])
+def test_a_thin_ladder_needs_friction_at_both_ends(margin: float, expected: bool) -> None:
+    """tan(lean) = (1 - mu^2) / (2 mu)."""
+    assembly, friction = ladder(margin)
+    assert check(assembly, friction=friction).stable is expected
+
+
+def spike(at: tuple[float, float], height: float, name: str) -> Block:
+    """A pyramid on z = 0."""
+    x, y = at
+    base = [(x - 0.2, y - 0.2, 0.0), (x + 0.2, y - 0.2, 0.0), (x + 0.2, y + 0.2, 0.0),
+            (x - 0.2, y + 0.2, 0.0)]  # fmt: skip
+    faces = ((3, 2, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
+    return Block(np.array([*base, (x, y, height)]), faces, name=name)
+
+
+@pytest.mark.parametrize(("x", "stands"), [(0.0, True), (0.9, False)])
+def test_a_plate_on_three_points_carries_a_stone_between_them_only(x: float, stands: bool) -> None:
+    points = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 0.0)]
+    spikes = [spike(at, 0.6, f"spike-{i}") for i, at in enumerate(points)]
+    plate = box((2.4, 2.4, 0.1), (-1.2, -1.2, 0.6), "plate")
+    stone = box((0.4, 0.4, 6.0), (x - 0.2, x - 0.2, 0.7), "stone")
+    trial = Assembly((FLOOR, *spikes, plate, stone)).with_fixed([0])
+    assert check(trial, friction=0.6).stable is stands
+
+
+def test_a_stone_on_two_ridges_carries_another_one() -> None:
+    ridges = [
+        prism([(x - 0.3, 0.0), (x + 0.3, 0.0), (x, 0.4)], (-0.5, 0.5), f"ridge-{x:g}")
+        for x in (-0.6, 0.6)
+    ]
+    stones = (
+        box((1.8, 0.8, 0.3), (-0.9, -0.4, 0.4), "stone"),
+        box((0.5, 0.5, 0.5), (-0.25, -0.25, 0.7), "top"),
+    )
+    assert check(Assembly((FLOOR, *ridges, *stones)).with_fixed([0]), friction=0.6).stable
+
+
+def tripod() -> Assembly:
+    """Three legs, their feet cut flat, that lean with an edge each on a hub between them."""
+    leg = slab(60.0, 1.0, 0.1)
+    leg = leg.transformed(translation=(-0.2 - float(leg.bounds[1, 0]), 0.0, 0.0))
+    top = float(leg.vertices[:, 2][leg.vertices[:, 0] > -0.2 - 1e-9].max())
+    turns = [rotation_about(np.array([0.0, 0.0, 1.0]), 120.0 * i) for i in range(3)]
+    corner = [turn @ np.array([0.4, 0.0, 0.0]) for turn in turns]
+    points = np.array(
+        [c + np.array([0.0, 0.0, z]) for z in (top - 0.05, top + 0.05) for c in corner]
+    )
+    faces = ((2, 1, 0), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
+    hub = Block(points, faces, name="hub")
+    legs = [leg.transformed(turn).renamed(f"leg-{i}") for i, turn in enumerate(turns)]
+    return Assembly((FLOOR, *legs, hub)).with_fixed([0])
+
+
+def test_a_tripod_stands_by_the_edges_of_its_legs_on_a_hub() -> None:
+    """A third of the hub's weight w on each leg W: moments about the inner edge of the foot."""
+    assert check(tripod(), friction=0.6).stable
+    assert check(tripod(), friction=0.5).falls
