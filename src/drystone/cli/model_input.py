@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.cli import kinds
 from drystone.cli.offered import CONTACTS, LOADS, MODEL, Analysis, Argument, Of
@@ -186,6 +187,11 @@ def _refuse_supports(model: Model, how: dict[str, Any], name: str) -> None:
 
     chosen = how.get("supports") is not None
     fixed, remedy = model.assembly.fixed, "name fewer blocks with --supports"
+    if not chosen:
+        remedy = "the file says so: choose those that stand still with --supports"
+        layers = sorted({str(block.metadata.get("layer", "")) for block in model.assembly.blocks})
+        if any(layers):
+            remedy += f"; or draw what moves on another layer than {named(layers, 4)}"
     if fixed.all() and "up" not in how and chosen:
         lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints)
         if not lying.fixed.all():

@@ -10,19 +10,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
+import shapely
 
 from drystone.base.arrays import FARTHEST, Floats
-from drystone.base.errors import FormatError, counted
+from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.units import scale_of
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
-from drystone.io.dxf_entities import Entity, drawing
+from drystone.io.dxf_entities import Drawing, Entity, drawing
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.layers import hidden_notes, holds, require_blocks
 
@@ -36,8 +36,6 @@ _USUAL = 1.0
 _SAME = 1e-9
 """Distance of coincident points, relative to the extent."""
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-_Outline: TypeAlias = tuple[Floats, Floats, str]
-"""Corners (c, 3), its own thickness as a vector (3,), and its layer."""
 _CLOSED, _IN_SPACE, _GRID, _FACES = 1, 8, 16, 64
 """Flags of a polyline."""
 _FRAME, _FACE = 16, 128
@@ -59,22 +57,18 @@ def read(
     not those of the file.
     """
     found = drawing(data, path)
-    unread: Counter[str] = Counter()
+    wanted, unread = _wanted(found, layers, hidden)
     skipped: Counter[str] = Counter()
     outlines: list[_Outline] = []
     soups: list[FaceSoup] = []
     faces: dict[str, list[Floats]] = {}
-    for entity, matrix, layer in found.entities:
-        seen = found.visible.get(layer, True) and not entity.number(60)
-        if layer not in layers if layers else not (seen or hidden):
-            unread[layer] += 1
-            continue
+    for entity, matrix, layer in wanted:
         part = _part(entity, matrix, layer, path)
         if part is None:
             skipped[entity.kind] += 1
         elif isinstance(part, FaceSoup):
             soups.append(part)
-        elif isinstance(part, tuple):
+        elif isinstance(part, _Outline):
             outlines.append(part)
         else:
             faces.setdefault(layer, []).append(part)
@@ -84,12 +78,10 @@ def read(
     ]
     scale = scale_of(units or found.units or "m")
     prisms, notes = _prisms(outlines, bool(soups), thickness, scale, path)
-    made = shapes_of(soups, _SAME, path) if soups else ([], [])
-    shapes = [
-        replace(one, fixed=holds(one.where), where="", metadata={"layer": one.where})
-        for one in (*prisms, *made[0])
-    ]
-    notes += [*made[1], *hidden_notes(unread)]
+    made, said = shapes_of(soups, _SAME, path)
+    shapes = [*prisms, *(replace(one, where="", metadata={"layer": one.where}) for one in made)]
+    shapes = [replace(one, fixed=holds(one.metadata["layer"])) for one in shapes]
+    notes += [*said, *hidden_notes(unread)]
     notes += [f"{count} x {kind[:40]} left out" for kind, count in skipped.items()]
     require_blocks(shapes, layers, found.visible, unread, path)
     if not shapes and skipped:
@@ -101,31 +93,64 @@ def read(
     return Draft(tuple(named_apart(shapes)[0]), found.units, notes=tuple(notes))
 
 
+@dataclass(frozen=True, eq=False)
+class _Outline:
+    """A closed outline: its corners (c, 3), and its own thickness as a vector (3,)."""
+
+    corner: Floats
+    depth: Floats
+    layer: str
+    where: str
+    crossed: bool
+
+
+def _wanted(
+    found: Drawing, layers: Sequence[str], hidden: bool
+) -> tuple[list[tuple[Entity, Floats, str]], Counter[str]]:
+    """The entities that are read, and the number of others by layer."""
+    wanted = []
+    unread: Counter[str] = Counter()
+    for entity, matrix, layer in found.entities:
+        seen = found.visible.get(layer, True) and not entity.number(60)
+        if layer in layers if layers else (seen or hidden):
+            wanted.append((entity, matrix, layer))
+        else:
+            unread[layer] += 1
+    return wanted, unread
+
+
 def _part(
     entity: Entity, matrix: Floats, layer: str, path: Path
 ) -> FaceSoup | _Outline | Floats | None:
     """A mesh, an outline or the corners (4, 3) of a face, in its place; ``None`` if it is none."""
+    where = f"{path}, {entity.place}, layer '{layer}'"
     if entity.kind == "3DFACE":
         corner = np.array([entity.point(code) for code in (10, 11, 12, 13)])
-        return _moved(corner, matrix, layer, path)
-    mesh = _mesh(entity, path)
+        return _moved(corner, matrix, where)
+    mesh = _mesh(entity, where)
     if mesh is not None:
         turn = -1 if np.linalg.det(matrix[:3, :3]) < 0.0 else 1
-        point = _moved(mesh[0], matrix, layer, path)
+        point = _moved(mesh[0], matrix, where)
         return FaceSoup(point, [one[::turn] for one in mesh[1]], layer, layer)
     outline = _outline(entity)
     if outline is None:
         return None
     frame = np.eye(3) if entity.flags & _IN_SPACE else entity.frame()
     depth = frame[:, 2:].T * entity.number(39)
-    both = _moved(np.concatenate([outline @ frame.T, depth]), matrix, layer, path)
-    return both[:-1], both[-1] - matrix[:3, 3], layer
+    both = _moved(np.concatenate([outline @ frame.T, depth]), matrix, where)
+    return _Outline(both[:-1], both[-1] - matrix[:3, 3], layer, entity.place, _crosses(outline))
 
 
-def _moved(points: Floats, matrix: Floats, layer: str, path: Path) -> Floats:
+def _crosses(outline: Floats) -> bool:
+    """Whether an outline (c, 3) crosses or touches itself, seen along its least extent."""
+    middle = outline - outline.mean(axis=0)
+    return not shapely.Polygon(middle @ np.linalg.svd(middle)[2][:2].T).is_valid
+
+
+def _moved(points: Floats, matrix: Floats, where: str) -> Floats:
     placed = moved(points, matrix)[0]
     if not (np.abs(placed) <= FARTHEST).all():
-        raise FormatError("a point is too far away", where=f"{path}, layer '{layer}'")
+        raise FormatError("a point is too far away", where=where)
     return placed
 
 
@@ -197,7 +222,7 @@ def _arc(start: Floats, end: Floats) -> Floats:
     return np.vstack([a, middle + radius * np.c_[np.cos(angle), np.sin(angle)]])
 
 
-def _mesh(entity: Entity, path: Path) -> tuple[Floats, list[Loop]] | None:
+def _mesh(entity: Entity, where: str) -> tuple[Floats, list[Loop]] | None:
     """Vertices and faces of a mesh or a polyface mesh; ``None`` if it is neither."""
     if entity.kind == "MESH":
         columns = zip(*(entity.numbers(code) for code in (10, 20, 30)), strict=False)
@@ -212,7 +237,7 @@ def _mesh(entity: Entity, path: Path) -> tuple[Floats, list[Loop]] | None:
     else:
         return None
     if not loops or not all(0 <= i < len(points) for loop in loops for i in loop):
-        raise FormatError("a mesh has a vertex that does not exist, or no face", where=str(path))
+        raise FormatError("a mesh has a vertex that does not exist, or no face", where=where)
     return points, loops
 
 
@@ -237,7 +262,7 @@ def _prisms(
     path: Path,
 ) -> tuple[list[DraftBlock], list[str]]:
     """A body for each outline, and notes; ``thickness`` [m] for those without one."""
-    thick = [one for one in outlines if one[1].any()]
+    thick = [one for one in outlines if one.depth.any()]
     if not bodies and not thick and outlines:
         return _section(outlines, thickness, scale)
     if thickness is not None:
@@ -246,7 +271,9 @@ def _prisms(
         )
     left = counted(len(outlines) - len(thick), "outline")
     notes = [f"{left} without a thickness left out beside bodies"]
-    return [_prism(*one) for one in thick], notes if len(thick) < len(outlines) else []
+    return [_prism(one, one.corner, one.depth) for one in thick], notes if len(thick) < len(
+        outlines
+    ) else []
 
 
 def _section(
@@ -254,28 +281,34 @@ def _section(
 ) -> tuple[list[DraftBlock], list[str]]:
     """Blocks of one thickness [m], and notes; upright where the outlines lie in the plan."""
     depth = (_USUAL if thickness is None else thickness) / scale
-    normals = [area_vector(corner) for corner, _, _ in outlines]
+    normals = [area_vector(one.corner) for one in outlines]
     flat = all(abs(normal[2]) >= 0.999 * np.linalg.norm(normal) for normal in normals)
     turn = _Y_UP if flat else np.eye(3)
     notes = ["a section: the y axis of the drawing is up"] if flat else []
     if thickness is None:
         notes.append(f"no thickness is given: its blocks are {_USUAL:g} m thick (--thickness)")
     made = []
-    for (corner, _, layer), normal in zip(outlines, normals, strict=True):
+    for one, normal in zip(outlines, normals, strict=True):
         along = normal * np.sign(normal[np.argmax(np.abs(normal))])
         way = depth * along / (float(np.linalg.norm(along)) or 1.0)
-        made.append(_prism(corner @ turn.T, turn @ way, layer))
+        made.append(_prism(one, one.corner @ turn.T, turn @ way))
     return made, notes
 
 
-def _prism(corner: Floats, depth: Floats, layer: str) -> DraftBlock:
-    """The body that an outline (c, 3) covers when it is moved by ``depth`` (3,)."""
+def _prism(outline: _Outline, corner: Floats, depth: Floats) -> DraftBlock:
+    """The body that an outline with corners (c, 3) covers when it is moved by ``depth`` (3,)."""
+    told = {"layer": outline.layer}
+    if outline.crossed:
+        error = InputError(
+            f"its outline on layer '{outline.layer}' crosses itself",
+            remedy="draw it as one loop, or as two polylines",
+        )
+        return DraftBlock(outline.layer, corner, (), outline.where, metadata=told, defect=error)
     if depth @ area_vector(corner) < 0.0:
         corner = corner[::-1]
     ring = np.arange(len(corner))
     after = np.roll(ring, -1)
     side = np.stack([ring, after, after + len(ring), ring + len(ring)], axis=1)
-    ends = [ring[::-1].tolist(), (ring + len(ring)).tolist()]
-    return DraftBlock(
-        layer, np.concatenate([corner, corner + depth]), [*ends, *side.tolist()], layer
-    )
+    faces = [ring[::-1].tolist(), (ring + len(ring)).tolist(), *side.tolist()]
+    points = np.concatenate([corner, corner + depth])
+    return DraftBlock(outline.layer, points, faces, outline.where, metadata=told)

@@ -39,11 +39,14 @@ class Entity:
     tags
         Group codes with their texts.
     inner
+    line
+        Of the file, where it begins.
     """
 
     kind: str
     tags: list[tuple[int, str]] = field(default_factory=list)
     inner: list[Entity] = field(default_factory=list)
+    line: int = 0
 
     def text(self, code: int) -> str:
         """The first text of a code, or nothing."""
@@ -56,6 +59,12 @@ class Entity:
     def numbers(self, code: int) -> list[float]:
         """All numbers of a code."""
         return [float(text) for key, text in self.tags if key == code]
+
+    @property
+    def place(self) -> str:
+        """Its line, and its handle if it has one, for errors."""
+        handle = self.text(5)
+        return f"line {self.line}" + (f", handle {handle[:16]}" if handle else "")
 
     @property
     def flags(self) -> int:
@@ -155,7 +164,7 @@ def _entities(text: str, path: Path) -> Iterator[Entity]:
         if key == 0:
             if entity is not None:
                 yield entity
-            entity = Entity(value)
+            entity = Entity(value, line=at + 1)
         elif entity is not None:
             if 10 <= key < 100 or 210 <= key < 240:
                 _require_number(value, f"{path}, line {at + 2}")

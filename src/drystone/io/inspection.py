@@ -97,8 +97,8 @@ class Inspection(Answer):
 
     @property
     def _blocks(self) -> list[Block]:
-        if self.built is None:
-            return list(self.assembly.blocks)
+        if self.built is None or not self.built.defects:
+            return list(self.assembly.blocks)  # with the ground that supports lay
         return [block for block in self.built.blocks if block is not None]
 
     @property
@@ -107,7 +107,7 @@ class Inspection(Answer):
 
     @cached_property
     def _fixed(self) -> list[bool]:
-        if self.built is None:
+        if self.built is None or not self.built.defects:
             return [bool(one) for one in self.assembly.fixed]
         names = () if self.usable is None else self.usable.names
         chosen = {} if self.usable is None else dict(zip(names, self.usable.fixed, strict=True))

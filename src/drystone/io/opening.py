@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal, TypeAlias, TypedDict, Unpack
+from typing import Any, Literal, TypeAlias, Unpack
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from drystone.detection.block_overlaps import overlap_lines, require_apart
 from drystone.io.capacity_words import with_joint_capacity
 from drystone.io.draft import Contents
 from drystone.io.load_options import Loads
-from drystone.io.registry import files_at, read_file
+from drystone.io.registry import FileOptions, Unit, files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
@@ -34,8 +34,6 @@ UP = {
 }
 """Rotations from the vertical axis of a file to z."""
 
-Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]
-
 Whole: TypeAlias = LoadCase | float | Sequence[float]
 """The whole load of a model: a load case, a multiple of gravity, or an acceleration (3,) [m/s2]."""
 
@@ -46,7 +44,7 @@ Given: TypeAlias = Model | Assembly | Paths
 """The input of an analysis: a model, an assembly, or files."""
 
 
-class How(TypedDict, total=False):
+class How(FileOptions, total=False):
     """How a model is made of an assembly or a file; see :func:`drystone.read`."""
 
     supports: str | Sequence[int | str] | GroundPlane | None
@@ -64,22 +62,12 @@ class How(TypedDict, total=False):
     anyway: bool
     only: str | Sequence[str]
     without: str | Sequence[str]
-    units: Unit | None
     up: Literal["z", "y"]
-    split: bool
-    repair: bool
     search: bool
     skip_defects: bool
-    layers: Sequence[str]
-    hidden: bool
-    thickness: float | str | None
-    max_size: float | None
 
 
-_OF_FILES = (
-    "units", "up", "split", "repair", "search", "skip_defects", "layers", "hidden",
-    "thickness", "max_size",
-)  # fmt: skip
+_OF_FILES = (*FileOptions.__annotations__, "up", "search", "skip_defects")
 """Arguments of :func:`drystone.read` that only a file has."""
 _OF_THE_SEARCH = ("anyway", "detection", "gap", "angle", "edges", "density")
 """Those that a model, whose contacts are known, does not take."""
@@ -214,57 +202,52 @@ def read(
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
     if progress is not None:
         progress("read", 0, 2)
-    contents = read_file(
-        path,
-        units=units,
-        split=split,
-        repair=repair,
-        skip_defects=skip_defects,
-        layers=layers,
-        hidden=hidden,
-        thickness=thickness,
-        max_size=max_size,
-        supports=supports if isinstance(supports, str) else None,
+    asked: dict[str, Any] = {
+        "supports": supports, "friction": friction, "density": density,
+        "joint_capacity": joint_capacity, "anyway": anyway, "only": only, "without": without,
+        "search": search,
+    }  # fmt: skip
+    of_file: FileOptions = {
+        "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
+        "thickness": thickness, "max_size": max_size,
+    }  # fmt: skip
+    named = supports if isinstance(supports, str) else None
+    contents = read_file(path, supports=named, skip_defects=skip_defects, **of_file)
+    model = _model_of(
+        contents if up == "z" else _upright(contents, up, path),
+        loads=Loads(gravity, load, case, seismic),
+        detection=tolerances(detection, gap, angle, edges),
+        progress=progress,
+        **asked,
     )
-    if up != "z" and (contents.contacts is not None or contents.loads):
+    given = {
+        **of_file, **asked, "up": None if up == "z" else up, "gravity": gravity, "case": case,
+        "seismic": seismic, "gap": gap, "angle": angle, "edges": edges,
+        "skip_defects": skip_defects, **({} if detection is None else differing(detection)),
+    }  # fmt: skip
+    told = {name: _told(one) for name, one in given.items() if name != "max_size" and _says(one)}
+    return replace(model, origin=Origin(str(place_of(path)), digest_of(files_at(path)), told))
+
+
+def _says(value: Any) -> bool:
+    """Whether an argument differs from what it is when it is left out."""
+    empty: tuple[Any, ...] = (None, False, (), [])
+    return isinstance(value, np.ndarray) or not any(value is x or value == x for x in empty)
+
+
+def _told(value: Any) -> str:
+    return "yes" if value is True else shortened(str(value), 60)
+
+
+def _upright(contents: Contents, up: str, path: Paths) -> Contents:
+    """The content of a file with another axis up."""
+    if contents.contacts is not None or contents.loads:
         raise InputError(
             "the file has contacts or loads, whose axes are known",
             where=str(path),
             remedy="leave up out",
         )
-    if up != "z":
-        contents = replace(contents, assembly=contents.assembly.transformed(UP[up]))
-    model = _model_of(
-        contents,
-        supports=supports,
-        friction=friction,
-        density=density,
-        loads=Loads(gravity, load, case, seismic),
-        joint_capacity=joint_capacity,
-        detection=tolerances(detection, gap, angle, edges),
-        anyway=anyway,
-        search=search,
-        only=only,
-        without=without,
-        progress=progress,
-    )
-    given = {
-        "units": units, "up": None if up == "z" else up, "supports": supports,
-        "friction": friction, "density": density, "gravity": gravity,
-        "case": case, "seismic": seismic, "joint_capacity": joint_capacity, "gap": gap,
-        "angle": angle, "edges": edges, "split": split, "repair": repair, "search": search,
-        "anyway": anyway, "skip_defects": skip_defects, "only": only, "without": without,
-        "layers": layers, "hidden": hidden, "thickness": thickness,
-        **({} if detection is None else differing(detection)),
-    }  # fmt: skip
-    empty: tuple[Any, ...] = (None, False, (), [])
-    chosen = {
-        name: one
-        for name, one in given.items()
-        if isinstance(one, np.ndarray) or not any(one is x or one == x for x in empty)
-    }
-    reading = {name: _told(one) for name, one in chosen.items()}
-    return replace(model, origin=Origin(str(place_of(path)), digest_of(files_at(path)), reading))
+    return replace(contents, assembly=contents.assembly.transformed(UP[up]))
 
 
 def _model_of(
@@ -286,18 +269,18 @@ def _model_of(
     of_type(anyway, bool, "anyway")
     coefficient = _coefficient(friction)
     contents, notes = _part_of(contents, only, without)
-    assembly, contacts, cases = contents.assembly, contents.contacts, contents.loads
     up = up_of_load(loads.acceleration)
-    laid, supports = ground_of(assembly, supports, up)
-    if laid is not assembly:
-        if contacts is not None and not search:
-            raise InputError(
-                "the contacts of the file have none with the ground",
-                where="supports",
-                remedy="search contacts too: --find-contacts (search=True in Python)",
-            )
-        assembly, cases = laid, tuple(_with_one_more(case) for case in cases)
-    if contacts is None or search:
+    stored = contents.contacts is not None and not search
+    contents, supports = _on_ground(contents, supports, up, stored)
+    assembly = contents.assembly
+    if contents.contacts is not None and stored:
+        assembly = assembly if density is None else assembly.with_density(density)
+        model = Model(assembly, contents.contacts, loads.acceleration)
+        model = model if coefficient is None else model.with_friction(coefficient)
+        notes += _stored_notes(model, detection, anyway)
+        if supports is not None:
+            model = model.with_supports(supports, up)
+    else:
         if progress is not None:
             progress("contacts", 1, 2)
         model = Model.of(
@@ -309,22 +292,41 @@ def _model_of(
             detection=detection,
             anyway=anyway,
         )
-    else:
-        assembly = assembly if density is None else assembly.with_density(density)
-        contacts = contacts if coefficient is None else contacts.with_friction(coefficient)
-        verb = "is" if contacts.count == 1 else "are"
-        notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
-        overlaps = find_overlaps(assembly, detection)
-        if not anyway:
-            require_apart(assembly.names, overlaps)
-        notes += overlap_lines(assembly.names, overlaps)
-        model = Model(assembly, contacts, loads.acceleration)
-        if supports is not None:
-            model = model.with_supports(supports, up)
     notes += model.notes
-    total, said = loads.on(model.assembly, cases, own_weight=density is not None)
-    model = replace(model, load=total, notes=(*notes, *said), cases=cases)
+    total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
+    model = replace(model, load=total, notes=(*notes, *said), cases=contents.loads)
     return model if joint_capacity is None else with_joint_capacity(model, joint_capacity)
+
+
+def _on_ground(
+    contents: Contents,
+    supports: str | Sequence[int | str] | GroundPlane | None,
+    up: Sequence[float],
+    stored: bool,
+) -> tuple[Contents, str | Sequence[int | str] | None]:
+    """What was read with a plane below, where the supports lay one, and the other supports."""
+    laid, rest = ground_of(contents.assembly, supports, up)
+    if laid is contents.assembly:
+        return contents, rest
+    if stored:
+        raise InputError(
+            "the contacts of the file have none with the ground",
+            where="supports",
+            remedy="search contacts too: --find-contacts (search=True in Python)",
+        )
+    loads = tuple(_with_one_more(case) for case in contents.loads)
+    return replace(contents, assembly=laid, loads=loads), rest
+
+
+def _stored_notes(model: Model, detection: DetectionOptions | None, anyway: bool) -> list[str]:
+    """Notes on the contacts of a file, after a look at overlaps."""
+    names = model.assembly.names
+    verb = "is" if model.contacts.count == 1 else "are"
+    overlaps = find_overlaps(model.assembly, detection)
+    if not anyway:
+        require_apart(names, overlaps)
+    used = f"the {counted(model.contacts.count, 'interface')} of the file {verb} used"
+    return [used, *overlap_lines(names, overlaps)]
 
 
 def tolerances(
@@ -397,10 +399,6 @@ def kept_of(
     if not kept.any():
         raise InputError("no block is left", where="without", remedy="leave fewer blocks out")
     return np.flatnonzero(kept)
-
-
-def _told(value: Any) -> str:
-    return "yes" if value is True else shortened(str(value), 60)
 
 
 def _with_one_more(case: LoadCase) -> LoadCase:

@@ -17,7 +17,7 @@ from scipy.spatial import QhullError
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import FormatError, counted
+from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
 from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
@@ -227,7 +227,7 @@ def mesh_beside(path: Path, name: str, where: str) -> list[Part]:
     Raises
     ------
     FormatError
-        It lies elsewhere, is no mesh, or cannot be read.
+        It is not there, lies elsewhere, is no mesh, or cannot be read.
     """
     root, file = path.parent.parent, path.parent / name
     if "\0" in name or not file.resolve().is_relative_to(root.resolve()):
@@ -242,7 +242,16 @@ def mesh_beside(path: Path, name: str, where: str) -> list[Part]:
             where=where,
             remedy=f"these are: {', '.join(MESHES)}",
         )
-    draft = format_of(file).read(read_bytes(file), file)
+    if not file.exists():
+        raise FormatError(
+            f"there is no file '{name}' of its mesh",
+            where=where,
+            remedy="copy it there, or write the path from the folder of the scene",
+        )
+    try:
+        draft = format_of(file).read(read_bytes(file), file)
+    except InputError as error:
+        raise error.located(f"{where}, {error.where}") from error
     scale = scale_of(draft.units or "m")
     made: list[Part] = []
     for shape in draft.shapes:

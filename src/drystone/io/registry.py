@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
@@ -16,7 +16,7 @@ from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import length, scale_of
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Contents, Draft
-from drystone.io.several import Paths, files_of, place_of, together
+from drystone.io.several import Paths, files_of, left_notes, place_of, together
 from drystone.model import Model
 from drystone.results import Result
 
@@ -165,8 +165,35 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
+Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]
+
+
+class FileOptions(TypedDict, total=False):
+    """What of a file is read, and how; see :func:`drystone.read`.
+
+    Attributes
+    ----------
+    units, layers, hidden, thickness, split, repair
+        As in :func:`drystone.read`.
+    max_size : [MiB]
+        Refuse larger files, before they are read; 64 when left out.
+    """
+
+    units: Unit | None
+    layers: Sequence[str]
+    hidden: bool
+    thickness: float | str | None
+    max_size: float | None
+    split: bool
+    repair: bool
+
+
 def files_at(path: Paths) -> tuple[Path, ...]:
     """The files that a path stands for: itself, those of a folder, or those of a pattern."""
+    return tuple(_files_at(path)[0])
+
+
+def _files_at(path: Paths) -> tuple[list[Path], list[Path]]:
     known = {suffix for one in FORMATS if one.reader for suffix in one.suffixes}
     return files_of(path, sorted(known - {".txt"}))  # a folder may have notes beside its models
 
@@ -174,15 +201,9 @@ def files_at(path: Paths) -> tuple[Path, ...]:
 def read_file(
     path: Paths,
     *,
-    units: str | None = None,
-    split: bool = False,
-    skip_defects: bool = False,
-    layers: Sequence[str] = (),
-    hidden: bool = False,
-    thickness: float | str | None = None,
-    max_size: float | None = None,
     supports: str | None = None,
-    repair: bool = False,
+    skip_defects: bool = False,
+    **how: Unpack[FileOptions],
 ) -> Contents:
     """Read the content of a file, with its contacts if it has some.
 
@@ -191,15 +212,13 @@ def read_file(
     path
         Its suffix determines the format. A folder, a pattern such as ``parts/*.obj`` or a list of
         files is one model, each file with one block or more that are named by it.
-    units, split, skip_defects, layers, hidden, thickness
-        As in :func:`drystone.read`.
-    max_size : [MiB]
-        Refuse larger files, before they are read; 64 when left out.
     supports
         Which blocks will be fixed, as text: only these may be open surfaces. When left out, those
         that the file marks as fixed.
-    repair
-        As in :func:`drystone.read`.
+    skip_defects
+        Leave out blocks that cannot be used.
+    how
+        See :class:`FileOptions`.
 
     Raises
     ------
@@ -221,54 +240,29 @@ def read_file(
     ('block-0', 'block-1', 'block-2')
     """
     with one_line_errors():
-        files = files_at(path)
-        draft = _draft(files, units, max_size, layers, hidden, thickness)
-        return build(
-            draft,
-            place_of(path),
-            units if len(files) == 1 else None,
-            split=split,
-            skip_defects=skip_defects,
-            supports=supports,
-            repair=repair,
-        )
+        draft, units, rest = _draft(path, **how)
+        place = place_of(path)
+        return build(draft, place, units, supports=supports, skip_defects=skip_defects, **rest)
 
 
-def inspect(
+def inspect(path: Paths, *, supports: str | None = None, **how: Unpack[FileOptions]) -> Built:
+    """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
+    with one_line_errors():
+        draft, units, rest = _draft(path, **how)
+        return try_blocks(draft, place_of(path), units, supports=supports, **rest)
+
+
+def _draft(
     path: Paths,
     *,
     units: str | None = None,
-    split: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
     thickness: float | str | None = None,
     max_size: float | None = None,
-    supports: str | None = None,
-    repair: bool = False,
-) -> Built:
-    """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
-    with one_line_errors():
-        files = files_at(path)
-        draft = _draft(files, units, max_size, layers, hidden, thickness)
-        return try_blocks(
-            draft,
-            place_of(path),
-            units if len(files) == 1 else None,
-            split=split,
-            supports=supports,
-            repair=repair,
-        )
-
-
-def _draft(
-    files: Sequence[Path],
-    units: str | None,
-    max_size: float | None,
-    layers: Sequence[str],
-    hidden: bool,
-    thickness: float | str | None,
-) -> Draft:
-    """The draft of a file, or of several together."""
+    **rest: Any,
+) -> tuple[Draft, str | None, dict[str, Any]]:
+    """The draft of a file, or of several together; its unit if it is not that; other options."""
     if units is not None:
         scale_of(units)
     named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
@@ -279,8 +273,11 @@ def _draft(
         if not asked["thickness"] > 0.0:
             raise InputError(f"a thickness of {thickness} m", remedy="give metres above zero")
     asked = {name: one for name, one in asked.items() if one}
+    files, left = _files_at(path)
     drafts = [(file, _draft_of(file, units, max_size, asked)) for file in files]
-    return drafts[0][1] if len(drafts) == 1 else together(drafts, units)
+    draft = drafts[0][1] if len(drafts) == 1 else together(drafts, units)
+    draft = replace(draft, notes=(*draft.notes, *left_notes(left)))
+    return draft, units if len(files) == 1 else None, rest
 
 
 def _draft_of(

@@ -29,6 +29,8 @@ _ODD = 30.0
 """A file whose blocks are larger or smaller by this factor than the median file is told: nearer to
 the ratio of units than of stones. Chosen."""
 _NAMED = 4
+_BESIDE = (".mtl", ".jpg", ".jpeg", ".png", ".bmp", ".tga", ".tif", ".tiff", ".gif", ".webp")
+"""Suffixes of materials and pictures, which a shell puts into a list of files: ``parts/*``."""
 
 
 def is_paths(given: object) -> TypeGuard[Paths]:
@@ -46,54 +48,84 @@ def place_of(path: Paths) -> Path:
     return Path(every[0]) if len(every) == 1 else Path(f"{len(every)} files")
 
 
-def files_of(path: Paths, suffixes: Sequence[str]) -> tuple[Path, ...]:
-    """The files of a model; one that is no folder and no pattern is returned as it is.
+def files_of(path: Paths, suffixes: Sequence[str]) -> tuple[list[Path], list[Path]]:
+    """The files of a model, and those beside them that are none.
 
     Parameters
     ----------
     path
+        One that is no folder and no pattern is taken as it is. Of several files materials and
+        pictures are left out.
     suffixes
-        Files of a folder that have one of these are taken, in the order of their names; numbers
-        count by their value. Hidden files and folders in it are not.
+        Files of a folder, and of a pattern that has no suffix of its own, are taken if they have
+        one of these, in the order of their names; numbers count by their value. Hidden files and
+        folders are not.
 
     Raises
     ------
     FormatError
         A folder or a pattern without such a file, or too many files.
     """
-    if isinstance(path, list | tuple):
-        if not path:
-            raise InputError("no file is given")
-        return tuple(file for one in path for file in files_of(one, suffixes))
+    if not isinstance(path, list | tuple):
+        return _files_of_one(path, suffixes)
+    if not path:
+        raise InputError("no file is given")
+    each = [_files_of_one(one, suffixes) for one in path]
+    every, left = ([file for own in each for file in own[i]] for i in (0, 1))
+    taken = [file for file in every if file.suffix.lower() not in _BESIDE]
+    if not taken:
+        return every, left
+    return taken, [*left, *(file for file in every if file not in taken)]
+
+
+def _files_of_one(path: PathLike, suffixes: Sequence[str]) -> tuple[list[Path], list[Path]]:
     place = as_path(path)
+    every = _listed(place)
+    if every is None:
+        return [place], []
+    named = not place.is_dir() and place.suffix and not has_magic(place.suffix)
+    taken = every if named else [one for one in every if one.suffix.lower() in suffixes]
+    if not taken:
+        folder = place.is_dir()
+        missing = "the folder holds no model file" if folder else "no file fits the pattern"
+        read = ", ".join(sorted(set(suffixes)))
+        raise FormatError(missing, where=str(place), remedy=f"these are read: {read}")
+    if len(taken) > _MOST:
+        raise FormatError(
+            f"{len(taken)} files are more than the {_MOST} of one model", where=str(place)
+        )
+    chosen = set(taken)
+    return taken, [one for one in every if one not in chosen]
+
+
+def _listed(place: Path) -> list[Path] | None:
+    """The files in a folder or of a pattern, in order; ``None`` if it is neither."""
     try:
         folder, known = place.is_dir(), place.exists()
     except (OSError, ValueError):  # no name of a file: it is refused when it is read
-        return (place,)
+        return None
     if folder:
-        inside = [one for one in place.iterdir() if not one.name.startswith(".")]
-        found = [one for one in inside if one.suffix.lower() in suffixes and one.is_file()]
-        missing = "the folder holds no model file"
+        found = [one for one in place.iterdir() if not one.name.startswith(".")]
     elif has_magic(str(place)) and not known:
         root = Path(place.anchor)
-        found = [one for one in root.glob(str(place.relative_to(root))) if one.is_file()]
-        missing = "no file fits the pattern"
+        found = [*root.glob(str(place.relative_to(root)))]
     else:
-        return (place,)
-    if not found:
-        read = ", ".join(sorted(set(suffixes)))
-        raise FormatError(missing, where=str(place), remedy=f"these are read: {read}")
-    if len(found) > _MOST:
-        raise FormatError(
-            f"{len(found)} files are more than the {_MOST} of one model", where=str(place)
-        )
-    return tuple(sorted(found, key=_in_order))
+        return None
+    return sorted((one for one in found if one.is_file()), key=_in_order)
 
 
 def _in_order(file: Path) -> list[tuple[int, str]]:
     """Key that sorts stone-2 before stone-10."""
     parts = re.split(r"(\d+)", str(file))
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
+
+
+def left_notes(left: Sequence[Path]) -> list[str]:
+    """A remark on files that are no models."""
+    if not left:
+        return []
+    names = named([file.name for file in left], _NAMED)
+    return [f"{counted(len(left), 'file')} that can hold no model left out: {names}"]
 
 
 def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
@@ -165,20 +197,21 @@ def _units_told(drafts: Sequence[tuple[Path, Draft]]) -> list[str]:
 
 def _odd_sizes(files: Sequence[Path], size: Sequence[float]) -> list[str]:
     """A remark on files whose blocks are far larger or smaller than those of the others."""
-    usual = float(np.median(size))
-    odd = [
-        file.name
-        for file, one in zip(files, size, strict=True)
-        if one > _ODD * usual or one * _ODD < usual
-    ]
-    if not odd or len(files) < 3:
+    sized = [(file.name, one) for file, one in zip(files, size, strict=True) if one > 0.0]
+    if len(sized) < 2:
         return []
-    verb = "is" if len(odd) == 1 else "are"
-    what = counted(len(odd), "file")
-    return [
-        f"{what} ({named(odd, _NAMED)}) {verb} {_ODD:g} times larger or smaller than the median:"
-        " are the units of all files the same?"
+    every = [one for _, one in sized]
+    usual = float(np.median(every)) if len(sized) > 2 else min(every)
+    way = {True: "larger", False: "smaller"}
+    told = [
+        f"{name} is {max(one / usual, usual / one):,.0f} times {way[one > usual]}"
+        for name, one in sized
+        if not usual <= _ODD * one <= _ODD**2 * usual
     ]
+    if not told:
+        return []
+    than = "the median" if len(sized) > 2 else "the other file"
+    return [f"{named(told, _NAMED)} than {than}: are the units of all files the same (--units)?"]
 
 
 def digest_of(files: Sequence[Path]) -> str:

@@ -198,7 +198,9 @@ def _with_supports(
             points = _scaled(shape, scale)
             try:
                 block = support_from_surface(points, shape.faces, free, shape.name, shape.density)
-            except InputError:  # the first error says more
+            except InputError as error:
+                remedy = error.remedy or "draw a face, a terrain, a frame or a closed body"
+                made[i] = InputError(error.what, remedy=remedy, kind=DefectKind.OPEN)
                 continue
             notes = (*shape.repairs, *block.repairs)
             made[i] = replace_block(block, metadata=shape.metadata, repairs=notes)

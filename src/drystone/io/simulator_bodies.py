@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import manifold3d
 import numpy as np
 
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
 from drystone.geometry.apart import PLANE, levelled, set_apart
-from drystone.geometry.convex_pieces import ConvexPiece, convex_pieces, hull_of
+from drystone.geometry.convex_pieces import ConvexPiece, convex_pieces, hull_of, solid_of
 from drystone.geometry.polyhedron import stack_faces
 from drystone.geometry.triangulate import fan_warped
 from drystone.io.draft import Contents
@@ -55,9 +57,11 @@ class SimulatorBody:
 
 
 def bodies(model: Model) -> tuple[list[SimulatorBody], str]:
-    """The blocks of a model, in their order, and a remark where pieces of them were cut back.
+    """The blocks of a model, in their order, and a remark on how far they are from rest.
 
-    No piece begins inside one of another block; see :mod:`drystone.geometry.apart`.
+    No piece begins inside one of another block; see :mod:`drystone.geometry.apart`. The remark says
+    how deep they were drawn in each other, and how wide the widest gap is that a block crosses
+    first.
     """
     assembly = model.assembly
     names = _plain_names(assembly.names)
@@ -72,9 +76,28 @@ def bodies(model: Model) -> tuple[list[SimulatorBody], str]:
         own = tuple(hull_of(piece.point - block.centroid) for piece in left)
         inertia, fixed = _inertia(block, own), bool(assembly.fixed[i])
         out.append(SimulatorBody(names[i], fixed, block.centroid, block.mass, inertia, own))
-    if deepest < _TOLD:
-        return out, ""
-    return out, f"blocks that were up to {1e3 * deepest:.2g} mm inside each other are cut back"
+    said = []
+    if deepest >= _TOLD:
+        said.append(f"blocks up to {1e3 * deepest:.2g} mm inside each other are cut back")
+    widest = _widest_gap(out, model)
+    if widest >= _TOLD:
+        said.append(f"blocks with a joint begin up to {1e3 * widest:.2g} mm apart")
+    return out, "; ".join(said)
+
+
+def _widest_gap(found: Sequence[SimulatorBody], model: Model) -> float:
+    """The largest of the distances [m] between two blocks that have a joint."""
+    solids = [
+        manifold3d.Manifold.compose(
+            [solid_of(point + one.place, face) for point, face in one.pieces]
+        )
+        for one in found
+    ]
+    contacts = model.contacts
+    pairs = np.unique(np.c_[contacts.block_a, contacts.block_b], axis=0)
+    reach = [float(model.assembly.blocks[i].size) for i in range(len(found))]
+    gaps = [solids[a].min_gap(solids[b], min(reach[a], reach[b])) for a, b in pairs.tolist()]
+    return max(gaps, default=0.0)
 
 
 def _pieces(block: Block) -> list[ConvexPiece]:

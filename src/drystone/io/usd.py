@@ -52,8 +52,7 @@ def read(data: bytes, path: Path) -> Draft:
         _refuse_packed(data, path)
     top = parse(content_of(data, path, PROGRAM, {"suffix": path.suffix.lower()}, WALL_S), path)
     if top.has("error"):
-        flat = "flatten it into one file: usdcat --flatten IN --out OUT.usdc"
-        raise FormatError(top["error"].text(), where=str(path), remedy=flat)
+        raise _unread(top, path)
     for joint in top["joints"].elements():
         raise FormatError(
             f"has a joint of type {joint.text()}, and blocks are loose or fixed",
@@ -78,6 +77,22 @@ def read(data: bytes, path: Path) -> Draft:
     if not moves:
         notes.append("it has no rigid bodies: nothing is fixed but planes")
     return Draft(tuple(shapes), "m", notes=tuple(notes))
+
+
+def _unread(top: Field, path: Path) -> FormatError:
+    """Why a stage cannot be read."""
+    what, remedy = (
+        top["error"].text(),
+        "flatten it into one file: usdcat --flatten IN --out OUT.usdc",
+    )
+    if what:
+        return FormatError(what, where=str(path), remedy=remedy)
+    if not top.has("line"):
+        remedy = "export it again, or check its suffix"
+        return FormatError("is no USD file that can be read", where=str(path), remedy=remedy)
+    where = f"{path}, line {top['line'].text()}"
+    what = f"'{top['text'].text()[:40]}' is no USD text"
+    return FormatError(what, where=where, remedy="mend this line or the one before it")
 
 
 def _refuse_packed(data: bytes, path: Path) -> None:

@@ -2,9 +2,13 @@
 
 import importlib
 import json
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
+
+_MISTAKE = re.compile(r"\.usda?:(\d+):\d+: .*? at '(.*?)'(?: in <|$)", re.MULTILINE)
+"""Line and text of a mistake, in what the parser of USD says."""
 
 
 def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
@@ -21,7 +25,7 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
         try:
             stage = usd.Stage.Open(str(file))
             if stage is None:
-                return {"error": "is no USD file that can be read"}
+                return {"error": ""}
             if stage.GetCompositionErrors():
                 return {"error": "refers to other files"}
             found = _Found(stage).content() | {
@@ -29,8 +33,9 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
                 "up": str(geometry.GetStageUpAxis(stage)),
             }
             return json.dumps(found).encode()
-        except (tf.ErrorException, TypeError, ValueError):  # also values of other types
-            return {"error": "is no USD file that can be read"}
+        except (tf.ErrorException, TypeError, ValueError) as error:  # also values of other types
+            place = _MISTAKE.search(str(error))
+            return {"error": "", **({"line": place[1], "text": place[2]} if place else {})}
 
 
 class _Found:

@@ -278,6 +278,8 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     out, _ = capsys.readouterr()
     assert f"{len(arch())} blocks, 2 of them fixed" in out
     assert "--json lists all" in out
+    assert main(["inspect", file(tmp_path, tower(2)), "--supports", "ground"]) == 0
+    assert "3 blocks, 1 of them fixed" in capsys.readouterr().out
 
 
 def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:

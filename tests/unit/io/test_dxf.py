@@ -267,6 +267,26 @@ def test_what_cannot_be_read_is_told_in_one_line(tmp_path: Path, content: str, w
     assert "\n" not in str(caught.value)
 
 
+def test_an_outline_that_crosses_itself_is_named_by_line_handle_and_layer(tmp_path: Path) -> None:
+    bow = light([(0, 1), (1, 2), (1, 1), (0, 2)], "stone")
+    bow.insert(1, (5, "2F"))
+    content = text([light(square(0, 0), "supports"), bow])
+    line = content.splitlines().index("stone") - 4  # after a code, its handle, and its kind
+    with pytest.raises(FormatError, match=rf"line {line}, handle 2F.*layer 'stone' crosses"):
+        read(tmp_path, content)
+
+
+def test_a_drawing_whose_layer_holds_everything_says_what_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = text([light(square(0, 0), "supports"), light(square(0, 1), "supports")])
+    (tmp_path / "held.dxf").write_text(content, encoding="utf-8")
+    assert main(["check", str(tmp_path / "held.dxf")]) == 2
+    told = capsys.readouterr().err
+    assert "draw what moves on another layer than supports" in told
+    assert "--supports" in told
+
+
 def test_a_thickness_is_a_length_above_zero_of_a_section(tmp_path: Path) -> None:
     content = text([light(square(0, 0))])
     for wrong in (0.0, -1.0, "x", float("nan")):

@@ -123,3 +123,12 @@ def test_contacts_of_a_file_do_not_know_the_ground(tmp_path: Path) -> None:
         drystone.read(tmp_path / "tower.json", supports="ground")
     model = drystone.read(tmp_path / "tower.json", supports="ground", search=True)
     assert model.contacts.count == 3
+
+
+def test_a_support_without_area_is_told_as_such(tmp_path: Path) -> None:
+    line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
+    floor = {"name": "floor", "vertices": line, "faces": [[0, 1, 2]], "fixed": True}
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps({"blocks": [floor]}), encoding="utf-8")
+    with pytest.raises(InputError, match="block 'floor': face 0 of its open surface has no area"):
+        drystone.read(path)

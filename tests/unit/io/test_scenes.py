@@ -221,7 +221,7 @@ def test_what_mjcf_cannot_say_is_refused_in_one_line(tmp_path, case):
     [
         ("../../other.obj", "outside of the folder"),
         ("/etc/passwd", "outside of the folder"),
-        ("none.obj", "there is no such file"),
+        ("none.obj", "mesh 'm': there is no file 'none.obj'"),
         ("scene.xml", "in no format that is read here"),
         ("", "has no 'vertex'"),
     ],
@@ -254,6 +254,17 @@ def test_what_urdf_cannot_say_is_refused_in_one_line(tmp_path, old, new, said):
     with pytest.raises(FormatError, match=said) as caught:
         io.read_file(written(tmp_path, ROBOT.replace(old, new), "two.urdf"))
     assert "\n" not in str(caught.value)
+
+
+def test_a_link_whose_mesh_is_missing_is_named(tmp_path):
+    shape = '<collision><geometry><mesh filename="none.stl"/></geometry></collision>'
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="r"><link name="arm">{shape}</link></robot>', encoding="utf-8")
+    with pytest.raises(FormatError, match=r"link 'arm': there is no file 'none\.stl'"):
+        io.read_file(path)
+    (tmp_path / "none.stl").write_text("nothing", encoding="utf-8")
+    with pytest.raises(FormatError, match=r"link 'arm', .*none\.stl"):
+        io.read_file(path)
 
 
 def test_a_scene_is_read_as_mujoco_reads_it(tmp_path):

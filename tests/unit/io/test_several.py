@@ -99,7 +99,29 @@ def test_a_file_of_another_scale_is_told(folder: Path) -> None:
     moved = large.transformed(1000.0 * np.eye(3))
     drystone.write(Assembly((moved,)), folder / "large.obj")
     (told,) = [note for note in drystone.read(folder).notes if "units of all files" in note]
-    assert "large.obj" in told
+    assert "large.obj is 1,000 times larger than the median" in told
+
+
+def test_two_files_of_different_scale_are_told_with_the_factor(folder: Path) -> None:
+    large = box((50.0, 50.0, 50.0), (2.0, 0.0, 0.0))
+    drystone.write(Assembly((large,)), folder / "large.obj")
+    model = drystone.read([folder / "large.obj", folder / "stone-9.obj"])
+    (told,) = [note for note in model.notes if "units of all files" in note]
+    assert "large.obj is 50 times larger than the other file" in told
+    alike = drystone.read([folder / "stone-10.obj", folder / "stone-9.obj"])
+    assert not any("units of all files" in note for note in alike.notes)
+
+
+@pytest.mark.parametrize("by_shell", [True, False])
+def test_materials_and_pictures_are_left_out_and_named(folder: Path, by_shell: bool) -> None:
+    for name in ("stone-9.mtl", "granite.jpg"):
+        (folder / name).write_text("no model")
+    path = [*folder.iterdir()] if by_shell else f"{folder}/*"
+    model = drystone.read(path, supports="stone-9")
+    assert sorted(model.assembly.names) == ["stone-10", "stone-11", "stone-9"]
+    (told,) = [note for note in model.notes if "left out" in note]
+    assert told.startswith("2 files that can hold no model left out")
+    assert "stone-9.mtl" in told
 
 
 def test_errors_name_the_file(folder: Path) -> None:

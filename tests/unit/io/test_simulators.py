@@ -151,6 +151,13 @@ def test_legs_that_sink_into_the_floor_begin_on_it_in_a_simulator_and_it_is_said
         assert "up to 3 mm inside each other are cut back" in (tmp_path / name).read_text("utf-8")
 
 
+def test_blocks_that_begin_apart_in_a_simulator_are_told():
+    low, high = tower(2).blocks
+    model = Model.of(Assembly((low, high.transformed(None, (0, 0, 0.004))), [True, False]))
+    assert "blocks with a joint begin up to 4 mm apart" in mjcf_text(model)
+    assert "apart" not in mjcf_text(Model.of(tower(2)))
+
+
 def test_no_contact_in_mujoco_begins_deeper_than_a_tenth_of_a_millimetre():
     mujoco = pytest.importorskip("mujoco")
     for family in (warped_wall, bridge, stool, dome):

@@ -87,7 +87,7 @@ def test_a_plane_is_the_ground(tmp_path):
         ("def Cube", "def Sphere", "is a Sphere, which rolls"),
         ("3, 2, 1, 4", "3, 2, 99, 4", "a vertex that does not exist"),
         ('def Cube "base"', 'def PhysicsRevoluteJoint "j" {}\ndef Cube "base"', "a joint of type"),
-        ("def Xform", "not USD", "is no USD file"),
+        ("def Xform", "not USD", r"line \d+: .*is no USD text; mend this line"),
         (
             "int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]",
             'string faceVertexCounts = "x"',
