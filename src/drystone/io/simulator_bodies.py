@@ -89,7 +89,7 @@ def _widest_gap(found: Sequence[SimulatorBody], model: Model) -> float:
     """The largest of the distances [m] between two blocks that have a joint."""
     solids = [
         manifold3d.Manifold.compose(
-            [solid_of(point + one.place, face) for point, face in one.pieces]
+            [solid_of(at + one.place, face.tolist()) for at, face in one.pieces]
         )
         for one in found
     ]
