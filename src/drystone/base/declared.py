@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
@@ -203,9 +204,8 @@ def kinds_of(hint: Any) -> list[Any]:
     """The types of a union, but for ``None`` and arrays, which are written as sequences."""
     union = get_origin(hint) in (types.UnionType, Union)
     parts = get_args(hint) if union else (hint,)
-    return [
-        part for part in parts if part is not types.NoneType and get_origin(part) is not np.ndarray
-    ]
+    arrays = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
+    return [part for part in parts if part is not types.NoneType and get_origin(part) not in arrays]
 
 
 def is_many(kind: Any) -> bool:

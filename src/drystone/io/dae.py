@@ -7,7 +7,8 @@ are triangles, polygons or lists of these. The file says its unit and which axis
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections import ChainMap
+from collections.abc import Iterator, MutableMapping, Sequence
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import TypeAlias
@@ -20,7 +21,7 @@ from drystone.base.errors import FormatError
 from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shapes_of
 from drystone.io.xml_tree import numbers, root_of
 
 _Mesh: TypeAlias = tuple[Floats, list[Loop]]
@@ -38,7 +39,6 @@ _SINGLE = 1e-6
 """Distance of coincident points, relative to the extent: programs write single precision."""
 _MOST, _DEEPEST = 100_000, 64
 """Nodes in all and in each other, chosen: a small file can unfold to very many."""
-_MOST_FACES = 1_000_000
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -48,9 +48,13 @@ def read(data: bytes, path: Path) -> Draft:
     turn, units = _axes_and_units(root, path)
     known: dict[str, _Mesh] = {}
     soups = []
+    unfolded = Unfolded(path)
     for name, url, matrix in _shown(root, named, path):
-        if url not in known:
-            known[url] = _mesh(named.get(url), named, f"{path}, geometry '{url[:40]}'")
+        if url in known:
+            unfolded.take(len(known[url][0]), len(known[url][1]))
+        else:
+            where = f"{path}, geometry '{url[:40]}'"
+            known[url] = _mesh(named.get(url), named, where, unfolded)
         points, faces = known[url]
         if not faces:
             continue
@@ -59,8 +63,6 @@ def read(data: bytes, path: Path) -> Draft:
             upright = placed @ turn.T
         loops = [loop[::-1] for loop in faces] if mirrored else faces
         soups.append(FaceSoup(upright, loops, name, f"node '{name[:40]}'"))
-        if sum(len(one.faces) for one in soups) > _MOST_FACES:
-            raise FormatError(f"has more than {_MOST_FACES:,} faces", where=str(path))
     if not soups:
         raise FormatError(
             "shows no mesh", where=str(path), remedy="export the blocks as meshes in a scene"
@@ -143,13 +145,18 @@ def _matrix(node: ET.Element, where: str) -> Floats:
     return matrix
 
 
-def _mesh(geometry: ET.Element | None, named: dict[str, ET.Element], where: str) -> _Mesh:
+def _mesh(
+    geometry: ET.Element | None,
+    named: MutableMapping[str, ET.Element],
+    where: str,
+    unfolded: Unfolded,
+) -> _Mesh:
     """Vertices (v, 3) and faces of a geometry."""
     mesh = None if geometry is None else geometry.find("mesh")
     if mesh is None:
         raise FormatError("is no mesh", where=where, remedy="export meshes in place of surfaces")
     # some programs use the same names in every geometry
-    named = {**named, **{one.get("id", ""): one for one in mesh.iter() if one.get("id")}}
+    named = ChainMap({one.get("id", ""): one for one in mesh.iter() if one.get("id")}, named)
     points: list[Floats] = []
     loops: list[Loop] = []
     for part in mesh:
@@ -163,9 +170,11 @@ def _mesh(geometry: ET.Element | None, named: dict[str, ET.Element], where: str)
         points.append(_positions(shared, named, where))
         offset = [_whole([one.get("offset", "0")], where)[0] for one in part.findall("input")]
         stride, own = max(offset) + 1, offset[[*part.findall("input")].index(inputs["VERTEX"])]
+        unfolded.take(len(points[-1]), 0)
         for face in _faces(part, stride, own, where):
             if not all(0 <= corner < len(points[-1]) for corner in face):
                 raise FormatError("has a vertex that does not exist", where=where)
+            unfolded.take(0, 1)
             loops.append(tuple(first + corner for corner in face))
     return np.concatenate([np.zeros((0, 3)), *points]), loops
 
@@ -180,7 +189,7 @@ def _whole(words: Sequence[str], where: str) -> list[int]:
     return [int(word) for word in words]
 
 
-def _positions(shared: ET.Element, named: dict[str, ET.Element], where: str) -> Floats:
+def _positions(shared: ET.Element, named: MutableMapping[str, ET.Element], where: str) -> Floats:
     """Vertices (v, 3) of a list of them."""
     given = {one.get("semantic", ""): one for one in shared.findall("input")}
     source = named.get(_source(given.get("POSITION")))

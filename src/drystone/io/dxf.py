@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import shapely
@@ -23,7 +24,7 @@ from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.dxf_entities import Drawing, Entity, drawing
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shapes_of
 from drystone.io.layers import hidden_notes, holds, require_blocks
 
 _CHORD = np.deg2rad(5.0)
@@ -36,6 +37,8 @@ _USUAL = 1.0
 _SAME = 1e-9
 """Distance of coincident points, relative to the extent."""
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_Mesh: TypeAlias = tuple[Floats, list[Loop]]
+_Own: TypeAlias = tuple[_Mesh | None, Floats | None, bool]
 _CLOSED, _IN_SPACE, _GRID, _FACES = 1, 8, 16, 64
 """Flags of a polyline."""
 _FRAME, _FACE = 16, 128
@@ -62,13 +65,19 @@ def read(
     outlines: list[_Outline] = []
     soups: list[FaceSoup] = []
     faces: dict[str, list[Floats]] = {}
+    unfolded = Unfolded(path)
+    known: dict[Entity, _Own] = {}
     for entity, matrix, layer in wanted:
-        part = _part(entity, matrix, layer, path)
+        if entity not in known:  # a block may be inserted very often
+            known[entity] = _own(entity, _place(entity, layer, path))
+        part = _part(entity, known[entity], matrix, layer, path)
         if part is None:
             skipped[entity.kind] += 1
         elif isinstance(part, FaceSoup):
+            unfolded.take(len(part.vertices), len(part.faces))
             soups.append(part)
         elif isinstance(part, _Outline):
+            unfolded.take(2 * len(part.corner), len(part.corner))
             outlines.append(part)
         else:
             faces.setdefault(layer, []).append(part)
@@ -120,31 +129,42 @@ def _wanted(
 
 
 def _part(
-    entity: Entity, matrix: Floats, layer: str, path: Path
+    entity: Entity, own: _Own, matrix: Floats, layer: str, path: Path
 ) -> FaceSoup | _Outline | Floats | None:
     """A mesh, an outline or the corners (4, 3) of a face, in its place; ``None`` if it is none."""
-    where = f"{path}, {entity.place}, layer '{layer}'"
+    where = _place(entity, layer, path)
     if entity.kind == "3DFACE":
         corner = np.array([entity.point(code) for code in (10, 11, 12, 13)])
         return _moved(corner, matrix, where)
-    mesh = _mesh(entity, where)
+    mesh, outline, crossed = own
     if mesh is not None:
         turn = -1 if np.linalg.det(matrix[:3, :3]) < 0.0 else 1
         point = _moved(mesh[0], matrix, where)
         return FaceSoup(point, [one[::turn] for one in mesh[1]], layer, layer)
-    outline = _outline(entity)
     if outline is None:
         return None
     frame = np.eye(3) if entity.flags & _IN_SPACE else entity.frame()
     depth = frame[:, 2:].T * entity.number(39)
     both = _moved(np.concatenate([outline @ frame.T, depth]), matrix, where)
-    return _Outline(both[:-1], both[-1] - matrix[:3, 3], layer, entity.place, _crosses(outline))
+    return _Outline(both[:-1], both[-1] - matrix[:3, 3], layer, entity.place, crossed)
+
+
+def _place(entity: Entity, layer: str, path: Path) -> str:
+    return f"{path}, {entity.place}, layer '{layer}'"
+
+
+def _own(entity: Entity, where: str) -> _Own:
+    """The mesh or the outline (c, 3) of an entity, and whether the outline crosses itself."""
+    mesh = _mesh(entity, where)
+    outline = _outline(entity) if mesh is None else None
+    return mesh, outline, outline is not None and _crosses(outline)
 
 
 def _crosses(outline: Floats) -> bool:
     """Whether an outline (c, 3) crosses or touches itself, seen along its least extent."""
     middle = outline - outline.mean(axis=0)
-    return not shapely.Polygon(middle @ np.linalg.svd(middle)[2][:2].T).is_valid
+    along = np.linalg.svd(middle, full_matrices=False)[2]
+    return not shapely.Polygon(middle @ along[:2].T).is_valid
 
 
 def _moved(points: Floats, matrix: Floats, where: str) -> Floats:
@@ -222,7 +242,7 @@ def _arc(start: Floats, end: Floats) -> Floats:
     return np.vstack([a, middle + radius * np.c_[np.cos(angle), np.sin(angle)]])
 
 
-def _mesh(entity: Entity, where: str) -> tuple[Floats, list[Loop]] | None:
+def _mesh(entity: Entity, where: str) -> _Mesh | None:
     """Vertices and faces of a mesh or a polyface mesh; ``None`` if it is neither."""
     if entity.kind == "MESH":
         columns = zip(*(entity.numbers(code) for code in (10, 20, 30)), strict=False)

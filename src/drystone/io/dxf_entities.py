@@ -202,6 +202,8 @@ def _placed(
         if block is None:
             yield entity, matrix, layer
             continue
+        if not block.inner:
+            continue
         if depth == _DEEPEST:
             raise FormatError(f"block '{entity.text(2)[:40]}' is in itself", where=str(path))
         grid = int(entity.number(70, 1)), int(entity.number(71, 1))
@@ -219,9 +221,11 @@ def _places(insert: Entity, block: Entity, grid: tuple[int, int]) -> Iterator[Fl
     """Matrices (4, 4) of a block at an insertion, in columns and rows."""
     turn, grow = np.deg2rad(insert.number(50)), [insert.number(code, 1.0) for code in (41, 42, 43)]
     spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    frame, apart = insert.frame(), np.array([insert.number(44), insert.number(45), 0.0])
+    turned = frame @ spin @ np.diag(grow)
+    first = frame @ insert.point() - turned @ block.point()
     for i, j in product(range(grid[0]), range(grid[1])):
-        step = spin @ [i * insert.number(44), j * insert.number(45), 0.0]
         place = np.eye(4)
-        place[:3, :3] = insert.frame() @ spin @ np.diag(grow)
-        place[:3, 3] = insert.frame() @ (insert.point() + step) - place[:3, :3] @ block.point()
+        place[:3, :3] = turned
+        place[:3, 3] = first + frame @ spin @ (apart * [i, j, 0])
         yield place

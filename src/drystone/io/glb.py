@@ -19,7 +19,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, Unfolded, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -29,9 +29,6 @@ FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from y up to z up."""
 _MOST_NODES = 100_000
-_MOST_TRIANGLES = 1_000_000
-"""Largest number of triangles of all nodes together. Chosen. Nodes may share a mesh, so a small
-file can have many triangles."""
 _LARGEST_STRIDE = 252
 """[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
 SINGLE = 1e-6
@@ -50,7 +47,7 @@ def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
         )
     soups: list[FaceSoup] = []
     told: dict[str, Field | None] = {}
-    triangles = 0
+    unfolded = Unfolded(path)
     known: dict[int, tuple[Floats, Ints]] = {}
     for number, (node, matrix) in enumerate(_placed_nodes(top)):
         ours = _ours(node)
@@ -59,12 +56,11 @@ def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
         mesh = _item(top, "meshes", node["mesh"])
         name = node.get("name", mesh.get("name", f"node-{number}").text()).text()
         index = node["mesh"].integer()
-        if index not in known:
-            known[index] = _geometry(top, binary, mesh)
+        if index in known:
+            unfolded.take(*map(len, known[index]))
+        else:
+            known[index] = _geometry(top, binary, mesh, unfolded)
         vertices, faces = known[index]
-        triangles += len(faces)
-        if triangles > _MOST_TRIANGLES:
-            raise node.error(f"brings the scene over {_MOST_TRIANGLES:,} triangles")
         vertices, mirrored = moved(vertices, matrix)
         if mirrored:
             faces = faces[:, ::-1]
@@ -171,7 +167,7 @@ def _matrix(node: Field) -> Floats:
     return matrix
 
 
-def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
+def _geometry(top: Field, binary: bytes, mesh: Field, unfolded: Unfolded) -> tuple[Floats, Ints]:
     """Vertices (v, 3) and triangles (t, 3) of all parts of a mesh."""
     vertices: list[Floats] = []
     triangles: list[Ints] = []
@@ -190,6 +186,7 @@ def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
         else:
             index = np.arange(len(points))
         triangles.append(_corners(index, mode, part) + offset)
+        unfolded.take(len(points), len(triangles[-1]))
         vertices.append(points)
         offset += len(points)
     if not triangles:

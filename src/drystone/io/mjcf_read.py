@@ -22,13 +22,13 @@ from drystone.base.arrays import Floats, unit
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, Extras
 from drystone.io.placed_bodies import (
+    MeshesBeside,
     Part,
     PlacedBody,
     box_part,
     cylinder_part,
     ground_under,
     hull_part,
-    mesh_beside,
     placed,
     shapes_of_bodies,
     volume_of,
@@ -83,6 +83,7 @@ class _Reader:
         self.root, self.path = root, path
         self.compiler = {k: v for one in root.iter("compiler") for k, v in one.attrib.items()}
         self.found: list[_Rigid] = []
+        self.beside = MeshesBeside(path)
         self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
         for one in root.findall("default"):
             self._learn(one, self.classes["main"], "main")
@@ -203,7 +204,7 @@ class _Reader:
             if named not in self._meshes:
                 what = f"there is no mesh '{named[:40]}'"
                 raise FormatError(what, where=where, remedy="add its asset")
-            made = self._meshes[named]
+            made = self.beside.counted(self._meshes[named])
         else:
             solid, turned = _primitive(kind, told, where)
             made, at = [solid], at @ turned
@@ -224,7 +225,8 @@ class _Reader:
             where = f"{self.path}, mesh '{told.get('name', number)}'"
             file = told.get("file", "")
             if file:
-                parts = mesh_beside(self.path, f"{folder}/{file}" if folder else file, where)
+                name = f"{folder}/{file}" if folder else file
+                parts = self.beside.parts(name, where)
             else:
                 parts = [_inline(told, where)]
             scale = np.diag(numbers(told, "scale", 3, np.ones(3), where))

@@ -24,7 +24,7 @@ from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
 from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
+from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shape_of, shapes_of
 from drystone.io.registry import format_of
 
 Part: TypeAlias = tuple[Floats, Sequence[Loop]]
@@ -32,8 +32,6 @@ Part: TypeAlias = tuple[Floats, Sequence[Loop]]
 
 MESHES = (".obj", ".stl", ".ply", ".glb", ".dae")
 """Suffixes of mesh files beside a scene."""
-_MOST_FACES = 1_000_000
-"""Of all parts together. Chosen, as for GLB: a small file may place one mesh many times."""
 _SINGLE = 1e-6
 """Distance of coincident points of one part, relative to its extent: meshes in single precision."""
 _GROWN, _UNITED = 1e-6, 1e-5
@@ -83,15 +81,8 @@ def shapes_of_bodies(
     Raises
     ------
     FormatError
-        A part has no faces, or there are too many.
+        A part has no faces.
     """
-    faces = sum(len(part[1]) for body in bodies for part in body.parts)
-    if faces > _MOST_FACES:
-        raise FormatError(
-            f"its bodies have {faces:,} faces, more than {_MOST_FACES:,}",
-            where=str(path),
-            remedy="thin out the meshes",
-        )
     solid = [body for body in bodies if body.parts]
     notes = []
     if len(solid) < len(bodies):
@@ -212,23 +203,47 @@ def ground_under(bodies: Sequence[PlacedBody], pose: Floats) -> Part:
     return placed((box_corners(low, high), BOX), pose)
 
 
-def mesh_beside(path: Path, name: str, where: str) -> list[Part]:
-    """The parts of a mesh file that a scene names.
+class MeshesBeside:
+    """The mesh files that a scene names, each read once.
 
     Parameters
     ----------
     path
         The scene. Files in the folder above its own, and below that, are read.
-    name
-        Path from the folder of the scene.
-    where
-        For errors.
-
-    Raises
-    ------
-    FormatError
-        It is not there, lies elsewhere, is no mesh, or cannot be read.
     """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.unfolded = Unfolded(path)
+        self._known: dict[str, list[Part]] = {}
+
+    def parts(self, name: str, where: str) -> list[Part]:
+        """The parts of a mesh, which are counted each time.
+
+        Parameters
+        ----------
+        name
+            Path from the folder of the scene.
+        where
+            For errors.
+
+        Raises
+        ------
+        FormatError
+            It is not there, lies elsewhere, is no mesh, cannot be read, or is too much.
+        """
+        if name not in self._known:
+            self._known[name] = _mesh_beside(self.path, name, where)
+        return self.counted(self._known[name])
+
+    def counted(self, parts: list[Part]) -> list[Part]:
+        """Parts that are placed once more; see :meth:`Unfolded.take`."""
+        for point, faces in parts:
+            self.unfolded.take(len(point), len(faces))
+        return parts
+
+
+def _mesh_beside(path: Path, name: str, where: str) -> list[Part]:
     root, file = path.parent.parent, path.parent / name
     if "\0" in name or not file.resolve().is_relative_to(root.resolve()):
         raise FormatError(

@@ -20,11 +20,11 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft
 from drystone.io.placed_bodies import (
+    MeshesBeside,
     Part,
     PlacedBody,
     box_part,
     cylinder_part,
-    mesh_beside,
     placed,
     shapes_of_bodies,
 )
@@ -45,12 +45,13 @@ def read(data: bytes, path: Path) -> Draft:
     links = {one.get("name", ""): one for one in root.findall("link")}
     joints = _joints(root, links, path)
     bodies: dict[str, PlacedBody] = {}
+    beside = MeshesBeside(path)
     for name, link in links.items():
         where = f"{path}, link '{name}'"
         pose, holder = _placed(name, joints, where)
         fixed = holder not in joints and (holder == _WORLD or not _shapes(links[holder]))
         group = name if fixed else holder
-        parts = [placed(part, pose) for one in _shapes(link) for part in _parts(one, path, where)]
+        parts = [placed(part, pose) for one in _shapes(link) for part in _parts(one, beside, where)]
         weight = link.find("inertial/mass")
         mass = 0.0 if weight is None else number_of(weight.attrib, "value", None, where)
         if group in bodies:
@@ -110,7 +111,7 @@ def _shapes(link: ET.Element) -> list[ET.Element]:
     return link.findall("collision") or link.findall("visual")
 
 
-def _parts(shape: ET.Element, path: Path, where: str) -> list[Part]:
+def _parts(shape: ET.Element, beside: MeshesBeside, where: str) -> list[Part]:
     """The solids of a shape, in the frame of its link."""
     pose = _pose(shape, where)
     for one in shape.findall("geometry/*"):
@@ -122,10 +123,10 @@ def _parts(shape: ET.Element, path: Path, where: str) -> list[Part]:
         if one.tag == "mesh":
             name = one.get("filename", "").removeprefix("file://")
             if name.startswith("package://"):
-                name = _in_package(name.removeprefix("package://"), path)
+                name = _in_package(name.removeprefix("package://"), beside.path)
             scale = np.diag(numbers(one.attrib, "scale", 3, np.ones(3), where))
             sized = pose @ pose_of(scale, np.zeros(3))
-            return [placed(part, sized) for part in mesh_beside(path, name, where)]
+            return [placed(part, sized) for part in beside.parts(name, where)]
         rolls = ", which rolls" if one.tag in ("sphere", "capsule") else ""
         raise FormatError(
             f"has the shape '{one.tag}'{rolls}", where=where, remedy="use box, cylinder or mesh"

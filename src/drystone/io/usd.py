@@ -19,6 +19,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft
+from drystone.io.face_soup import Unfolded
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import content_of, require
 from drystone.io.placed_bodies import (
@@ -66,8 +67,11 @@ def read(data: bytes, path: Path) -> Draft:
     moves = top["moves"].boolean()
     bodies: list[PlacedBody] = []
     planes: list[tuple[PlacedBody, Floats]] = []
+    unfolded = Unfolded(path)
     for one in top["bodies"].elements():
         body, flat_ones = _body(one, world, moves, path)
+        for point, faces in body.parts:
+            unfolded.take(len(point), len(faces))
         bodies += [body] if body.parts else []
         planes += [(body, pose) for pose in flat_ones]
     for body, pose in planes:

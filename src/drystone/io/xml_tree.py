@@ -29,7 +29,8 @@ def root_of(data: bytes, path: Path, tag: str, what: str) -> ET.Element:
     FormatError
         No XML, with entities of its own, or with another root.
     """
-    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+    plain = data.replace(b"\0", b"")  # of UTF-16
+    if b"<!DOCTYPE" in plain or b"<!ENTITY" in plain:
         raise FormatError("defines entities", where=str(path), remedy="save it without a DOCTYPE")
     try:
         root = ET.fromstring(data)
