@@ -610,19 +610,20 @@ def _limited_cpu(most_s: int) -> None:
 
 
 class _deadline:  # noqa: N801  # reads as a verb
-    """Ends what takes longer, where the system has alarms."""
+    """Ends what takes longer, where the system has alarms; ``busy`` counts CPU time only."""
 
-    def __init__(self, seconds: float) -> None:
-        self.seconds = seconds
+    def __init__(self, seconds: float, busy: bool = False) -> None:
+        self.seconds, self.kind = seconds, "PROF" if busy else "REAL"
 
     def __enter__(self) -> None:
         if hasattr(signal, "setitimer"):
-            signal.signal(signal.SIGALRM, self._ring)
-            signal.setitimer(signal.ITIMER_REAL, self.seconds)
+            number = signal.SIGPROF if self.kind == "PROF" else signal.SIGALRM
+            signal.signal(number, self._ring)
+            signal.setitimer(getattr(signal, f"ITIMER_{self.kind}"), self.seconds)
 
     def __exit__(self, *_: object) -> None:
         if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.setitimer(getattr(signal, f"ITIMER_{self.kind}"), 0.0)
 
     @staticmethod
     def _ring(_: int, __: FrameType | None) -> None:

@@ -56,8 +56,7 @@ def curvature(
     here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
     along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
-    own = np.minimum(area[here] / length, np.sqrt(area[here]))
-    other = np.minimum(area[there] / length, np.sqrt(area[there]))
+    own, other = (area[i] / np.maximum(length, np.sqrt(area[i])) for i in (here, there))
     narrow = np.minimum(own, other)
     share = narrow / np.where(own > 0.0, own, 1.0)
     angle = np.abs(turn[smooth])

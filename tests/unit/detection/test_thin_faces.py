@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, InputError, find_contacts
-from drystone.models import box
+from drystone.models import box, prism
 
 
 def pair(upper):
@@ -28,3 +28,12 @@ def test_a_triangle_without_width_changes_nothing():
     found = find_contacts(pair(thin)).contacts
     assert found.count == expected.count == 1
     assert found.area == pytest.approx(expected.area)
+
+
+def test_a_large_smooth_surface_with_an_edge_without_length_gives_no_warning():
+    turn = np.linspace(0.0, 2.0 * np.pi, 20, endpoint=False)
+    drum = prism(1e3 * np.stack([np.cos(turn), np.sin(turn)], axis=1), (0.0, 100.0))
+    points = drum.vertices.copy()
+    points[20] = points[0]
+    found = find_contacts(Assembly((Block(points, drum.faces),)))
+    assert found.contacts.count == 0
