@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import fuzz
+from benchmarks import fuzz, side_files
 from drystone import io
 
 
@@ -22,3 +22,9 @@ def test_a_damaged_file_gives_a_model_or_one_clear_error(name: str) -> None:
     assert tally.failures == []
     assert sum(tally.outcomes.values()) == 60
     assert {kind for _, kind in tally.outcomes} <= {"model", "FormatError", "InputError"}
+
+
+def test_damaged_side_files_are_used_or_refused_in_one_line() -> None:
+    tally = side_files.run(600, seed=2026)
+    assert tally.failures == []
+    assert len({name for name, _ in tally.outcomes}) == 8

@@ -1,8 +1,11 @@
 """What work keeps on disk survives what cuts or damages it: plans, searches, many checks."""
 
+import json
 import logging
 import os
+import random
 import resource
+import zlib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -38,7 +41,7 @@ def again(work: Callable[[Path], object], file: Path, data: bytes) -> object:
     file.write_bytes(data)
     try:
         return work(file)
-    except drystone.FormatError as error:
+    except drystone.InputError as error:
         return "refused" if str(file) in str(error) else str(error)
 
 
@@ -66,6 +69,31 @@ def test_a_damaged_byte_never_gives_another_answer(work, tmp_path, caplog) -> No
         damaged = bytearray(data)
         damaged[place] ^= 1 << place % 8
         assert again(work, file, bytes(damaged)) in ("refused", whole)
+
+
+@WORK
+def test_a_record_of_other_values_is_refused_in_words_though_its_checksum_is_right(
+    work, tmp_path, caplog
+) -> None:
+    caplog.set_level(logging.CRITICAL)
+    file = tmp_path / "kept"
+    work(file)
+    head, first, *others = file.read_bytes().splitlines()
+    record = json.loads(first.partition(b" ")[2])
+    rng = random.Random(0)
+    odd = (None, True, -1, 10**30, "x", [], {}, [[]], float("nan"), [1e308] * 3)
+    keys = list(record) if isinstance(record, dict) else range(len(record))
+    changed = [[record[key] for key in keys][:-1], *odd]
+    for key in keys:
+        for value in rng.sample(odd, 6):
+            changed.append(record.copy())
+            changed[-1][key] = value
+    refused = 0
+    for one in changed:
+        text = json.dumps(one).encode()
+        lines = [head, b"%08x %s" % (zlib.crc32(text), text), *others, b""]
+        refused += again(work, file, b"\n".join(lines)) == "refused"
+    assert refused > len(changed) / 2
 
 
 def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(tmp_path) -> None:

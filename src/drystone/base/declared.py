@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
-from drystone.base.display import OneLine
+from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, meant
 
 _SECTIONS = ("Attributes", "Parameters")
@@ -197,7 +197,8 @@ def refuse_unknown(given: Sequence[str] | Mapping[str, Any], known: Sequence[str
     """Raise InputError at the first name that is not known; the nearest one is told."""
     for name in given:
         if name not in known:
-            raise InputError(f"there is no argument '{name}'", remedy=meant(name, known))
+            told = shortened(str(name), 60)
+            raise InputError(f"there is no argument '{told}'", remedy=meant(told, known))
 
 
 def kinds_of(hint: Any) -> list[Any]:

@@ -6,9 +6,10 @@ import json
 import logging
 import os
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from io import BytesIO
+from itertools import chain
 from typing import Any
 
 from drystone.base.display import shortened
@@ -18,13 +19,20 @@ from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
 _LOG = logging.getLogger(__name__)
 _LARGEST = 2**30
 """[bytes], chosen: some million records. One more would make a file that cannot be continued."""
+_NO_RECORD = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
+"""What JSON that is no record, or the record that it is not, ends in."""
+
+
+class _Damaged(ValueError):
+    """A line is not what was written."""
 
 
 class Journal:
     """Records that are added one by one, each on the disk before the next.
 
-    Every line is a checksum and a JSON value. The first says what the records are about. Half a
-    line at the end, of a process that was killed or of a full disk, is dropped and told to the log.
+    Every line is a checksum and a JSON value. The first says what the records are about. A last
+    line that is no record, such as half a line of a process that was killed or of a full disk, is
+    dropped and told to the log.
 
     Parameters
     ----------
@@ -32,6 +40,8 @@ class Journal:
         Made by the first record; continued where it exists.
     about
         What the records are about, such as the fingerprint of a model and the version.
+    made
+        What a record stands for, from its JSON; fails with an error of Python where it is none.
 
     Raises
     ------
@@ -40,8 +50,13 @@ class Journal:
         read.
     """
 
-    def __init__(self, path: PathLike, about: Mapping[str, Any]) -> None:
-        self.path = plain_target(path)
+    def __init__(
+        self,
+        path: PathLike,
+        about: Mapping[str, Any],
+        made: Callable[[Any], Any] = lambda record: record,
+    ) -> None:
+        self.path, self._made = plain_target(path), made
         self.records: list[Any] = []
         self._about = json.loads(json.dumps(about))
         self._whole = self._size = 0
@@ -57,8 +72,7 @@ class Journal:
             The file cannot be written, as on a full disk; what was whole stays. Or another process
         wrote to it.
         """
-        new = list(records)
-        lines = b"".join(map(_line, new if self._whole else [self._about, *new]))
+        lines = b"".join(map(_line, chain([] if self._whole else [self._about], records)))
         try:
             with self.path.open("ab", buffering=0) as file:
                 if file.tell() != self._size:
@@ -77,7 +91,6 @@ class Journal:
                 self._size = self._whole
             raise unwritable(self.path, error) from error
         self._whole = self._size = self._whole + len(lines)
-        self.records += new
 
     def _read(self) -> None:
         data = read_bytes(self.path, _LARGEST)
@@ -86,8 +99,9 @@ class Journal:
         values = []
         for number, line in enumerate(lines, start=1):
             try:
-                values.append(_value(line))
-            except ValueError as error:
+                value = _value(line)
+                values.append(value if number == 1 else self._made(value))
+            except _NO_RECORD as error:
                 if number == 1:
                     raise FormatError(
                         "is no journal, or its first line is damaged",
@@ -96,7 +110,7 @@ class Journal:
                     ) from error
                 if number < len(lines):
                     raise FormatError(
-                        f"line {number} of {len(lines)} is damaged: {error}",
+                        f"line {number} of {len(lines)} is damaged: {_why(error)}",
                         where=str(self.path),
                         remedy=f"remove it and all after it to go on with the {number - 2} records "
                         "before it, or remove the file to start anew",
@@ -115,6 +129,10 @@ class Journal:
         self.records = values[1:]
 
 
+def _why(error: Exception) -> str:
+    return str(error) if isinstance(error, _Damaged) else "it is no such record"
+
+
 def _line(value: Any) -> bytes:
     text = json.dumps(value, separators=(",", ":")).encode("ascii")
     return b"%08x %s\n" % (zlib.crc32(text), text)
@@ -125,18 +143,15 @@ def _value(line: bytes) -> Any:
 
     Raises
     ------
-    ValueError
+    _Damaged
         It has no end, or its checksum differs.
     """
     if not line.endswith(b"\n"):
-        raise ValueError("it has no end")
+        raise _Damaged("it has no end")
     checksum, _, text = line[:-1].partition(b" ")
     if checksum != b"%08x" % zlib.crc32(text):
-        raise ValueError("its checksum differs")
-    try:
-        return json.loads(text)
-    except RecursionError as error:
-        raise ValueError("it is nested too deeply") from error
+        raise _Damaged("its checksum differs")
+    return json.loads(text)
 
 
 __all__ = ["Journal"]

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -139,7 +140,7 @@ class _ValueSearch:
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
         self.options, self.pool, self.clock, self.built = options, pool, clock, built
-        self.journal = None if store is None else Journal(store, self.asked())
+        self.journal = None if store is None else Journal(store, self.asked(), self.known)
         self.kept = [] if self.journal is None else list(self.journal.records)
         self.told: list[TuneTrial] = []
         self.study = optuna.create_study(
@@ -162,6 +163,14 @@ class _ValueSearch:
             "seed": options.seed,
             "batch": options.batch,
         }
+
+    def known(self, record: Any) -> tuple[dict[str, Any], Outcome]:
+        """The values of a trial, and what came of it."""
+        params, values, stands, message = record
+        goals = tuple(map(float, values))
+        if len(goals) not in (0, len(self.goals)) or any(map(isnan, goals)):
+            raise ValueError("it has other goals")
+        return dict(params), (goals, bool(stands), str(message))
 
     @staticmethod
     def range_of(one: Parameter) -> list[Any]:
@@ -221,14 +230,14 @@ class _ValueSearch:
 
     def outcome(self, trial: Any) -> Outcome:
         """What came of a trial in the run that was ended."""
-        params, goals, stands, message = self.kept[trial.number]
+        params, outcome = self.kept[trial.number]
         if params != trial.params:
             raise FormatError(
                 f"trial {trial.number} had other values than it gets now",
                 where=str(self.journal.path if self.journal else ""),
                 remedy="go on where it was begun, or name another file",
             )
-        return tuple(goals), bool(stands), str(message)
+        return outcome
 
 
 def told(made: Any) -> str:

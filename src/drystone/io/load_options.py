@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.io.load_parts import load_of_parts
@@ -139,7 +140,10 @@ def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
     InputError
         One cannot be read.
     """
-    each = [given] if isinstance(given, str | Mapping) else list(given)
+    each = [given] if isinstance(given, str | Mapping) else given
+    if not isinstance(each, list | tuple):
+        remedy = "give words, such as block-1:5kN, or parts as in our JSON"
+        raise InputError(f"is {shortened(repr(given), 60)}", where="load", remedy=remedy)
     cases = [
         load_of_words(one, assembly, gravity=gravity)
         if isinstance(one, str)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from drystone.base.errors import FormatError
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal
 from drystone.base.version import version
@@ -34,7 +33,7 @@ def _fingerprint(model: Structure) -> str:
 
 def _named(check: Any) -> str:
     """A name of a check function that is the same in the next run."""
-    if isinstance(check, functools.partial):
+    if isinstance(check, partial):
         return f"{_named(check.func)}{check.args}{sorted(check.keywords.items())}"
     return str(getattr(check, "__qualname__", type(check).__qualname__))
 
@@ -50,15 +49,8 @@ class Checkpoint:
 
     def __init__(self, path: PathLike, model: Structure) -> None:
         about = {"format": FORMAT, "version": version(), "model": _fingerprint(model)}
-        self._journal = Journal(path, about)
-        try:
-            self.known = {_stage(one): _answer(one) for one in self._journal.records}
-        except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
-            raise FormatError(
-                "the checkpoint has a record that is no answer",
-                where=str(self._journal.path),
-                remedy="remove it to start anew",
-            ) from error
+        self._journal = Journal(path, about, partial(_known, len(model.assembly)))
+        self.known = dict(self._journal.records)
 
     def add(self, part: Stage, found: StageAnswer) -> None:
         """Write an answer without its forces."""
@@ -76,19 +68,20 @@ class Checkpoint:
         self._journal.add([record])
 
 
-def _stage(record: Any) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16), bool(record["quick"]))
-
-
-def _answer(record: Any) -> StageAnswer:
-    return StageAnswer(
-        Verdict[record["verdict"]],
-        str(record["message"]),
-        tuple(int(b) for b in record["falling"]),
-        {int(b): np.array(wrench, dtype=np.float64) for b, wrench in record["reaction"].items()},
-        float(record["used"]),
-        settled=str(record["settled"]),
+def _known(blocks: int, record: Any) -> tuple[Stage, StageAnswer]:
+    """A stage of a model of so many blocks, and its answer."""
+    placed, held = (int(record[name], 16) for name in ("placed", "held"))
+    falling = tuple(map(int, record["falling"]))
+    reaction = {int(b): np.array(one, dtype=np.float64) for b, one in record["reaction"].items()}
+    if not 0 <= held <= placed < 2**blocks or {*falling, *reaction} - {*range(blocks)}:
+        raise LookupError("it has other blocks")
+    if any(one.shape != (6,) for one in reaction.values()):
+        raise ValueError("a reaction has six numbers")
+    message, settled, used = str(record["message"]), str(record["settled"]), float(record["used"])
+    answer = StageAnswer(
+        Verdict[record["verdict"]], message, falling, reaction, used, settled=settled
     )
+    return Stage(placed, held, bool(record["quick"])), answer
 
 
 __all__ = ["Checkpoint"]

@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
 
-from drystone.base.arrays import Floats, dot, frozen_floats
+from drystone.base.arrays import Floats, dot, frozen_points
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
@@ -97,7 +97,7 @@ def patch_from_mesh(
     weighted by inverse length (source: Floater 1997). The patch is the least-squares B-spline
     through it.
     """
-    points = frozen_floats(vertices, (None, 3), "vertices")
+    points = frozen_points(vertices, (None, 3), "vertices")
     points, loops, named = _welded(points, faces, corners)
     border = _border(loops, name)
     chosen = named if named is not None else _sharpest(points, border, name)

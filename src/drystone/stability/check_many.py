@@ -94,11 +94,11 @@ def check_many(
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop)
     chosen = CheckOptions.of(options)
-    journal = None if out is None else Journal(out, _about(chosen, each_s, how))
+    journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     rows: list[Row] = [] if journal is None else list(journal.records)
     total = len(models) if isinstance(models, Sized) else 0
     with WorkerPool(executor) as pool:
-        tasks = islice(_tasks(models, rows, (chosen, each_s, how)), len(rows), None)
+        tasks = islice(_tasks(models, rows, (chosen, each_s, how), out), len(rows), None)
         for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
             rows.append(row)
             if journal is not None:
@@ -116,8 +116,16 @@ def _about(options: CheckOptions, each_s: float, how: Mapping[str, Any]) -> dict
     return {"format": "drystone-verdicts", "version": version(), **asked}
 
 
+def _row(record: Any) -> Row:
+    """The row of a record."""
+    *plain, time_s = record
+    if [type(one) for one in plain] != [int, str, str, int, int, str, str]:
+        raise TypeError("it has other types")
+    return [*plain, float(time_s)]
+
+
 def _tasks(
-    models: Iterable[Given], earlier: Sequence[Row], rest: tuple[Any, ...]
+    models: Iterable[Given], earlier: Sequence[Row], rest: tuple[Any, ...], out: PathLike | None
 ) -> Iterator[Task]:
     """Each model ready to travel; those answered earlier are only compared by name."""
     for number, given in enumerate(models):
@@ -126,6 +134,7 @@ def _tasks(
             if earlier[number][1] != name:
                 raise InputError(
                     f"model {number} of the file is '{earlier[number][1]}', not '{name}'",
+                    where=str(out),
                     remedy="give the same models in the same order, or another file",
                 )
             yield number, name, ()

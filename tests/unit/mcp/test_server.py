@@ -272,6 +272,10 @@ def test_a_limit_of_load_needs_a_load(session: Session) -> None:
     push = [{"kind": "mass", "block": "block-2", "mass": 1.0}]
     assert "load: is not used" in session.refusal("limit", model=model, of="tilt", load=push)
     assert "of" in session.refusal("limit", model=model, of="thickness")
+    assert "load: is 1e+30; give words" in session.refusal(
+        "limit", model=model, of="load", load=1e30
+    )
+    assert len(session.refusal("limit", model=model, of="tilt", **{"x" * 2000: 1})) < 300
 
 
 def test_nothing_was_written_beside_the_models(session: Session, folder: Path) -> None:

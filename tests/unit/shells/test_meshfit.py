@@ -160,3 +160,11 @@ def test_a_file_without_faces_is_refused(tmp_path):
     path.write_text("v 0 0 0\nv 1 0 0\n")
     with pytest.raises(FormatError, match=r"points\.obj"):
         read_surface(path)
+
+
+def test_a_mesh_of_which_products_overflow_is_refused():
+    vertices, faces = net()
+    vertices = np.array(vertices)
+    vertices[0] = 1e308
+    with pytest.raises(InputError, match="give metres"):
+        patch_from_mesh(vertices, faces)
