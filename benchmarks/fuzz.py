@@ -15,6 +15,7 @@ that with an error.
 from __future__ import annotations
 
 import argparse
+import copy
 import faulthandler
 import io as text_io
 import json
@@ -28,6 +29,7 @@ import sys
 import tempfile
 import time
 import warnings
+import xml.etree.ElementTree as ET
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -42,7 +44,7 @@ from unittest import mock
 
 import numpy as np
 
-from benchmarks.solid_files import ifc_file, step_file
+from benchmarks.solid_files import ifc_file, step_file, wall_of_layers
 from drystone import io
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError
@@ -243,6 +245,9 @@ def samples() -> dict[str, list[bytes]]:
     for name, package in OUTSIDE.items():
         if find_spec(package.partition(".")[0]) is None:
             made.pop(name, None)
+    if "ifc" in made:
+        layers = [("granite", "stone", 0.2), ("brick", "brick", 0.3)]
+        made["ifc"].append(wall_of_layers(layers)[0].to_string().encode())
     made["stl"].append(_binary_stl(models[0]))
     made["compas-dem"] += [_analysis(data) for data in made["compas-dem"]]
     for name, files in SMALL.items():
@@ -292,6 +297,8 @@ def damaged(name: str, files: list[bytes], rng: random.Random) -> bytes:
         return _odd_archive(data, rng)
     if name.startswith(("drystone", "compas")) and rng.random() < 0.5:
         return _odd_json(data, rng)
+    if name in ("mjcf", "urdf", "dae") and rng.random() < 0.5:
+        return _odd_xml(data, rng)
     kinds: list[Callable[[bytes, random.Random], bytes]] = [_flip, _cut, _repeat, _swap]
     if name in WORDS or name.startswith(("drystone", "compas")):
         kinds += [_number, _number]
@@ -357,6 +364,28 @@ def _odd_json(data: bytes, rng: random.Random) -> bytes:
                 (None, True, -1, 0, 1.5, 10**30, "x", "", [], {}, [[]], float("nan"), [1e308] * 3)
             )
     return json.dumps(content).encode()
+
+
+def _odd_xml(data: bytes, rng: random.Random) -> bytes:
+    """Some elements of an XML file removed, doubled or moved, and values of theirs replaced."""
+    root = ET.fromstring(data)
+    for _ in range(rng.choice((1, 1, 2, 5))):
+        every = [one for one in root.iter() if len(one)]
+        holder = rng.choice(every)
+        one = rng.choice(list(holder))
+        action = rng.random()
+        if action < 0.1:
+            holder.remove(one)
+        elif action < 0.2:
+            rng.choice(every).append(copy.deepcopy(one))
+        elif one.attrib and action < 0.9:
+            key = rng.choice(list(one.attrib))
+            words = one.attrib[key].split() or [""]
+            words[rng.randrange(len(words))] = rng.choice((*AWKWARD, "", "2", "-0.5", "a", "b"))
+            one.attrib[key] = " ".join(words)
+        else:
+            one.text = rng.choice((*AWKWARD, "1 2 3"))
+    return ET.tostring(root)
 
 
 def _somewhere(content: Any, rng: random.Random) -> tuple[Any, Any]:

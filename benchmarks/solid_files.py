@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 
 from drystone import Block
 from drystone.geometry.polygon import area_vector
@@ -98,3 +102,49 @@ def ifc_file(elements: Sequence[tuple[str, str, Block, str]], unit: str = "$") -
     for whole, parts in walls.values():
         out.add(f"IFCRELAGGREGATES('r{whole[1:]}',$,$,$,{whole},({','.join(parts)}))")
     return out.file("IFC4")
+
+
+def wall_of_layers(
+    layers: list[tuple[str, str, float]], sense: str = "POSITIVE", offset: float = 0.0
+) -> tuple[Any, Any, Any, Any]:
+    """A wall of 2 x 0.5 x 1 m at (1, 2, 0), turned by 0.5 rad, as ifcopenshell makes it in mm.
+
+    Returns its file, the wall, its shape and the context. A layer has a material, its category and
+    a thickness [m].
+    """
+    api = importlib.import_module("ifcopenshell.api")
+    file = api.run("project.create_file", version="IFC4")
+    api.run("root.create_entity", file, ifc_class="IfcProject", name="p")
+    api.run("unit.assign_unit", file, length={"is_metric": True, "raw": "MILLIMETERS"})
+    model = api.run("context.add_context", file, context_type="Model")
+    body = api.run(
+        "context.add_context",
+        file,
+        context_type="Model",
+        context_identifier="Body",
+        target_view="MODEL_VIEW",
+        parent=model,
+    )
+    wall = api.run("root.create_entity", file, ifc_class="IfcWall", name="wall")
+    place = np.eye(4)
+    place[:2, :2] = [[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]]
+    place[:3, 3] = 1.0, 2.0, 0.0
+    api.run("geometry.edit_object_placement", file, product=wall, matrix=place)
+    size = {"length": 2.0, "height": 1.0, "thickness": 0.5, "offset": offset}
+    shape = api.run("geometry.add_wall_representation", file, context=body, **size)
+    api.run("geometry.assign_representation", file, product=wall, representation=shape)
+    if not layers:
+        return file, wall, shape, body
+    of = "IfcMaterialLayerSet"
+    several = api.run("material.add_material_set", file, name="layers", set_type=of)
+    for name, category, thickness in layers:
+        material = api.run("material.add_material", file, name=name, category=category)
+        one = api.run("material.add_layer", file, layer_set=several, material=material)
+        told = {"LayerThickness": 1000.0 * thickness}
+        api.run("material.edit_layer", file, layer=one, attributes=told)
+    usage = f"{of}Usage"
+    api.run("material.assign_material", file, products=[wall], type=usage, material=several)
+    (used,) = file.by_type(usage)
+    used.DirectionSense = sense
+    used.OffsetFromReferenceLine = 1000.0 * (offset if sense == "POSITIVE" else offset + 0.5)
+    return file, wall, shape, body

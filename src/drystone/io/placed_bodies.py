@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import QhullError
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import FARTHEST, Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
@@ -105,6 +105,8 @@ def shapes_of_bodies(
 def _united(body: PlacedBody, path: Path) -> DraftBlock | None:
     """One closed surface around the parts of a body; ``None`` where they make none."""
     points = np.concatenate([point for point, _ in body.parts])
+    if not (np.abs(points) <= FARTHEST).all():
+        return None  # it is refused with its vertex
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     solids = []
     for point, faces in body.parts:

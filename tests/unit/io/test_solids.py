@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import drystone
-from benchmarks.solid_files import ifc_file, step_file
+from benchmarks.solid_files import ifc_file, step_file, wall_of_layers
 from drystone import FormatError, MissingDependency, Verdict, check, io
 from drystone.io import ifc, step
 from drystone.models import box, tower
@@ -61,6 +62,51 @@ def test_elements_that_bear_are_blocks_and_a_wall_of_stones_its_stones(
     at = found.assembly.names.index("cap")
     assert found.assembly.blocks[at].centroid == pytest.approx(scale * cap.centroid)
     assert check(drystone.read(tmp_path / "model.ifc")).verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("sense", "offset"), [("POSITIVE", 0.0), ("NEGATIVE", 0.0), ("POSITIVE", -0.25)]
+)
+def test_layers_of_stone_of_a_wall_are_its_stones(
+    tmp_path: Path, sense: str, offset: float
+) -> None:
+    pytest.importorskip("ifcopenshell")
+    layers = [("granite", "stone", 0.1), ("rubble", "stone", 0.3), ("brickwork", "", 0.1)]
+    found = read(tmp_path, wall_of_layers(layers, sense, offset)[0].to_string(), ".ifc")
+    assert found.assembly.names == ("wall-0", "wall-1", "wall-2")
+    assert found.assembly.volume == pytest.approx([0.2, 0.6, 0.2], rel=1e-6)
+    across = np.array([-np.sin(0.5), np.cos(0.5), 0.0])
+    at = found.assembly.centroid @ across - np.array([1.0, 2.0, 0.0]) @ across
+    middle = [0.05, 0.25, 0.45] if sense == "POSITIVE" else [0.45, 0.25, 0.05]
+    assert at == pytest.approx(np.add(middle, offset))
+    assert any("parted into its layers of stone" in note for note in found.notes)
+    assert drystone.read(tmp_path / "model.ifc", supports="wall-1").contacts.count == 2
+
+
+def test_layers_of_other_materials_are_left_out_and_one_of_stone_is_the_wall(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("ifcopenshell")
+    cavity = [("brick", "brick", 0.1), ("wool", "insulation", 0.3), ("block", "block", 0.1)]
+    found = read(tmp_path, wall_of_layers(cavity)[0].to_string(), ".ifc")
+    assert found.assembly.volume == pytest.approx([0.2, 0.2], rel=1e-6)
+    assert any("1 layer of other materials left out" in note for note in found.notes)
+    plastered = [("plaster", "gypsum", 0.1), ("brick", "brick", 0.4)]
+    found = read(tmp_path, wall_of_layers(plastered)[0].to_string(), ".ifc")
+    assert found.assembly.names == ("wall",)
+    assert found.assembly.volume == pytest.approx([1.0], rel=1e-6)
+
+
+def test_solids_of_a_wall_are_its_stones(tmp_path: Path) -> None:
+    pytest.importorskip("ifcopenshell")
+    file, _, shape, body = wall_of_layers([])
+    api = pytest.importorskip("ifcopenshell.api")
+    more = {"length": 2.0, "height": 0.5, "thickness": 0.5, "offset": 0.5}
+    other = api.run("geometry.add_wall_representation", file, context=body, **more)
+    shape.Items = (*shape.Items, *other.Items)
+    found = read(tmp_path, file.to_string(), ".ifc").assembly
+    assert found.names == ("wall-0", "wall-1")
+    assert found.volume == pytest.approx([1.0, 0.5], rel=1e-6)
 
 
 @pytest.mark.parametrize("content", ["solid cube", ifc_file([])[:300], ifc_file([])])
