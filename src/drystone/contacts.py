@@ -190,8 +190,13 @@ class Contacts(OneLine):
 
     @cached_property
     def tributary(self) -> Floats:
-        """(k,) [m2], the share of the interface's area that belongs to each corner."""
-        return frozen(polygon.tributary_areas(self.point, self.start))
+        """(k,) [m2], the share of the interface's area that belongs to each corner.
+
+        A single point has the area for which it stands.
+        """
+        single = self.corners.counts[self.interface] == 1
+        share = polygon.tributary_areas(self.point, self.start)
+        return frozen(np.where(single, self.area[self.interface], share))
 
     @cached_property
     def corner_capacity(self) -> tuple[Floats, Floats, Floats]:

@@ -17,6 +17,8 @@ from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
 from drystone.geometry.pressure import peak_pressure
+from drystone.geometry.quadrature import face_points
+from drystone.geometry.slipping import pressed_points, slip_use
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9
@@ -24,6 +26,9 @@ LOADED = 1e-9
 HINGED = 0.99
 """From this share of the distance between centroid and rim on, a force counts as acting on the rim.
 From this share of the friction on, friction counts as fully used. Chosen."""
+
+TWISTED = 1e-3
+"""A smaller torque, by the friction of a face times the root of its area, is not counted."""
 
 _ON_EDGE = 1e-6
 """A force acts on the rim, within this share of the distance from the centroid: above rounding."""
@@ -155,7 +160,7 @@ def by_joint(
     return made, frozen(used)
 
 
-def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
     """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
     normal, tangential = resultants.normal, resultants.tangential
     capacity = bearable(contacts, normal)
@@ -167,6 +172,42 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
             tangential / np.where(capacity > 0.0, capacity, 1.0),
             np.where(loaded & (tangential > least), np.inf, 0.0),
         )
+    )
+
+
+def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
+
+    A dry face bears the torque that friction resists under a linear pressure that does not pull.
+    Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
+    """
+    used = sliding_use(contacts, resultants).copy()
+    normal = resultants.normal
+    bound = np.maximum(bearable(contacts, normal), 0.0)
+    turned = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
+    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    which = np.flatnonzero(turned & contacts.dry & (contacts.area > 0.0) & (bound > 0.0))
+    if len(which):
+        used[which] = np.maximum(used[which], _twisted_use(contacts, resultants, which))
+    return frozen(used)
+
+
+def _twisted_use(contacts: Contacts, resultants: Resultants, which: Ints) -> Floats:
+    """Force and torque by the largest that some faces (t,) resist under a linear pressure."""
+    origin, corners, _ = joint_sections(contacts)
+    part, row = contacts.corners.take(which)
+    points = face_points(corners[row], part.start)
+    axes = contacts.frame[which, 1:]
+    centre = np.einsum("mij,mj->mi", axes, resultants.position[which] - origin[which])
+    share = pressed_points(*points, centre)
+    bound = (contacts.friction * resultants.normal)[which]
+    owner = points.loops.owner
+    return slip_use(
+        points.loops,
+        points.place - centre[owner],
+        bound[owner] * share,
+        np.einsum("mij,mj->mi", axes, resultants.force[which]),
+        np.where(points.loops.sum(share) > 0.0, resultants.torque[which], 0.0),
     )
 
 

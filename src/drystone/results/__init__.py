@@ -3,6 +3,6 @@
 from drystone.answer import Verdict
 from drystone.checks import Residuals
 from drystone.results.result import Result
-from drystone.results.solution import Samples
+from drystone.results.solution import Samples, Sensitivity
 
-__all__ = ["Residuals", "Result", "Samples", "Verdict"]
+__all__ = ["Residuals", "Result", "Samples", "Sensitivity", "Verdict"]

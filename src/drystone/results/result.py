@@ -14,6 +14,7 @@ from drystone.assembly import Blocks
 from drystone.base.arrays import lengths, number
 from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
+from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
     ThrustLine,
     by_joint,
@@ -21,7 +22,7 @@ from drystone.joints import (
     on_an_edge,
     thrust_line,
 )
-from drystone.results.solution import Solution
+from drystone.results.solution import Sensitivity, Solution
 from drystone.results.stage import stage_of
 
 
@@ -54,6 +55,8 @@ class Result(Solution, Answer):
             return "Stands after settling: it depends on how the joints press"
         if self.samples.standing == self.samples.tried:
             return "Stands"
+        if self.sensitive_to == (Sensitivity.PRESSURE,):
+            return "Stands on the corners of its joints"
         tried, standing = self.samples.tried, self.samples.standing
         return f"Contact stiffness decides: stands for {standing} of {tried} tried"
 
@@ -65,7 +68,7 @@ class Result(Solution, Answer):
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
         if self.verdict is Verdict.STABLE and self.force is not None:
-            said += self._without_margin()
+            said += self._without_margin() + self._on_corners()
         return [one for one in said if one.text]
 
     def _without_margin(self) -> list[Sentence]:
@@ -81,6 +84,22 @@ class Result(Solution, Answer):
             Sentence(
                 f"the margin is zero: '{names[block]}' stands exactly above an edge of its joint"
                 f" with '{names[other]}'{more}; the least push overturns it"
+            )
+        ]
+
+    def _on_corners(self) -> list[Sentence]:
+        """What carries more torsion than pressure spread over its face does."""
+        joints = self.contacts.joints
+        _, used = by_joint(self.contacts, self.resultants, self.utilisation)
+        used = np.where(np.isfinite(used), used, 0.0)
+        if not used.max(initial=0.0) > 1.0 + ACCURATE:
+            return []
+        at, names = int(np.argmax(used)), self.assembly.names
+        pair = f"'{names[joints.block_a[at]]}' and '{names[joints.block_b[at]]}'"
+        return [
+            Sentence(
+                f"the joint of {pair} needs its corners: it turns with {100.0 * used[at]:.0f} % of"
+                " what pressure spread over its face carries"
             )
         ]
 
@@ -105,6 +124,7 @@ class Result(Solution, Answer):
             "method": self.method,
             "message": self.message,
             "sensitive": self.sensitive,
+            "sensitive_to": self.sensitive_to,
             "settlement": [
                 {"carrier": path.carrier, "outcome": path.outcome, "travel": path.travel.max()}
                 for path in getattr(self.settlement, "paths", ())
@@ -152,8 +172,11 @@ class Result(Solution, Answer):
 
     @property
     def sensitive(self) -> bool:
-        """Whether it stands only for some contact stiffnesses, or only after settling."""
-        some = self.samples.standing < self.samples.tried
+        """Whether it stands only for some contact stiffnesses, or only after settling.
+
+        :attr:`sensitive_to` has what it depends on.
+        """
+        some = self.samples.standing < self.samples.tried or bool(self.sensitive_to)
         return self.stable and (some or self.settlement is not None)
 
     def __bool__(self) -> bool:
@@ -195,7 +218,8 @@ class Result(Solution, Answer):
         torque [N m]
             About the normal, on block b, at the centre of pressure.
         friction_use
-            Tangential over friction times normal: 1 slides.
+            Force and torque in the plane by what friction resists under a linear pressure: 1
+            slides, more needs the corners.
         eccentricity [m]
             Distance of the centre of pressure from the centroid of the joint.
         kern_ratio

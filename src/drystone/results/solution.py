@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,6 +17,19 @@ from drystone.checks import Residuals
 from drystone.joints import Resultants, resultants_of, utilisation_of, world_forces
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
+
+
+class Sensitivity(enum.StrEnum):
+    """What a verdict depends on beside shapes, loads and friction."""
+
+    JOINTS = "the stiffness between joints"
+    """Which of them press more."""
+    PRESSURE = "the pressure within joints"
+    """It needs forces at their corners: spread over the faces they do not hold it."""
+    SHEAR = "the shear stiffness of the joints"
+    """How stiff they are along their faces, by their stiffness across."""
+    ENDS = "the ends of the faces"
+    """Which block carries them, where both faces end flush."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +68,8 @@ class Solution(OfModel, OneLine):
         Wrench that a prop would have to supply to each block.
     falling
         Positions of the blocks that fall; in the penalty form those that need help, neediest first.
+    sensitive_to
+        What the verdict depends on; of what stands, only as far as it was asked.
     eta
         Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
     settlement
@@ -77,6 +93,7 @@ class Solution(OfModel, OneLine):
     prop: Floats | None = None
     falling: tuple[int, ...] = ()
     samples: Samples = field(default_factory=Samples)
+    sensitive_to: tuple[Sensitivity, ...] = ()
     residuals: Residuals | None = None
     eta: float | None = None
     stopped: str = ""
@@ -111,5 +128,8 @@ class Solution(OfModel, OneLine):
 
     @cached_property
     def utilisation(self) -> Floats:
-        """Friction utilisation (m,): tangential over friction times normal resultant, 0 to 1."""
+        """Share (m,) of the force and torque that each interface can bear along its face.
+
+        See :func:`drystone.joints.utilisation_of`: above 1 it needs forces at its corners.
+        """
         return utilisation_of(self.contacts, self.resultants)

@@ -18,10 +18,12 @@ from drystone.formulations.nearest_mechanism import (
     NearestMechanism,
     nearest_mechanism,
 )
+from drystone.joints import resultants_of, sliding_use, utilisation_of
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
+from drystone.mechanics.spread import spread
 from drystone.model import Model
-from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 from drystone.settlement import Settlement
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
@@ -37,7 +39,9 @@ from drystone.stability.proofs import (
     sound_mechanism,
 )
 
-SENSITIVE = "sensitive to how the joints press"
+MUCH, TWISTED = 0.5, 0.01
+"""Use of a joint, and the part of it that is torsion, from which on points are spread over the
+faces that turn."""
 
 
 @dataclass(eq=False)
@@ -51,6 +55,10 @@ class Asked:
         The mechanism nearest to free fall, once it is known.
     tried
         The answer of each contact stiffness, the uniform one first.
+    sensitive_to
+        What the answer is known to depend on.
+    spread
+        The one of them that carries on points spread over the faces, where that may matter.
     steps
         Of all calculations.
     balances
@@ -65,6 +73,8 @@ class Asked:
     progress: Progress | None = None
     nearest: NearestMechanism | None = None
     tried: tuple[Candidate, ...] = ()
+    sensitive_to: frozenset[Sensitivity] = frozenset()
+    spread: Candidate | None = None
     steps: int = 0
     balances: bool = False
     stage: str = "rest state"
@@ -75,6 +85,21 @@ class Asked:
             self.stage = stage
         if self.progress is not None:
             self.progress(stage, done, 3 + self.options.samples)
+
+    def depends_on(self, what: Sensitivity) -> None:
+        """Keep what the answer depends on."""
+        self.sensitive_to |= {what}
+
+    @property
+    def sensitive(self) -> str:
+        """What the answer depends on, in words."""
+        those = [one.value for one in self.reasons] or [Sensitivity.JOINTS.value]
+        return f"sensitive to {' and '.join(those)}"
+
+    @property
+    def reasons(self) -> tuple[Sensitivity, ...]:
+        """What the answer depends on, in their order."""
+        return tuple(one for one in Sensitivity if one in self.sensitive_to)
 
     def attempt(self, springs: Compliance | None = None) -> Attempt:
         """The try of some springs, of uniform ones by default."""
@@ -101,7 +126,31 @@ class Asked:
         task = partial(_attempted, self.problem, self.clock, known)
         for number, found in enumerate(pool.answers(task, springs, self.clock.late), start=1):
             self.count(found)
+            if not (found.stands or self.clock.late()):
+                self.depends_on(Sensitivity.SHEAR if number == 1 else Sensitivity.JOINTS)
             self.report("stiffness samples", min(2 + number, 2 + options.samples))
+
+    def try_spread(self, rest: Candidate) -> Model | None:
+        """Try springs on points spread over the faces, where torsion may need their corners.
+
+        Returns the model with these points where they do not hold it.
+        """
+        model = self.problem.model
+        resultants = resultants_of(model.contacts, rest.force)
+        used = utilisation_of(model.contacts, resultants)
+        twisted = used > sliding_use(model.contacts, resultants) + TWISTED
+        if not (twisted & (used > MUCH)).any():
+            return None
+        model = model.with_contacts(spread(model.contacts, twisted))
+        problem = Problem.build(model)
+        attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
+        found = attempt.begun_at(rest.displacement)
+        self.spread = attempt.from_nothing() if found is None else found
+        self.count(self.spread)
+        if self.spread.stands or self.clock.late():
+            return None
+        self.depends_on(Sensitivity.PRESSURE)
+        return model
 
     @cached_property
     def collapse(self) -> Floats | None:
@@ -157,12 +206,8 @@ class Asked:
         self, rest: Candidate, words: str = "", settlement: Settlement | None = None
     ) -> Result:
         """STABLE with a rest state in place."""
-        tried, stood = len(self.tried), sum(one.stands for one in self.tried)
-        words = words or "stands"
-        if settlement is None and tried > 2:
-            words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
-            if stood < tried:
-                words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
+        words = words or self.stands()
+        tried = len(self.tried)
         left = 1 + self.options.samples - tried
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"
@@ -174,6 +219,16 @@ class Asked:
             residuals=rest.residuals,
             settlement=settlement,
         )
+
+    def stands(self) -> str:
+        """How far it stands whichever joints press more, and not on their corners only."""
+        tried, stood = len(self.tried), sum(one.stands for one in self.tried)
+        if stood < tried:
+            return f"stands for {stood} of {tried} contact stiffnesses tried: {self.sensitive}"
+        if tried <= 2:
+            return "stands"
+        spread = "" if self.spread is None else ", one with pressure spread over the faces"
+        return f"stands, whichever joints press more ({tried} contact stiffnesses tried{spread})"
 
     def settles(self, found: Settlement, words: str) -> Result:
         """STABLE after settling: forces on the moved blocks, in the axes of the first joints.
@@ -254,6 +309,7 @@ class Asked:
             message=message,
             samples=Samples(len(self.tried), sum(one.stands for one in self.tried)),
             stopped=self.clock.reason,
+            sensitive_to=self.reasons if verdict is not Verdict.UNSTABLE else (),
             options=self.options,
             solver="rest state by interior points",
             iterations=self.steps,

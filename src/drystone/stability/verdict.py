@@ -29,7 +29,7 @@ from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, SettlementOptions
 from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.asked import SENSITIVE, Asked
+from drystone.stability.asked import Asked
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.free_fall import (
@@ -179,11 +179,14 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     if felt is not None:
         return asked.stable(felt)
     follows = options.settle and problem.statics.dry
+    spread: Model | None = None
     if uniform.stands:
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
             asked.try_others(pool, max(options.samples, int(follows)), uniform)
+        if problem.statics.dry and options.samples and not late():
+            spread = asked.try_spread(uniform)
         if late() or not (follows and _doubtful(asked, uniform)):
-            return asked.stable(uniform)
+            return asked.stable(uniform, _on_faces(asked, spread if follows else None))
     elif options.uniform or not follows:
         if not options.uniform:
             asked.try_others(pool, SAMPLES if options.settle else options.samples)
@@ -251,6 +254,23 @@ def _doubtful(asked: Asked, rest: Candidate) -> bool:
     return not closing[falling].all()
 
 
+def _on_faces(asked: Asked, spread: Model | None) -> str:
+    """What stands on the corners of its joints, and what it does on points spread over the faces.
+
+    Parameters
+    ----------
+    asked
+    spread
+        The model with these points, where its springs do not hold it.
+    """
+    words = asked.stands()
+    if spread is None:
+        return words
+    found = settle_for_verdict(spread, options=asked.options.settlement, stop=asked.clock.late)
+    asked.steps += sum(path.iterations for path in found.paths)
+    return f"{words}; with pressure spread over the faces {found.message}"
+
+
 def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     """A rest state where blocks feel little, or much more than their load, if there is one.
 
@@ -301,7 +321,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         stood, tried = sum(one.stands for one in asked.tried), len(asked.tried)
         if stood < tried:
             held = f"{stood} of {tried} contact stiffnesses tried would hold it in place"
-    words = f"{found.message}; {held}: {SENSITIVE}"
+    words = f"{found.message}; {held}: {asked.sensitive}"
     if found.outcome is Outcome.RESTS:
         if not uniform.stands or hardly:
             return asked.settles(found, words)
@@ -319,7 +339,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
             return replace(freely, settlement=found)
     elif not uniform.stands and asked.balances:
         reached = "forces could balance the loads, but the loads alone do not bring them about"
-        words = f"{reached}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
+        words = f"{reached}; {found.message}; shims or prestress might hold it: {asked.sensitive}"
     motion = next(asked.first_motions(), None)
     if motion is None and not uniform.stands:
         asked.try_others(pool, SAMPLES)

@@ -1,0 +1,189 @@
+"""Points that stand for a polygon as a pressed face: its corners, and points inside.
+
+The corners of a face carry forces about its edges as the whole face does, but they overstate its
+torsion: a square turned under a uniform pressure resists with 0.54 times what its corners would.
+Points inside carry it.
+
+A polygon is cut into cells around its centre. Each cell stands at its centroid with its area. The
+cells alone have too small a second moment, ``sum a r^2 < integral r^2``. A share of all
+areas goes to the corners such that it is that of the polygon. Cells are made smaller until the
+torsion ``integral r dA`` is right about the centroid, and about poles half way to the farthest
+corner and to the middle of the edge after it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints, dot, lengths
+from drystone.base.ragged import Ragged
+from drystone.geometry.kern import sections
+from drystone.geometry.polygon import tributary_areas
+from drystone.geometry.triangulate import triangulate
+
+ACCURATE = 0.02
+"""Largest error of the torsion of a face, by its own. Chosen."""
+
+FINENESS = (0.7, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0)
+"""Cells between the centroid and the farthest corner, from few to many. Chosen: 3 are enough for a
+strip of a hundredth of its length."""
+
+
+class FacePoints(NamedTuple):
+    """Points of m polygons, polygon after polygon: their corners first, then those inside.
+
+    Attributes
+    ----------
+    loops : Ragged
+        Points of each polygon.
+    place : (p, 2) [m]
+    area : (p,) [m2]
+    """
+
+    loops: Ragged
+    place: Floats
+    area: Floats
+
+
+def face_points(corners: Floats, start: Ints) -> FacePoints:
+    """The points that stand for plane polygons.
+
+    Parameters
+    ----------
+    corners : (l, 2) [m]
+        Counter-clockwise, of simple polygons.
+    start : (m + 1,)
+        Polygon i has the corners ``start[i]`` to ``start[i + 1]``, three or more.
+
+    Examples
+    --------
+    A square of side 1 carries 0.3826 times its area in torsion about its centroid:
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> found = face_points(square, np.array([0, 4]))
+    >>> away = np.hypot(*(found.place - 0.5).T)
+    >>> len(away), float(found.area.sum().round(6)), float((found.area @ away).round(4))
+    (20, 1.0, 0.3882)
+    """
+    loops = Ragged(start)
+    if not len(loops):
+        return FacePoints(loops, corners, np.zeros(0))
+    made = sections(corners, start)
+    area, middle = made.area, made.centroid
+    reach = loops.max(lengths(corners - middle[loops.owner]))
+    far = _first_at(loops, lengths(corners - middle[loops.owner]), reach)
+    side = 0.5 * (corners[far] + corners[loops.following[far]])
+    poles = np.stack([middle, 0.5 * (middle + corners[far]), 0.5 * (middle + side)])
+    exact = [_torsion(corners, loops, pole) for pole in poles]
+    polar = area * np.trace(made.inertia, axis1=1, axis2=2)
+    share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), start)
+    share *= (area / loops.sum(share))[loops.owner]
+    pieces, piece_of = _star_shaped(corners, loops)
+    parts: dict[int, tuple[Floats, Floats]] = {}
+    open_ = np.arange(len(loops))
+    for fine in FINENESS:
+        cells, place, weight = _cells(pieces, piece_of, open_, reach / fine)
+        mine, row = loops.take(open_)
+        offset = corners[row] - middle[open_][mine.owner]
+        inner = place - middle[open_][cells.owner]
+        of_cells = cells.sum(weight * (inner**2).sum(axis=1))
+        of_corners = mine.sum(share[row] * (offset**2).sum(axis=1))
+        moved = np.clip((polar[open_] - of_cells) / (of_corners - of_cells), 0.0, 1.0)
+        rim, inside = share[row] * moved[mine.owner], weight * (1.0 - moved)[cells.owner]
+        right = np.ones(len(open_), dtype=bool)
+        for pole, whole in zip(poles, exact, strict=True):
+            here = pole[open_]
+            found = mine.sum(rim * lengths(corners[row] - here[mine.owner]))
+            found = found + cells.sum(inside * lengths(place - here[cells.owner]))
+            right &= np.abs(found - whole[open_]) <= ACCURATE * whole[open_]
+        for i in np.flatnonzero(right | (fine == FINENESS[-1])).tolist():
+            both = np.concatenate([corners[loops[int(open_[i])]], place[cells[i]]])
+            parts[int(open_[i])] = both, np.concatenate([rim[mine[i]], inside[cells[i]]])
+        open_ = open_[~right]
+        if not len(open_):
+            break
+    places, areas = zip(*(parts[i] for i in range(len(loops))), strict=True)
+    return FacePoints(Ragged.of(places), np.concatenate(places), np.concatenate(areas))
+
+
+def _first_at(loops: Ragged, values: Floats, wanted: Floats) -> Ints:
+    """(m,) the first row of each polygon with the wanted value."""
+    rows = np.flatnonzero(values >= wanted[loops.owner])
+    return rows[np.searchsorted(loops.owner[rows], np.arange(len(loops)))]
+
+
+def _turned(a: Floats, b: Floats) -> Floats:
+    """(l,) cross products of plane vectors."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _torsion(corners: Floats, loops: Ragged, pole: Floats) -> Floats:
+    """(m,) integrals of the distance to a pole, edge by edge: ``h^3 / 3 integral sec^3``."""
+    local = corners - pole[loops.owner]
+    after = local[loops.following]
+    edge = after - local
+    long = np.maximum(lengths(edge), 1e-300)
+    height = _turned(local, edge) / long
+    safe = np.where(height == 0.0, 1.0, np.abs(height))
+
+    def primitive(along: Floats) -> Floats:
+        rise = along / safe
+        return rise * np.sqrt(1.0 + rise**2) + np.arcsinh(rise)
+
+    ends = (dot(after, edge) / long, dot(local, edge) / long)
+    each = height**3 / 6.0 * (primitive(ends[0]) - primitive(ends[1]))
+    return np.asarray(loops.sum(np.where(height == 0.0, 0.0, each)))
+
+
+def _star_shaped(corners: Floats, loops: Ragged) -> tuple[list[Floats], Ints]:
+    """Convex polygons as they are, others as triangles; and the polygon of each piece."""
+    local = corners[loops.following] - corners
+    turn = _turned(local, local[loops.following])
+    convex = loops.min(turn) >= 0.0
+    pieces = [corners[loops[int(i)]] for i in np.flatnonzero(convex)]
+    owner = np.flatnonzero(convex)
+    part, row = loops.take(~convex)
+    if len(part):
+        bent = corners[row]
+        triangle, of = triangulate(np.pad(bent, ((0, 0), (0, 1))), part.start)
+        pieces += list(bent[triangle])
+        owner = np.concatenate([owner, np.flatnonzero(~convex)[of]])
+    order = np.argsort(owner, kind="stable")
+    return [pieces[i] for i in order.tolist()], owner[order]
+
+
+def _cells(
+    pieces: list[Floats], piece_of: Ints, polygons: Ints, size: Floats
+) -> tuple[Ragged, Floats, Floats]:
+    """Cells of some polygons (t,) that are no longer than a size (m,): middles (p, 2), areas (p,).
+
+    Each piece is a fan of triangles about the mean of its corners. These are divided into rings,
+    and the rings along the edge. A cell stands at its centroid.
+    """
+    position = np.full(len(size), -1)
+    position[polygons] = np.arange(len(polygons))
+    chosen = np.flatnonzero(position[piece_of] >= 0)
+    loops = Ragged.of([pieces[int(i)] for i in chosen])
+    corner = np.concatenate([pieces[int(i)] for i in chosen])
+    middle = loops.mean(corner)[loops.owner]
+    owner = position[piece_of[chosen]][loops.owner]
+    along, out = corner[loops.following] - corner, corner - middle
+    ray = np.maximum(lengths(out), lengths(out + along))
+    rings, arcs = (
+        np.maximum(np.ceil(way / size[polygons][owner] - 1e-9), 1.0).astype(np.intp)
+        for way in (ray, lengths(along))
+    )
+    parts = Ragged.from_counts(rings * arcs)
+    part = parts.owner
+    number = np.arange(parts.rows) - parts.first[part]
+    begin, end = (
+        (number // arcs[part] + step) / rings[part] for step in (0, 1)
+    )  # of the way from the mean of the corners to the edge
+    grown = end**2 - begin**2
+    ring = 2.0 / 3.0 * (end**3 - begin**3) / grown
+    arc = (number % arcs[part] + 0.5) / arcs[part]
+    place = middle[part] + ring[:, None] * (out[part] + arc[:, None] * along[part])
+    area = 0.5 * _turned(out, along)[part] * grown / arcs[part]
+    return Ragged.from_owners(owner[part], len(polygons)), place, area

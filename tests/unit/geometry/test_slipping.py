@@ -1,0 +1,65 @@
+"""Force and torque that friction resists, against other ways to find them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from drystone.base.ragged import Ragged
+from drystone.geometry.slipping import pressed_points, slip_use
+
+
+def by_program(place: np.ndarray, bound: np.ndarray, force: np.ndarray, torque: float) -> float:
+    """The largest multiple by a linear program with 64 directions of friction."""
+    angle = 2.0 * np.pi * np.arange(64) / 64
+    way = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    count = len(place)
+    columns = np.repeat(place, 64, axis=0), np.tile(way, (count, 1))
+    turn = columns[0][:, 0] * columns[1][:, 1] - columns[0][:, 1] * columns[1][:, 0]
+    balance = np.vstack([columns[1].T, turn, np.zeros(0).reshape(0, 64 * count)])
+    left = np.column_stack([balance, [-force[0], -force[1], -torque]])
+    sums = np.kron(np.eye(count), np.ones(64))
+    found = linprog(
+        np.append(np.zeros(64 * count), -1.0),
+        A_ub=np.column_stack([sums, np.zeros(count)]),
+        b_ub=bound,
+        A_eq=left,
+        b_eq=np.zeros(3),
+    )
+    return float(-found.fun)
+
+
+def test_the_largest_multiple_is_that_of_a_linear_program() -> None:
+    rng = np.random.default_rng(3)
+    place, bound = rng.normal(size=(12, 2)), rng.uniform(0.1, 1.0, 12)
+    for _ in range(5):
+        force, torque = rng.normal(size=2), float(rng.normal())
+        used = slip_use(Ragged.from_counts([12]), place, bound, force[None], np.array([torque]))
+        assert 1.0 / used[0] == pytest.approx(by_program(place, bound, force, torque), rel=3e-3)
+
+
+def test_what_carries_nothing_is_not_used() -> None:
+    none = slip_use(
+        Ragged.from_counts([2, 2]),
+        np.array([[0.0, 0.0], [1.0, 0.0]] * 2),
+        np.array([0.0, 0.0, 1.0, 1.0]),
+        np.array([[1.0, 0.0], [0.0, 0.0]]),
+        np.zeros(2),
+    )
+    assert none.tolist() == [0.0, 0.0]
+
+
+def test_pressure_is_linear_and_does_not_pull() -> None:
+    at = np.linspace(0.05, 0.95, 10)
+    place = np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2)
+    centre = np.array([[0.2, 0.5], [0.5, 0.5], [3.0, 0.5]])
+    loops = Ragged.from_counts([100, 100, 100])
+    share = pressed_points(loops, np.tile(place, (3, 1)), np.full(300, 0.01), centre)
+    tipped, even, outside = share.reshape(3, 100)
+    assert (share >= 0.0).all()
+    assert tipped.sum() == pytest.approx(1.0)
+    assert tipped @ place == pytest.approx(centre[0])
+    assert (tipped[place[:, 0] > 0.7] == 0.0).all()
+    assert even == pytest.approx(np.full(100, 0.01))
+    assert not outside.any()

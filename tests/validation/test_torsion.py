@@ -1,0 +1,200 @@
+"""Friction of faces that turn, against closed forms for a uniform pressure.
+
+Each limit is held by the utilisation, by the word robust below it and sensitive above it, and by
+what the message says.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check
+from drystone.models import prism, tower
+from drystone.results import Sensitivity
+
+FRICTION = 0.5
+SQUARE = (np.sqrt(2.0) + np.arcsinh(1.0)) / 6.0
+"""Mean distance of the points of a unit square from its centre."""
+
+
+def regular(count: int, radius: float) -> np.ndarray:
+    angle = 2.0 * np.pi * np.arange(count) / count
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def rectangle(x: tuple[float, float], z: tuple[float, float]) -> list[tuple[float, float]]:
+    return [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])]
+
+
+def standing(floor: list[Block], above: list[Block]) -> Model:
+    """Blocks on supports whose faces are in the plane y = 0, with gravity along -y."""
+    assembly = Assembly((*floor, *above), np.arange(len(floor) + len(above)) < len(floor))
+    down = LoadCase.gravity(assembly, direction=(0.0, -1.0, 0.0))
+    return Model.of(assembly, friction=FRICTION, load=down)
+
+
+def plate(section: object, name: str = "plate") -> Block:
+    return prism(np.asarray(section), (0.0, 0.2), name)
+
+
+def ground(section: object, name: str = "ground") -> Block:
+    return prism(np.asarray(section), (-0.2, 0.0), name)
+
+
+WIDE = rectangle((-9.0, 9.0), (-9.0, 9.0))
+
+
+def loaded(model: Model, wrench: object, block: int = -1) -> Model:
+    """A model with one more wrench (6,) on a block."""
+    total = np.array(model.load.wrench)
+    total[block] += np.asarray(wrench)
+    return model.with_load(LoadCase(total))
+
+
+def weight(model: Model) -> float:
+    return float(-model.load.wrench[-1, 1])
+
+
+def asked(model: Model) -> Result:
+    return check(model, options=CheckOptions.robust())
+
+
+def holds_up_to(model: Model, wrench: object, limit: float, within: float = 0.02) -> None:
+    """A multiple of a wrench on the last block is carried by pressure spread over the faces."""
+    at_limit = asked(loaded(model, limit * np.asarray(wrench)))
+    assert at_limit.utilisation.max() == pytest.approx(1.0, abs=within)
+    below = asked(loaded(model, (1.0 - within - 0.005) * limit * np.asarray(wrench)))
+    above = asked(loaded(model, (1.0 + within + 0.005) * limit * np.asarray(wrench)))
+    assert below.stable
+    assert not below.sensitive
+    assert "spread over the faces" in below.message
+    assert above.stable
+    assert above.sensitive
+    assert above.sensitive_to == (Sensitivity.PRESSURE,)
+    assert "with pressure spread over the faces it falls" in above.message
+
+
+TORQUE = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+
+
+def test_a_square_turns_on_uniform_pressure() -> None:
+    side = 1.3
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, side), (0.0, side)))])
+    limit = FRICTION * weight(model) * side * SQUARE
+    holds_up_to(model, TORQUE, limit)
+    # its corners carry up to mu W b / sqrt 2
+    corners = FRICTION * weight(model) * side / np.sqrt(2.0)
+    assert check(loaded(model, 0.999 * corners * TORQUE)).stable
+    assert check(loaded(model, 1.001 * corners * TORQUE)).falls
+
+
+def test_a_disc_of_24_sides() -> None:
+    radius, half = 0.7, np.pi / 24.0
+    model = standing([ground(WIDE)], [plate(regular(24, radius))])
+    tangent, apothem = np.tan(half), radius * np.cos(half)
+    arm = apothem / 3.0 * (1.0 / np.cos(half) + np.arcsinh(tangent) / tangent)
+    assert arm == pytest.approx(2.0 / 3.0 * radius, rel=0.01)
+    holds_up_to(model, TORQUE, FRICTION * weight(model) * arm)
+
+
+def test_a_ring() -> None:
+    outer, inner = regular(24, 1.0), regular(24, 0.6)
+    turn = [*range(24), 0]
+    parts = [
+        ground([inner[i], inner[j], outer[j], outer[i]], f"ground {i}") for i, j in pairwise(turn)
+    ]
+    model = standing(parts, [plate(regular(24, 1.2))])
+    arm = 2.0 / 3.0 * (1.0 - 0.6**3) / (1.0 - 0.6**2) * 0.9943  # of 24 sides
+    limit = FRICTION * weight(model) * arm
+    # each face by itself resists force and torque in another proportion than the whole
+    below = asked(loaded(model, 0.97 * limit * TORQUE))
+    assert below.utilisation.max() > 1.0
+    assert Sensitivity.PRESSURE not in below.sensitive_to
+    above = asked(loaded(model, 1.01 * limit * TORQUE))
+    assert Sensitivity.PRESSURE in above.sensitive_to
+
+
+def test_two_feet() -> None:
+    feet = [ground(rectangle((x, x + 0.2), (0.0, 0.2)), f"foot {x}") for x in (0.0, 0.8)]
+    model = standing(feet, [plate(rectangle((0.0, 1.0), (0.0, 0.2)))])
+    x, z = np.meshgrid(np.linspace(0.3005, 0.4995, 200), np.linspace(-0.0995, 0.0995, 200))
+    arm = float(np.hypot(x, z).mean())
+    below = asked(loaded(model, 0.85 * FRICTION * weight(model) * arm * TORQUE))
+    assert below.stable
+    assert not below.sensitive
+    above = asked(loaded(model, 1.005 * FRICTION * weight(model) * arm * TORQUE))
+    assert Sensitivity.PRESSURE in above.sensitive_to
+
+
+def test_a_bar_that_is_pulled_across_at_its_end() -> None:
+    long = 2.0
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, long), (0.0, 0.02)))])
+    pull = np.array([0.0, 0.0, 1.0, -0.1, -0.5 * long, 0.0])  # at the height of the ground
+    limit = (np.sqrt(2.0) - 1.0) * FRICTION * weight(model)
+    holds_up_to(model, pull, limit)
+    corners = 0.5 * FRICTION * weight(model)
+    assert check(loaded(model, 0.999 * corners * pull)).stable
+    assert check(loaded(model, 1.01 * corners * pull)).falls
+
+
+def test_a_lever_on_a_slope() -> None:
+    """A bar across a slope, pulled down at its end: half of the friction is used by its weight."""
+    long = 2.0
+    flat = standing([ground(WIDE)], [plate(rectangle((0.0, long), (0.0, 0.02)))])
+    slope = np.arctan(0.5 * FRICTION)
+    down = (0.0, -np.cos(slope), np.sin(slope))
+    model = flat.with_load(LoadCase.gravity(flat.assembly, direction=down))
+    along, half = model.load.wrench[-1, 2], 0.5 * long
+    per_length = FRICTION * weight(model) / long
+    # pole at p from the middle: 2 q p = V + F, and q (h^2 - p^2) = F h
+    pole = np.roots([per_length, 2.0 * per_length * half, -(per_length * half**2 + along * half)])
+    limit = 2.0 * per_length * float(pole.max()) - along
+    assert 0.0 < limit < FRICTION * weight(model) - along
+    # the tilt moves the pressure, by half of the height of the bar, beyond its width
+    low = loaded(model, [0.0, 0.0, 0.0, -0.1 * along, 0.0, 0.0])
+    holds_up_to(low, [0.0, 0.0, 1.0, -0.1, -half, 0.0], limit, within=0.05)
+
+
+def test_an_eccentric_load_with_a_torque() -> None:
+    """A linear pressure from zero to twice the mean, about the centre of pressure."""
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, 1.0), (0.0, 1.0)))])
+    at = (np.arange(400) + 0.5) / 400.0
+    x, z = np.meshgrid(at, at, indexing="ij")
+    arm = float((2.0 * x * np.hypot(x - 2.0 / 3.0, z - 0.5)).mean())
+    # the weight acts a sixth of the side off the middle
+    tipped = loaded(model, [0.0, 0.0, 0.0, 0.0, 0.0, -weight(model) / 6.0])
+    holds_up_to(tipped, TORQUE, FRICTION * weight(model) * arm)
+
+
+def test_a_stack_that_is_twisted_in_the_middle() -> None:
+    model = Model.of(tower(4), friction=FRICTION)
+    block = float(-model.load.wrench[-1, 2])
+    # the joint under the block that is twisted carries all, those above nothing
+    limit = FRICTION * 2.0 * block * SQUARE
+    turned = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    below = asked(loaded(model, 0.97 * limit * turned, block=2))
+    above = asked(loaded(model, 1.03 * limit * turned, block=2))
+    assert below.stable
+    assert not below.sensitive
+    assert above.sensitive_to == (Sensitivity.PRESSURE,)
+    assert above.utilisation.argmax() == 1
+
+
+def test_without_torsion_no_points_are_spread() -> None:
+    result = asked(Model.of(tower(4), friction=FRICTION))
+    assert result.samples.tried == 5
+    assert "spread" not in result.message
+
+
+def test_what_needs_its_corners_says_so_without_being_asked_for_more() -> None:
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, 1.0), (0.0, 1.0)))])
+    result = check(loaded(model, 1.3 * FRICTION * weight(model) * SQUARE * TORQUE))
+    assert result.stable
+    assert result.utilisation.max() == pytest.approx(1.3, abs=0.03)
+    said = [one.text for one in result.sentences()]
+    assert any("the joint of 'ground' and 'plate' needs its corners" in one for one in said)
+    robust = asked(result.model)
+    assert robust.title == "Stands on the corners of its joints"
