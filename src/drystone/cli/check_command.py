@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from drystone.results import Result
 
 
-def solve(model: Model, waiting: Waiting, time_limit: float | None, robust: bool = False) -> Result:
+def solve(
+    model: Model,
+    waiting: Waiting,
+    time_limit: float | None,
+    robust: bool = False,
+    ends: str | None = None,
+) -> Result:
     """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.
 
     With ``robust`` other contact stiffnesses are tried as well.
@@ -28,8 +34,8 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None, robust: bool
 
     waiting.stage("solve", "solving")
     with waiting.keywords(time_limit) as common:
-        options = CheckOptions.robust() if robust else None
-        result = check(model, options=options, **common)
+        options = CheckOptions.robust() if robust else CheckOptions()
+        result = check(model, options=options.with_ends(ends), **common)
     waiting.end_stage()
     return result
 
@@ -54,6 +60,7 @@ def check(
             expert=True,
         ),
     ] = False,
+    ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
@@ -65,7 +72,7 @@ def check(
     """
     model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
-    result = solve(model, waiting, time_limit, strict)
+    result = solve(model, waiting, time_limit, strict, ends)
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,

@@ -54,6 +54,7 @@ def settle(
         SupportResponseOptions,
         Of("drystone.settlement.SupportResponseOptions", ("compliance",)),
     ],
+    ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
     curve: Annotated[
         Path | None,
@@ -100,7 +101,10 @@ def settle(
     with waiting.keywords(time_limit) as common:
         if model.load.motion is None:
             waiting.stage("solve", "following the blocks")
-            found: Answer = settlement.settle(model, **common)
+            chosen = settlement.SettlementOptions(
+                carrier=None if ends is None else settlement.Ends(ends).carrier
+            )
+            found: Answer = settlement.settle(model, options=chosen, **common)
         elif to is not None:
             waiting.stage("solve", "moving")
             return _far(settlement.move_supports(model, to=to, **common), wanted, curve)

@@ -11,7 +11,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.limit_answer import LimitAnswer
 from drystone.results import Verdict
-from drystone.settlement import Outcome
+from drystone.settlement import Ends, Outcome
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,9 @@ class LimitOptions(Options):
         Whether to search the limit of equilibrium only, without the verdict.
     robust
         Whether to search the limit of standing for every contact stiffness too.
+    ends
+        What becomes of ends of joints where both faces end. When left out, the verdict is undecided
+        where they decide.
     """
 
     width: float | None = None
@@ -38,6 +41,7 @@ class LimitOptions(Options):
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
     equilibrium_only: bool = False
     robust: bool = False
+    ends: Ends | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, lengths
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.contacts import Contacts
 from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.corners import Carrier, joint_ends
@@ -62,16 +62,35 @@ def ends_alike(
     )
 
 
+def beyond_flush_ends(bodies: Bodies, pose: BlockPositions) -> float:
+    """How far corners that press have gone beyond ends where both faces end, scaled.
+
+    By so much the face of the block that does not carry them has to be longer.
+    """
+    corner = np.flatnonzero(bodies.ends.flush.any(axis=1))
+    local = _apart(bodies, corner, (pose,))[0]
+    ends = bodies.ends
+    along = np.einsum("kij,kj->ki", ends.outward[corner], local[:, 1:]) * ends.sense[corner]
+    counts = ends.flush[corner] & (local[:, :1] < bodies.overlap)
+    return float(np.where(counts, along, 0.0).max(initial=0.0))
+
+
 def _farthest(
-    bodies: Bodies, corner: np.ndarray, change: Floats, frames: tuple[BlockPositions, ...]
+    bodies: Bodies, corner: Ints, change: Floats, frames: tuple[BlockPositions, ...]
 ) -> float:
     """Largest distance of the two places of a corner that presses, in some poses."""
+    local = _apart(bodies, corner, frames)
+    moved = lengths((change @ local[..., 1:, None])[..., 0])
+    return float(np.where(local[..., 0] < bodies.overlap, moved, 0.0).max(initial=0.0))
+
+
+def _apart(bodies: Bodies, corner: Ints, frames: tuple[BlockPositions, ...]) -> Floats:
+    """(s, c, 3) from the corner on a to that on b in the axes of a, in some poses."""
     place = np.stack([one.place for one in frames])
     turn = np.stack([one.turn for one in frames])
     a, b = bodies.block_a[corner], bodies.block_b[corner]
     turn_a = turn[:, a]
     apart = place[:, b] + (turn[:, b] @ bodies.arm_b[corner][:, :, None])[..., 0]
     apart -= place[:, a] + (turn_a @ bodies.arm_a[corner][:, :, None])[..., 0]
-    local = (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
-    moved = lengths((change @ local[..., 1:, None])[..., 0])
-    return float(np.where(local[..., 0] < bodies.overlap, moved, 0.0).max(initial=0.0))
+    local: Floats = (bodies.frame[corner] @ (turn_a.swapaxes(2, 3) @ apart[..., None]))[..., 0]
+    return local

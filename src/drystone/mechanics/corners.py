@@ -48,6 +48,8 @@ class Carrier(enum.Enum):
     """The block that is farther from the supports."""
     RESTING = "resting"
     """The block that is nearer to the supports."""
+    EXACT = "exact"
+    """Neither goes on beyond the end of the other: the faces end where they are drawn."""
 
 
 class Ends(NamedTuple):
@@ -63,6 +65,7 @@ class Ends(NamedTuple):
     joint : (k,) interface of each corner
     after : (k,) corner that follows around its interface
     place : (k, 2) [m] corners in the axes u and v of their interface
+    flush : (k, 2) bool, where the faces of both blocks end
     """
 
     outward: Floats
@@ -73,6 +76,7 @@ class Ends(NamedTuple):
     joint: Ints
     after: Ints
     place: Floats
+    flush: Bools
 
 
 def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Floats) -> Ends:
@@ -92,10 +96,13 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     away = distance_from_supports(assembly, contacts)
     far = np.sign(away[contacts.block_b] - away[contacts.block_a])
     joint = contacts.interface
-    both = (0.5 + 0.5 * (far if carrier is Carrier.MOVING else -far))[joint]
+    both = (0.5 + 0.5 * (-far if carrier is Carrier.RESTING else far))[joint]
     both = np.where(edges_of.fitted, edges_of.bend[1] > 0.0, both)
     share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
     outward, reach = edges_of.outward, edges_of.reach()
+    flush = (of_a == of_b) & (far != 0.0)[joint] & ~edges_of.fitted
+    if carrier is Carrier.EXACT:
+        reach = np.where(flush, 0.0, reach)
     edges = np.stack([outward, outward[before]], axis=1)
     weight = np.stack([share, share[before]], axis=1)
     limit = np.stack([reach, reach[before]], axis=1)
@@ -104,13 +111,14 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     edges[~bent] = np.eye(2)
     weight[~bent] = weight[~bent].mean(axis=1, keepdims=True)
     limit[~bent] = np.inf
+    level = np.stack([flush, flush[before]], axis=1) & bent[:, None]
     axes = contacts.frame[joint, 1:]
     place = np.einsum("kij,kj->ki", axes, contacts.point - contacts.point[contacts.start[joint]])
     tangent: Floats = np.asarray(
         np.linalg.solve(edges, weight[:, :, None] * edges), dtype=np.float64
     )
     sense = (weight == 1.0).astype(np.float64) - (weight == 0.0)
-    return Ends(edges, weight, tangent, sense, limit, joint, after, place)
+    return Ends(edges, weight, tangent, sense, limit, joint, after, place, level)
 
 
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:

@@ -126,7 +126,12 @@ class Result(Solution, Answer):
             "sensitive": self.sensitive,
             "sensitive_to": self.sensitive_to,
             "settlement": [
-                {"carrier": path.carrier, "outcome": path.outcome, "travel": path.travel.max()}
+                {
+                    "carrier": path.carrier,
+                    "outcome": path.outcome,
+                    "travel": path.travel.max(),
+                    "beyond": path.beyond,
+                }
                 for path in getattr(self.settlement, "paths", ())
             ],
             "stopped": self.stopped,

@@ -11,6 +11,7 @@ from drystone.settlement.large_displacement import move_supports, push, reduce_f
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
+    Ends,
     Outcome,
     Settlement,
     SettlementOptions,
@@ -22,6 +23,7 @@ __all__ = [
     "Carrier",
     "Drive",
     "End",
+    "Ends",
     "LargeDisplacement",
     "LargeState",
     "Loading",

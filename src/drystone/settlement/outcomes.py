@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.progress import Clock
+from drystone.detection.advice import rounded_up
+from drystone.detection.reasons import millimetres
+from drystone.mechanics.corners import Carrier
 from drystone.settlement.settlement_types import Outcome, SettlementPath
 
 TOLD = 3
@@ -21,7 +24,8 @@ def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):
         said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
-        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}"
+        longer = _said_longer(paths[stands.index(True)])
+        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}{longer}"
     # of two that rest, the one that settles more; of two that do not, the one that falls
     worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.travel.max(initial=0.0)))
     chosen = worst if worst.outcome is not first.outcome else first
@@ -41,6 +45,15 @@ def _said(path: SettlementPath) -> str:
         f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"
         f"{_said_met(path)}"
     )
+
+
+def _said_longer(path: SettlementPath) -> str:
+    """What would make it stand with either carrier."""
+    if not path.beyond > 0.0:
+        return ""
+    other = "resting" if path.carrier is Carrier.MOVING else "moving"
+    far = millimetres(rounded_up(1e3 * path.beyond, 2) / 1e3)
+    return f"; it stands where the faces of the {other} block go on {far} mm beyond those ends"
 
 
 def _said_met(path: SettlementPath) -> str:

@@ -13,7 +13,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
 from drystone.loads import LoadCase
 from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
-from drystone.mechanics.both_carriers import ends_alike
+from drystone.mechanics.both_carriers import beyond_flush_ends, ends_alike
 from drystone.mechanics.corners import Carrier, flush_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
 from drystone.mechanics.increments import FEW
@@ -276,6 +276,7 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
         track.iterations,
         tuple(range(joints, len(model.contacts))),
         bodies.overlap,
+        beyond_flush_ends(bodies, track.frames[-1]) * bodies.length_unit,
     )
 
 

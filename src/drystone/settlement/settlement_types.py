@@ -39,6 +39,20 @@ class Outcome(enum.Enum):
     """The message has the reason."""
 
 
+class Ends(enum.StrEnum):
+    """What becomes of the end of a joint where the faces of both blocks end."""
+
+    LONGER = "longer"
+    """The face of the block nearer to the supports goes on, as in published programs."""
+    EXACT = "exact"
+    """Both end where they are drawn."""
+
+    @property
+    def carrier(self) -> Carrier:
+        """The block that carries such ends."""
+        return Carrier.MOVING if self is Ends.LONGER else Carrier.EXACT
+
+
 MOST_STATES, MOST_POSITIONS = 60, 100_000
 """Frames of a path in pictures. Chosen: it looks smooth, and adds 3 MB to a page."""
 
@@ -56,8 +70,10 @@ class SettlementOptions(Options):
     fall
         Displacement from which on a moving block falls.
     carrier
-        The block that carries the ends of joints where both end flush. When left out, both cases
-        are followed if there are such ends.
+        The block that carries the ends of joints where both end flush; the face of the other one
+        is taken as longer. ``moving`` is what published programs do. With ``exact`` neither is
+        longer, as by faces that are clipped after every step. When left out, both blocks are
+        followed as carriers if there are such ends.
     overlap
         Of the corners under the mean load of a block: small for rigid blocks. Between 1e-6 and 1e-7
         no limit of ten measured models changes by more than half a degree.
@@ -130,6 +146,9 @@ class SettlementPath(OneLine):
         Interfaces of faces that were apart at the beginning and have pressed since, the last ones.
     overlap
         That of the options, or smaller where springs were too soft.
+    beyond : [m]
+        How far corners that press at the end have gone beyond ends that were flush at the
+        beginning. The face of the block that does not carry them is taken as longer by so much.
     """
 
     carrier: Carrier
@@ -147,6 +166,7 @@ class SettlementPath(OneLine):
     iterations: int
     met: tuple[int, ...] = ()
     overlap: float = 1e-6
+    beyond: float = 0.0
 
     def _summary(self) -> str:
         return (

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.settlement import SettlementOptions
+from drystone.settlement import Ends, SettlementOptions
 
 SAMPLES = 4
 """Other contact stiffnesses that tell robust from sensitive."""
@@ -47,6 +47,12 @@ class CheckOptions(Options):
             raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
+
+    def with_ends(self, ends: Ends | str | None) -> CheckOptions:
+        """The same with ends of joints where both faces end: ``longer``, ``exact``; None: as is."""
+        if ends is None:
+            return self
+        return replace(self, settlement=replace(self.settlement, carrier=Ends(ends).carrier))
 
     @classmethod
     def robust(cls) -> CheckOptions:

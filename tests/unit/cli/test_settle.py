@@ -127,6 +127,9 @@ def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(
     assert (code, told["outcome"]) == (1, "the ends of the joints decide")
     ends = {one["carrier"]: one["outcome"] for one in told["paths"]}
     assert ends == {"moving": "comes to rest", "resting": "falls"}
+    for chosen, outcome in (("longer", "comes to rest"), ("exact", "falls")):
+        _, alone = answer(capsys, "settle", str(path), *gravity, "--ends", chosen)
+        assert alone["outcome"] == outcome
     (moved,) = (row for row in told["paths"][0]["blocks"] if row["block"] == "wedge")
     assert moved["travel"] == told["paths"][0]["travel"]
     assert moved["move"][1] < 0.0

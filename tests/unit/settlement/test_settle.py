@@ -133,6 +133,16 @@ def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
     assert longer.outcome is Outcome.RESTS
 
 
+def test_flush_ends_say_by_how_much_the_other_face_has_to_be_longer() -> None:
+    flush = tilted(wedge("b"), X, 50.0, options=SettlementOptions(fall=0.1))
+    assert "the faces of the resting block go on 3.5 mm beyond those ends" in flush.message
+    exact = SettlementOptions(carrier="exact", fall=0.1)  # type: ignore[arg-type]
+    assert tilted(wedge("b"), X, 50.0, options=exact).outcome is Outcome.FALLS
+    for share, outcome in ((0.97, Outcome.FALLS), (1.03, Outcome.RESTS)):
+        groove = wedge("b", longer=share * flush.path.beyond)
+        assert tilted(groove, X, 50.0, options=exact).outcome is outcome
+
+
 def test_where_faces_hardly_slide_the_other_carrier_would_say_the_same() -> None:
     for tilt, outcome in ((10.0, Outcome.RESTS), (30.0, Outcome.FALLS)):
         one = tilted(tower(3), Y, tilt, options=SettlementOptions(fall=0.1))
