@@ -326,11 +326,11 @@ stands or a joint slides far ([why the two may differ by up to
 0.2](settlement.md#published-limits)); and the conditions of eq. 5.6. In the columns *settled* and
 *check*
 the block that moves carries the ends of joints, and the face of the other one goes on (`--ends
-longer`): the corners of 3DEC go with their block in the same way. So its figures, and those of CRA, hold for a
-groove that is a little longer than its wedge. By default `check` tries either block as carrier,
-and is undecided where the two differ: for the wedges b and c some degrees below the column, because
-wedge and groove end in one line. Wedge b at 50 degrees about x stands where the groove is longer by 3.5 mm at
-both ends.
+longer`): the corners of 3DEC go with their block in the same way. So its figures, and those of CRA,
+hold for a groove that is a little longer than its wedge. By default `check` tries either block as
+carrier, and is undecided where the two differ: for the wedges b and c some degrees below the
+column, because wedge and groove end in one line. Wedge b at 50 degrees about x stands where the
+groove is longer by 3.5 mm at both ends.
 The hooked planks show how much the joints decide. After a small rotation they jam between their
 walls if one corner is 3 to 10 times as stiff as another. Sofistik as published for the curved
 joints (table 6.4).

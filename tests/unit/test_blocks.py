@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Contacts, InputError, find_contacts
+from drystone import Assembly, Block, Contacts, InputError, check, find_contacts
 from drystone.detection import contacts_from_mesh
 from drystone.models import box, tower
 from drystone.repair import mended_block
@@ -41,3 +41,25 @@ def test_between_them_the_size_does_not_matter(scale: float) -> None:
     blocks = [Block(scale * b.vertices, b.faces, b.name) for b in tower(3).blocks]
     found = find_contacts(Assembly(tuple(blocks), tower(3).fixed)).contacts
     np.testing.assert_allclose(found.area, [scale**2] * 2, rtol=1e-12)
+
+
+def tongue(*, checked: bool = True) -> Block:
+    """A tongue whose concave caps are fans that leave them: its volume is right all the same."""
+    outline = [(-0.4, 0.0), (-0.4, -0.5), (0.4, -0.5), (0.4, 0.0), (0.5, 0.3), (-0.5, 0.3)]
+    vertices = np.array([(x, y, z) for y in (-0.5, 0.5) for x, z in outline])
+    caps = [(0, i, i + 1) for i in range(1, 5)] + [(11, i + 1, i) for i in range(9, 5, -1)]
+    sides = [(i, i + 6, (i + 1) % 6 + 6, (i + 1) % 6) for i in range(6)]
+    return Block(vertices, (*caps, *sides), name="tongue", checked=checked)
+
+
+def test_a_block_made_in_python_is_refused_where_it_crosses_itself_as_one_from_a_file() -> None:
+    with pytest.raises(InputError, match="block 'tongue': its surface"):
+        check(Assembly((tongue(),)).with_fixed([0]))
+    with pytest.raises(InputError, match="its surface"):
+        check(Assembly((tongue().renamed("other").transformed(),)).with_fixed([0]))
+
+
+def test_a_block_that_is_told_to_be_unchecked_is_taken_as_it_is() -> None:
+    taken = tongue(checked=False).renamed("taken").transformed(translation=(1.0, 0.0, 0.0))
+    assert not taken.checked
+    assert check(Assembly((taken,)).with_fixed([0])).stable

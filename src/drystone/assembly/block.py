@@ -43,6 +43,9 @@ class Block(OneLine):
     density : [kg/m3]
     metadata
         Anything a file says about the block; kept, not used.
+    checked
+        Whether a search of contacts refuses it where its surface touches or crosses itself, as a
+        file is refused. ``False`` takes it as it is.
 
     Attributes
     ----------
@@ -68,6 +71,7 @@ class Block(OneLine):
     density: float = DEFAULT_DENSITY
     metadata: Mapping[str, Any] = field(default_factory=dict)
     repairs: tuple[str, ...] = ()
+    checked: bool = True
 
     def __post_init__(self) -> None:
         where = f"block '{self.name}'"
@@ -149,7 +153,9 @@ class Block(OneLine):
             moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
             mirrored = np.linalg.det(matrix) < 0.0
         faces = tuple(f[::-1] for f in self.faces) if mirrored else self.faces
-        return Block(moved, faces, self.name, self.density, self.metadata, self.repairs)
+        return Block(
+            moved, faces, self.name, self.density, self.metadata, self.repairs, self.checked
+        )
 
     def renamed(self, name: str) -> Block:
         """The same block under another name."""
@@ -160,7 +166,7 @@ def replace_block(block: Block, **changes: Any) -> Block:
     """A copy of ``block`` with some of its arguments changed."""
     arguments = {
         key: getattr(block, key)
-        for key in ("vertices", "faces", "name", "density", "metadata", "repairs")
+        for key in ("vertices", "faces", "name", "density", "metadata", "repairs", "checked")
     }
     return Block(**(arguments | changes))
 

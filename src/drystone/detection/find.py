@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.assembly.sound import require_sound
 from drystone.base.arrays import Ints, of_type
 from drystone.base.display import Card
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
@@ -81,7 +82,7 @@ def find_contacts(
     Raises
     ------
     InputError
-        The friction is negative or not a number.
+        The friction is negative or not a number, or a block touches or crosses itself.
 
     Notes
     -----
@@ -101,6 +102,8 @@ def find_contacts(
     options = DetectionOptions.of(options)
     check_friction(friction, 1)
     patches = patches_of(assembly)
+    plain = patches.block_convex & patches.one_surface  # such a surface is simple
+    require_sound([assembly.blocks[i] for i in np.flatnonzero(~plain).tolist()])
     pairs = near_blocks(patches, options)
     found, missed, short = face_contacts(patches, pairs, options)
     near = _pairs_for_edges(patches, pairs, found, options)

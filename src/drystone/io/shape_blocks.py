@@ -9,9 +9,10 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Block, replace_block
+from drystone.assembly.sound import self_touching
 from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.errors import DefectKind, InputError, counted
-from drystone.geometry import coincidence, selfcontact
+from drystone.geometry import coincidence
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.surface import open_faces
 from drystone.io.draft import DraftBlock
@@ -72,15 +73,8 @@ def blocks_of(
 def _touching(made: Sequence[Made]) -> list[tuple[int, InputError]]:
     """The shapes with a block that touches itself, and the error of each."""
     owned = [(i, b) for i, own in enumerate(made) if isinstance(own, list) for b in own if b]
-    found = selfcontact.self_contacts([b.vertices for _, b in owned], [b.faces for _, b in owned])
     first: dict[int, InputError] = {}
-    for body, what in found:
-        error = InputError(
-            f"its surface {what}",
-            where=f"block '{owned[body][1].name}'",
-            remedy="separate the parts there, or split it into two blocks",
-            kind=DefectKind.TOUCHING if what.startswith("touches") else None,
-        )
+    for body, error in self_touching([block for _, block in owned]):
         first.setdefault(owned[body][0], error)
     return [*first.items()]
 
@@ -123,8 +117,7 @@ def _repaired(
     except InputError:
         raise error from None
     notes = blocks[0].repairs
-    touching = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
-    if touching or not notes:
+    if self_touching(blocks) or not notes:
         raise error
     mends = notes[:-1]  # the last one tells the volume
     parted = mends[-1].startswith("split")
