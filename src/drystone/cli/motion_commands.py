@@ -102,7 +102,7 @@ def settle(
         if model.load.motion is None:
             waiting.stage("solve", "following the blocks")
             chosen = settlement.SettlementOptions(
-                carrier=None if ends is None else settlement.Ends(ends).carrier
+                carrier=None if ends is None else settlement.FlushEnds(ends).carrier
             )
             found: Answer = settlement.settle(model, options=chosen, **common)
         elif to is not None:

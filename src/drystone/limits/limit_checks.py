@@ -10,7 +10,7 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.settlement import Ends
+from drystone.settlement import FlushEnds
 from drystone.stability import QUICK, CheckOptions, check, try_rest
 
 Check: TypeAlias = Callable[[Model], Result]
@@ -38,7 +38,7 @@ def every_stiffness(
     *,
     start: Floats | None = None,
     stop: Stop | None = None,
-    ends: Ends | None = None,
+    ends: FlushEnds | None = None,
 ) -> Result:
     """Whether it stands with every contact stiffness that is tried: robust.
 
@@ -61,7 +61,7 @@ def verdict(
     *,
     start: Floats | None = None,
     stop: Stop | None = None,
-    ends: Ends | None = None,
+    ends: FlushEnds | None = None,
 ) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
     return check(model, options=CheckOptions().with_ends(ends), start=start, stop=stop)

@@ -11,7 +11,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.limit_answer import LimitAnswer
 from drystone.results import Verdict
-from drystone.settlement import Ends, Outcome
+from drystone.settlement import FlushEnds, Outcome
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class LimitOptions(Options):
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
     equilibrium_only: bool = False
     robust: bool = False
-    ends: Ends | None = None
+    ends: FlushEnds | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

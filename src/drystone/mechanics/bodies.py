@@ -9,13 +9,13 @@ normal one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.mechanics.corners import Carrier, Ends, joint_ends
 from drystone.mechanics.law import Compliance, FrictionBound, StickSlip
@@ -25,6 +25,10 @@ from drystone.model import Model
 LEAST_AREA = 0.05
 """Least tributary area of a corner, as a share of the mean of its interface: slivers would make the
 system ill-conditioned. Lines and points get this share of the mean of all corners."""
+
+LIGHT = 0.01
+"""Force that a block feels, by the mean load, below which it is light. Measured: with 0.003 a block
+of 117 N among those of 87 kN is left with 4e-8 of what it feels."""
 
 TURNED = np.array([-1.0, 1.0, -1.0])
 """Signs of the axes n, u and v of a corner whose blocks have changed their roles. The forces along
@@ -54,6 +58,9 @@ class Bodies:
     overlap : of a corner under the mean load
     length_unit : [m]
     force_unit : [N]
+    felt : (f,)
+        Force that each free block feels, where light ones are told from heavy ones. What is not
+        balanced counts by it.
     """
 
     free: Ints
@@ -76,6 +83,30 @@ class Bodies:
     overlap: float
     length_unit: float
     force_unit: float
+    felt: Floats | None = None
+
+    @cached_property
+    def light(self) -> bool:
+        """Whether a block feels much less than the mean load, and this is known."""
+        return self.felt is not None and bool((self.felt < LIGHT).any())
+
+    def with_felt(self, force: Floats) -> Bodies:
+        """The same where blocks feel their load and corner forces (k, 3).
+
+        The joints of those that feel hardly any are softer in proportion: their overlap would be
+        lost in the rounding of positions.
+        """
+        felt = np.linalg.norm(self.load[:, :3], axis=1) + np.linalg.norm(self.load[:, 3:], axis=1)
+        slots = [self.slot[block] for block in (self.block_a, self.block_b)]
+        for slot in slots:
+            some = slot >= 0
+            felt += np.bincount(slot[some], lengths(force[some]), len(felt))
+        felt = np.where(felt > 0.0, felt, 1.0)
+        least = np.minimum(*(np.append(felt, np.inf)[slot] for slot in slots))
+        share = np.where(least < LIGHT, least, 1.0)
+        return replace(
+            self, felt=felt, normal=share * self.normal, tangential=share * self.tangential
+        )
 
     @cached_property
     def springs(self) -> Compliance:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.mechanics.bodies import Bodies
+from drystone.mechanics.bodies import LIGHT, Bodies
 from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.maps import Solve, corner_rows, maps_between
 from drystone.mechanics.newton import Equation, Steps, newton
@@ -102,6 +102,7 @@ class Increments:
         self.pose = BlockPositions(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
         self.friction = np.zeros((len(bodies.block_a), 2))
         self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
+        self.unit = 1.0 if bodies.felt is None else self._by_feel(bodies.felt)
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
         self.drag = self.first
         self.grown: Floats | None = None
@@ -143,7 +144,12 @@ class Increments:
 
     def carried(self, motion: Floats) -> float:
         """Share of the load that the drag carries while blocks move by (f, 6)."""
-        return self.drag * _length(self.bodies.mass[:, None] * motion) / self.load_size
+        left = self.unit * self.bodies.mass[:, None] * motion
+        return self.drag * _length(left) / self.load_size
+
+    def _by_feel(self, felt: Floats) -> Floats:
+        """Factors (f, 1) with which what a light block is left with counts by what it feels."""
+        return np.where(felt < LIGHT, self.load_size / felt, 1.0)[:, None]
 
     def move(self, found: Increment, moving: Floats | None = None) -> None:
         """Go on to where an increment leads, with supports that move by (n, 6)."""
@@ -199,7 +205,9 @@ class _Balance(Equation[Increment, tuple[Floats, float]]):
         left = self.maps.wrench(response.force) + blocks.bodies.load - self.weight * motion
         if blocks.grown is not None:
             left = left + factor * blocks.grown
-        return Increment(motion, response, left, _length(left) / blocks.load_size, factor)
+        return Increment(
+            motion, response, left, _length(blocks.unit * left) / blocks.load_size, factor
+        )
 
     def tolerance(self, point: Increment) -> float:
         rough = self.blocks.rough

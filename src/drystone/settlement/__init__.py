@@ -11,7 +11,7 @@ from drystone.settlement.large_displacement import move_supports, push, reduce_f
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
-    Ends,
+    FlushEnds,
     Outcome,
     Settlement,
     SettlementOptions,
@@ -23,7 +23,7 @@ __all__ = [
     "Carrier",
     "Drive",
     "End",
-    "Ends",
+    "FlushEnds",
     "LargeDisplacement",
     "LargeState",
     "Loading",

@@ -19,7 +19,10 @@ def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome
     first = paths[0]
     for one in paths:
         if one.outcome is Outcome.UNKNOWN:
-            why = clock.reason or f"not at rest, {one.share:.1e} of the load is not carried"
+            left, of = one.share, "the load"
+            if one.residuals is not None:  # at rest but for a block
+                left, of = one.residuals.largest, "what a block feels"
+            why = clock.reason or f"not at rest, {left:.1e} of {of} is not carried"
             return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):

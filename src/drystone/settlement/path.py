@@ -85,11 +85,16 @@ class FollowedCase:
         return len(self.model.assembly.free) > FEW
 
     def follower(
-        self, carrier: Carrier, overlap: float, tell: Callable[[float], None] | None = None
+        self,
+        carrier: Carrier,
+        overlap: float,
+        tell: Callable[[float], None] | None = None,
+        felt: Floats | None = None,
     ) -> Follower:
-        """A run that has not begun."""
+        """A run that has not begun; with the corner forces (k, 3) that blocks feel, if known."""
         chosen, (part, gap) = self.chosen, followed_model(self.model, self.apart)
         bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+        bodies = bodies if felt is None else bodies.with_felt(felt)
         bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, self.left_at)
         return Follower(bodies, bounds, stop=self.clock.late, tell=tell)
 
@@ -133,8 +138,9 @@ def path_of(
 
     overlap = chosen.overlap if overlap is None else overlap
     far: tuple[Bodies, Track] | None = None
+    felt: Floats | None = None
     while True:
-        follower = case.follower(carrier, overlap, tell)
+        follower = case.follower(carrier, overlap, tell, felt)
         if case.left_at < np.inf and overlap < chosen.overlap:
             follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
         bodies = follower.bodies
@@ -149,6 +155,8 @@ def path_of(
         elif motion is None and far is None and _rests_far(bodies, track, chosen):
             far = bodies, track
             overlap *= STIFFER
+        elif felt is None and _light_ones_left(case, carrier, bodies, track):
+            felt = track.response.force
         else:
             break
     if far is not None and not _rests_nearer(track, far[1]):
@@ -156,6 +164,14 @@ def path_of(
     if progress is not None:
         progress(stage, 100, 100)
     return _path_after(case, carrier, first, bodies, track)
+
+
+def _light_ones_left(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track) -> bool:
+    """Whether it rests but for light blocks, which are left with much of what they feel."""
+    if track.ended is not Ended.RESTS or not bodies.with_felt(track.response.force).light:
+        return False
+    path = _physical(case, carrier, bodies, track)
+    return rest_residuals(path.moved_model(), path.force, path.gap).largest > PROVEN
 
 
 def _rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:

@@ -39,7 +39,7 @@ class Outcome(enum.Enum):
     """The message has the reason."""
 
 
-class Ends(enum.StrEnum):
+class FlushEnds(enum.StrEnum):
     """What becomes of the end of a joint where the faces of both blocks end."""
 
     LONGER = "longer"
@@ -50,7 +50,7 @@ class Ends(enum.StrEnum):
     @property
     def carrier(self) -> Carrier:
         """The block that carries such ends."""
-        return Carrier.MOVING if self is Ends.LONGER else Carrier.EXACT
+        return Carrier.MOVING if self is FlushEnds.LONGER else Carrier.EXACT
 
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.settlement import Ends, SettlementOptions
+from drystone.settlement import FlushEnds, SettlementOptions
 
 SAMPLES = 4
 """Other contact stiffnesses that tell robust from sensitive."""
@@ -48,11 +48,11 @@ class CheckOptions(Options):
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
 
-    def with_ends(self, ends: Ends | str | None) -> CheckOptions:
+    def with_ends(self, ends: FlushEnds | str | None) -> CheckOptions:
         """The same with ends of joints where both faces end: ``longer``, ``exact``; None: as is."""
         if ends is None:
             return self
-        return replace(self, settlement=replace(self.settlement, carrier=Ends(ends).carrier))
+        return replace(self, settlement=replace(self.settlement, carrier=FlushEnds(ends).carrier))
 
     @classmethod
     def robust(cls) -> CheckOptions:

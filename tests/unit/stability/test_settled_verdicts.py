@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
+from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_checks import every_stiffness
-from drystone.models import concave, cube_curve, h_model, wedge
+from drystone.models import concave, cube_curve, h_model, random_pack, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.settling import settle_many
@@ -244,3 +245,17 @@ def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
         assert found.verdict is not Verdict.UNSTABLE
     assert Verdict.UNDECIDED in verdicts
     assert check(model, options=MOVING).stable
+
+
+@pytest.mark.parametrize("seed", [0, 5, 9, 13])
+def test_blocks_whose_weights_span_eight_decades_are_decided(seed: int) -> None:
+    """What is left of the load of a light block counts by what it feels, not by the whole load."""
+    pack, random = random_pack(9, seed=seed), np.random.default_rng(seed)
+    density = 10.0 ** random.uniform(-1.0, 7.0, len(pack))
+    blocks = zip(pack.blocks, density.tolist(), strict=True)
+    pack = Assembly(tuple(replace_block(one, density=d) for one, d in blocks), pack.fixed)
+    found = check(tilted(pack, (1.0, 0.3, 0.0), 15.0, friction=0.35))
+    assert found.verdict is Verdict.STABLE
+    assert found.settlement is not None
+    assert found.settlement.path.residuals is not None
+    assert found.settlement.path.residuals.largest < 1e-8
