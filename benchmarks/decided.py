@@ -10,8 +10,8 @@ import argparse
 from collections import Counter
 
 from benchmarks.settlement import limits_of_page, written
-from benchmarks.studies import Study, studies
 from drystone import LoadCase, Model, Verdict, check
+from drystone.reproduce.published_tilts import Study, studies
 
 BEGIN, END = "<!-- decided -->\n", "<!-- end of decided -->\n"
 SHARES = (0.25, 0.5, 0.75, 0.9)

@@ -26,7 +26,7 @@ from drystone import Model
 from drystone.base.files import write_bytes
 from drystone.io.mjcf import mjcf_text
 from drystone.models import bridge
-from drystone.reproduce.cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
 PAGE = Path(__file__).parents[1] / "docs" / "robots.md"

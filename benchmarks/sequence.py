@@ -33,7 +33,7 @@ from drystone.models import (
     tower,
     winding_column,
 )
-from drystone.reproduce.cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.results import Verdict
 from drystone.sequence import (
     Order,

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.scan import first_loss
-from benchmarks.studies import Study, studies
 from drystone import LoadCase, Model, settle
+from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 
 PAGE = Path(__file__).parents[1] / "docs" / "settlement.md"

@@ -15,7 +15,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import drystone
@@ -23,12 +22,12 @@ from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
 from benchmarks.settlement import MECHANISMS, QUICK
 from benchmarks.shims.shims import could_hold
-from benchmarks.studies import Study, studies
-from drystone import Assembly, CheckOptions, LoadCase, Verdict, models
+from drystone import CheckOptions, LoadCase, Verdict, models
 from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.programs import FrictionCone, RBEOptions, solve_cra, solve_rbe
 from drystone.reproduce import SECTIONS, reproduce
+from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, settle
 from drystone.stability import check
 
@@ -214,47 +213,6 @@ def verdict_table() -> list[str]:
     return lines
 
 
-TIMES: tuple[tuple[str, Callable[[], Assembly], float, str, str, float], ...] = (
-    ("arch", models.arch, math.tan(math.radians(43.0)), "38", "37", 1.02),
-    ("shelf", models.shelf, 0.9, "11", "19", 0.5),
-    ("type-a", partial(models.wedge, "a"), 0.84, "3", "2", 0.05),
-    ("type-b", partial(models.wedge, "b"), 0.84, "3", "2", 0.05),
-    ("type-c", partial(models.wedge, "c"), 0.84, "3", "2", 0.05),
-    ("type-d", partial(models.wedge, "d"), 0.84, "3", "2", 0.05),
-    ("concave-short", partial(models.concave, "short"), 0.84, "2", "7", 0.23),
-    ("concave-long", partial(models.concave, "long"), 0.84, "2", "7", 0.15),
-    ("curve-3-blocks", models.curve_three_blocks, 0.84, "3", "40", 2.38),
-    ("cube-curve-short", partial(models.cube_curve, "short"), 0.84, "2", "72", 1.15),
-    ("cube-curve-tall", partial(models.cube_curve, "tall"), 0.84, "2", "72", 1.04),
-    ("snake", models.snake, 0.7, "4", "7", 0.35),
-    ("bridge", models.bridge, 0.9, "11", "33", 1.27),
-    ("bridge with load", partial(models.bridge, load=True), 0.9, "16", "38", 1.26),
-)
-"""Models of table 8.1 at rest: friction; blocks, interfaces and seconds as published."""
-
-
-def times_table() -> list[str]:
-    """Times of table 8.1 beside those of the default check and of eq. 5.6."""
-    lines = [
-        "| model | blocks | interfaces | published [s] | interfaces, ours | verdict "
-        "| check [s] | eq. 5.6 [s] |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for name, build, friction, blocks, interfaces, seconds in TIMES:
-        assembly = build()
-        model = Model(assembly, find_contacts(assembly, friction=friction).contacts)
-        spent = []
-        for work in (check, solve_cra):
-            began = time.process_time()
-            found = work(model)
-            spent.append(time.process_time() - began)
-        lines.append(
-            f"| {name} | {blocks} | {interfaces} | {seconds:g} | {model.contacts.count} "
-            f"| {found.verdict.value} | {spent[0]:.3f} | {spent[1]:.3f} |"
-        )
-    return lines
-
-
 def structures_table() -> list[str]:
     """The source's own structures: published beside found."""
     lines = [
@@ -280,27 +238,14 @@ def extras() -> str:
         "",
         "## The structures of the source",
         "",
-        "Written by `drystone reproduce`. The bridge, the snake and the shelf are built from the",
-        "vertices that the source published; where a note says so, the shape is ours. We know no",
-        "published dimensions of the three-legged pi (table 6.1), the leaning tower (section 7.2,",
-        "ours is another one) and the tri-dome (sections 6.4.2 and 7.5), and no published counts",
-        "of free, held and propped blocks for section 7.5. So the pi is not modelled, and the",
-        "tri-dome is a dome on three feet of our own. We",
-        "looked through the files of all versions of compas_cra (samples and Rhino models), of",
-        "compas_dem and compas_assembly, the author's web site and repositories, and stored copies",
-        "of web pages and source code. Of Shin 2016 and of the thesis before it (Shin 2014) only",
-        "the first pages are there, of Yao 2017 and of the dissertation nothing with dimensions.",
+        "Written by `drystone reproduce all`, under the source's own section numbers. The bridge,",
+        "the snake and the shelf are built from the vertices that the source published; where a",
+        "note says so, the shape is ours. No dimensions are published of the three-legged pi of",
+        "table 6.1, the leaning tower (7.2.1), the vault (7.5.1), the dome (7.5.2) and the shells",
+        "(6.4.2, 7.5.3). Of section 7.5 the source says that the vault has 17 free blocks, two",
+        "that are placed together and two that are propped, and that the dome needs no prop.",
         "",
         *structures_table(),
-        "",
-        "## Times of table 8.1",
-        "",
-        "Published: the program of the source on six cores. Ours: CPU seconds of one thread",
-        "without the contact search, on the machine of the table above. The Armadillo vault",
-        "(399 blocks, 1014 interfaces, 2424 s) takes 0.83 s, see [speed](speed.md). The leaning",
-        "tower (8 blocks, 11 interfaces, 2.43 s) has no published dimensions.",
-        "",
-        *times_table(),
         "",
     ]
     return "\n".join(body)

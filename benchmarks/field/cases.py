@@ -17,12 +17,12 @@ import numpy as np
 
 from benchmarks.field import MODELS, lact3, stud_bricks
 from benchmarks.field.ferris import WALLS, wall_of_rows
-from benchmarks.studies import studies
 from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.io.drystone_json_write import contacts_content
 from drystone.models.arches import voussoirs_between
+from drystone.reproduce.published_tilts import studies
 
 Vector: TypeAlias = tuple[float, float, float]
 

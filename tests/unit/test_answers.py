@@ -21,6 +21,7 @@ from drystone.detection import gap_sweep
 from drystone.fall import Film
 from drystone.io import Inspection
 from drystone.models import arch, box, tower
+from drystone.reproduce import reproduce
 
 
 def kinds() -> set[type[Answer]]:
@@ -59,6 +60,7 @@ def answers() -> Iterator[Answer]:
     yield sequence.handling(order, [sequence.Robot("left")])
     yield sequence.margins(order, tilt_width=5.0, directions=1)
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
+    yield reproduce("5.1.1")
     found = drystone.find_contacts(tower(3))
     yield Inspection(tower(3), found, gap_sweep(tower(3), [1e-4, 1e-3]))
     few = design.MendOptions(kinds=("friction", "ballast"))

@@ -149,7 +149,7 @@ def values(folder: Path) -> Iterator[object]:
     robots = [sequence.Robot("a"), sequence.Robot("b")]
     yield from (sequence.handling(order, robots), sequence.take_turns(stack, robots=robots))
     yield sequence.Hold("b", "", "c", np.zeros(3), np.zeros(3))
-    yield reproduce.reproduce("6.3")
+    yield reproduce.reproduce("5.1.1")
     plane = design.Cut((0.5, 0.5, 0.5), (0.0, 0.0, 1.0))
     yield from (plane, design.cut_until_free(box((1.0, 1.0, 2.0)), [[plane]]))
     few = design.CutOptions(blocks=2)

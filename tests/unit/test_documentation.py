@@ -230,12 +230,11 @@ def test_the_check_of_the_sites_links_finds_a_lost_page_a_lost_place_and_a_bad_a
 
 def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exist() -> None:
     page = (ROOT / "docs" / "source-studies.md").read_text("utf-8")
-    table = page.split("## Figure by figure")[1].split("\n## ")[0]
-    rows = re.findall(r"^\| ([67]\.[\d., ]+) \|.*\| (.*) \|$", table, re.MULTILINE)
-    numbers = [number for first, _ in rows for number in first.split(", ")]
-    assert numbers == [f"6.{i}" for i in range(1, 22)] + [f"7.{i}" for i in range(1, 18)]
-    for first, made in rows:
-        assert "not made under" in made or "{doc}" in made, first
+    rows = re.findall(r"^\| ((?:table )?[4-8]\.[\d., table]+) \|.*\| (.*) \|$", page, re.MULTILINE)
+    numbers = {one.strip() for first, _ in rows for one in first.split(",")}
+    last = {"4": 3, "5": 4, "6": 21, "7": 17, "8": 2}
+    figures = {f"{part}.{i}" for part, many in last.items() for i in range(1, many + 1)}
+    assert numbers == figures | {"table 6.1", "table 6.2", "table 6.3", "table 6.4", "table 8.1"}
     examples = re.findall(r"\{doc\}`[^<]*<gallery/([^>]*plot[^>]*)>`", page)
     assert examples
     lost = [e for e in examples if not (ROOT / "examples" / "gallery" / f"{e}.py").exists()]

@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Assembly, Model, find_contacts, plan
-from drystone.reproduce.cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status
 
 

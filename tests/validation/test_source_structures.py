@@ -8,9 +8,19 @@ import math
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, Verdict, check, limit_tilt, plan, solve_cra
-from drystone.models import arch, bridge, shelf, snake
-from drystone.programs import CRAOptions
+from drystone import (
+    InputError,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
+    limit_tilt,
+    plan,
+    solve_cra,
+    solve_rbe,
+)
+from drystone.models import arch, bridge, dome, overhang, shelf, snake
+from drystone.programs import CRAOptions, FrictionCone, Objective, RBEOptions
 from drystone.reproduce import SECTIONS, reproduce, save_case
 from drystone.sequence import PlanOptions
 from drystone.virtual import shrink
@@ -94,16 +104,50 @@ def test_the_tilt_of_the_experiment_is_that_of_an_arch_with_joints_13_percent_th
     assert limit_tilt(thin, "y").rest.stands == pytest.approx(4.7, abs=0.2)
 
 
-@pytest.mark.parametrize("section", [s for s in SECTIONS if s not in ("7.5",)])
-def test_no_section_disagrees_with_what_is_published(section):
+SLOW = ("6.2.3", "6.2.4", "6.2.5", "6.3.3", "7.5.3")
+"""Sections that take more than five seconds: ``benchmarks.thesis`` computes them."""
+DIFFERS = {"7.2.3": ["order, friction 0.66"]}
+"""What disagrees with the source, and is told on docs/source-studies.md."""
+
+
+@pytest.mark.parametrize("section", [one for one in SECTIONS if one not in SLOW])
+def test_what_disagrees_with_what_is_published_is_known(section):
     case = reproduce(section)
     assert case.section == section
     assert case.lines
-    assert [line.what for line in case.lines if line.agrees is False] == []
+    wrong = [line.what for line in case.lines if line.agrees is False]
+    assert wrong == DIFFERS.get(section, [])
+
+
+@pytest.mark.parametrize("cone", [FrictionCone.exact(), FrictionCone.octagon()])
+@pytest.mark.parametrize("objective", Objective)
+def test_the_penalty_form_has_forces_wherever_a_block_overhangs(cone, objective):
+    """Figure 6.2, and beyond: the tension is what the moment about the edge needs."""
+    options = RBEOptions(cone=cone, objective=objective)
+    for share in np.linspace(0.05, 0.95, 46):
+        result = solve_rbe(overhang([float(share)]), friction=0.8, options=options)
+        assert result.force is not None, share
+        assert (result.tension is not None) == (share > 0.5)
+        # the lower brick presses under its edge and pulls at the other end of the joint
+        weight, width = 0.125 * 2400.0 * 9.81, 1.0 - share
+        pull = max(0.0, (share - 0.5) * weight / width)
+        found = 0.0 if result.tension is None else result.tension.sum()
+        assert found == pytest.approx(pull, rel=1e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize("tilt", [32.5, 40.0])
+@pytest.mark.parametrize("objective", Objective)
+def test_the_penalty_form_has_forces_for_the_dome_beyond_its_limit(tilt, objective):
+    blocks = dome()
+    model = Model.of(blocks, friction=0.6, load=LoadCase.tilt(blocks, (0.0, 1.0, 0.0), tilt))
+    result = solve_rbe(model, options=RBEOptions(objective=objective))
+    assert result.verdict is Verdict.UNSTABLE
+    assert result.tension is not None
+    assert result.residuals.equilibrium < 1e-6
 
 
 def test_pages_go_into_the_folder_that_is_named_and_nowhere_else(tmp_path):
-    written = save_case(reproduce("6.2"), tmp_path)
+    written = save_case(reproduce("5.1.1"), tmp_path)
     assert sorted(written) == sorted(str(path) for path in tmp_path.iterdir())
     with pytest.raises(InputError, match="no such folder"):
-        save_case(reproduce("6.2"), tmp_path / "missing")
+        save_case(reproduce("5.1.1"), tmp_path / "missing")

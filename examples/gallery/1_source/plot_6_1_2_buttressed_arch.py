@@ -1,6 +1,6 @@
 """
-Buttressed arch (section 6.1.2)
-===============================
+Buttressed arch (section 6.1.2, figures 6.4 to 6.6)
+===================================================
 
 An arch on two buttresses: the least friction with which it stands, and its limit of tilt.
 """

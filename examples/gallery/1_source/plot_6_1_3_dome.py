@@ -1,6 +1,6 @@
 """
-Dome (section 6.1.3)
-====================
+Dome (section 6.1.3, figures 6.7 to 6.10)
+=========================================
 
 A hemispherical dome of plane-faced voussoirs, tilted as a whole.
 """

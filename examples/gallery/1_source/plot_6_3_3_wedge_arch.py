@@ -1,5 +1,5 @@
 """
-Wedge arch (figure 6.19, section 6.3.3)
+Wedge arch (section 6.3.3, figure 6.19)
 =======================================
 
 A thin semicircular arch falls. Its joints are made wedges of two planes, only where the penalty

@@ -1,6 +1,6 @@
 """
-Two robots in turn (section 6.4.2)
-==================================
+Two robots in turn (section 6.4.2, figure 6.21)
+===============================================
 
 One robot holds the last block while the other places the next one. The source builds a shell in
 this way, a tri-dome. We have no dimensions of it: the tri-dome here has a shape of ours. With two

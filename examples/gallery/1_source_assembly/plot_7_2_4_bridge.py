@@ -1,6 +1,6 @@
 """
-Bridge (section 7.2.4)
-======================
+Bridge (section 7.2.4, figure 7.3)
+==================================
 
 Nine blocks hook into each other over two abutments: eleven together. All nine can be set without a
 prop.

@@ -1,6 +1,6 @@
 """
-Plan, change, plan again (section 7.3)
-======================================
+Plan, change, plan again (section 7.3, figure 7.5)
+==================================================
 
 The loop of the source: blocks are checked and planned, and where one needs help a joint is changed,
 and the plan is made again. Here it runs on the source's snake. At a friction of 0.66 two of its

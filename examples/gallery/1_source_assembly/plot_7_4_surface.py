@@ -1,6 +1,6 @@
 """
-From a surface to voussoirs (sections 7.4.1 to 7.4.3)
-=====================================================
+From a surface to voussoirs (sections 7.4.1 to 7.4.3, figures 7.6 to 7.8)
+=========================================================================
 
 A cross vault of four patches. In each of them courses follow the springings, and head joints are
 shifted from course to course. Two patches share the blocks at their seam. Then all joints are made

@@ -1,6 +1,6 @@
 """
-Shells (section 7.5)
-====================
+Shells (section 7.5, figures 7.11 to 7.17)
+==========================================
 
 A vault, a dome, a shell of three vaults and a tri-dome, which is a dome on three feet: how many
 blocks can be set freely, and how many have to be held or propped. The shapes are ours: the source's
@@ -10,7 +10,7 @@ dimensions are not known to us.
 from drystone.reproduce import reproduce
 from drystone.view import Frame
 
-case = reproduce("7.5")
+case = reproduce("7.5.1")
 case.table()
 
 # %%
@@ -19,16 +19,30 @@ case.table()
 Frame(case.pictures["vault"])
 
 # %%
+# Before the loop, with plane joints: six blocks are held and two propped.
+
+Frame(case.pictures["vault-first"])
+
+# %%
 # The dome.
 
-Frame(case.pictures["dome"])
+dome = reproduce("7.5.2")
+dome.table()
 
 # %%
-# The shell of three vaults.
 
-Frame(case.pictures["three-vault-shell"])
+Frame(dome.pictures["dome"])
 
 # %%
-# The tri-dome.
+# The shell of three vaults, and the tri-dome.
 
-Frame(case.pictures["tri-dome"])
+shells = reproduce("7.5.3")
+shells.table()
+
+# %%
+
+Frame(shells.pictures["three-vault-shell"])
+
+# %%
+
+Frame(shells.pictures["tri-dome"])

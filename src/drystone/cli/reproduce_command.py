@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from drystone.reproduce import Case
 
 
-@command("drystone reproduce 6.2", "drystone reproduce 6.2 --out .")
+@command("drystone reproduce", "drystone reproduce 5.1.1", "drystone reproduce 5.1.1 --out .")
 def reproduce(
     *,
     section: Annotated[
         str | None,
-        Argument("SECTION", "Section of Kao 2023, such as 7.2.4; all of them when left out."),
+        Argument(
+            "SECTION", "Section of Kao 2023, such as 7.2.4, or all; lists them when left out."
+        ),
     ] = None,
     out: Annotated[
         str | None,
@@ -35,8 +37,13 @@ def reproduce(
     Exit code 0: all figures agree. 1: some differ. 2: bad input.
     """
     from drystone import reproduce as cases  # the program starts fast
+    from drystone.answer import Role, Sentence, Statement
 
-    if section is not None and section not in cases.SECTIONS:
+    if section is None:
+        if out is not None:
+            raise InputError("no section is named", remedy="write a section or all before --out")
+        return Told(cases.sections(), subject="sections of Kao 2023", everything=True)
+    if section != "all" and section not in cases.SECTIONS:
         cases.reproduce(section)  # says which there are
     if out is not None:
         try:
@@ -49,24 +56,14 @@ def reproduce(
 
     found: list[Case] = []
     written: list[str] = []
-    for name in cases.SECTIONS if section is None else [section]:
+    for name in cases.SECTIONS if section == "all" else [section]:
         waiting.stage("solve", f"section {name}")
         found.append(cases.reproduce(name))
         written += [] if out is None else cases.save_case(found[-1], out)
         waiting.wrote = written
-    sections = [
-        {
-            "section": case.section,
-            "title": case.title,
-            "agrees": case.agrees,
-            "lines": [line.to_dict() for line in case.lines],
-        }
-        for case in found
-    ]
-    from drystone.answer import Role, Sentence, Statement
-
     wrong = [case.section for case in found if not case.agrees]
     verdict = f"{', '.join(wrong)} differs" if wrong else "all figures agree"
     told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
-    answer = Statement((told,), tuple(case.table() for case in found), {"sections": sections})
-    return Told(answer, subject=section or "all sections", written=written, everything=True)
+    numbers = {"sections": [case.numbers() for case in found]}
+    answer = Statement((told,), tuple(case.table() for case in found), numbers)
+    return Told(answer, subject=f"section {section}", written=written, everything=True)

@@ -9,6 +9,7 @@ Kao et al. 2022, section 3.
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -59,6 +60,17 @@ class Weights(Options):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_below(0.0, "compression", "tension", "friction")
+
+    def levelled(self) -> Weights:
+        """The same ratios, with compression as far below one as tension is above.
+
+        The solution is the same. With a cost of tension of a million, interior points ended early
+        for one in fourteen overhanging blocks.
+        """
+        mean = math.sqrt(self.compression * self.tension)
+        if mean == 0.0:
+            return self
+        return Weights(self.compression / mean, self.tension / mean, self.friction / mean)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +131,8 @@ def build_equilibrium(
         Used with tension only.
     """
     chosen = weights if weights is not None else Weights()
+    if tension:
+        chosen = chosen.levelled()
     k, unit = statics.corner_count, statics.force_unit
     program = ProgramBuilder()
     if objective is Objective.QUADRATIC:

@@ -5,24 +5,37 @@ Source: Kao 2023, doctoral dissertation, ETH Zurich; Kao et al. 2022, Computer-A
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 
+from drystone.answer import Role, Sentence, Statement
 from drystone.base.errors import InputError
 from drystone.base.files import PathLike
-from drystone.reproduce import cases
+from drystone.base.table import Table
+from drystone.reproduce import assembly_cases, equilibrium_cases, tilt_cases
 from drystone.reproduce.published_case import Case, Line
 
 SECTIONS: dict[str, Callable[[], Case]] = {
-    "6.1": cases.arches,
-    "6.1.2": cases.buttressed_arch,
-    "6.1.3": cases.dome,
-    "6.2": cases.pinched_blocks,
-    "6.3": cases.shelf,
-    "6.4.2": cases.two_robots,
-    "7.2": cases.snake,
-    "7.2.4": cases.bridge,
-    "7.5": cases.shells,
+    "5.1.1": equilibrium_cases.pinched_blocks,
+    "6.1.1": equilibrium_cases.stack,
+    "6.1.2": equilibrium_cases.buttressed_arch,
+    "6.1.3": equilibrium_cases.dome,
+    "6.2.1": tilt_cases.arches,
+    "6.2.2": equilibrium_cases.shelf,
+    "6.2.3": tilt_cases.wedges,
+    "6.2.4": tilt_cases.concave,
+    "6.2.5": tilt_cases.curved,
+    "6.3.2": assembly_cases.shelf_fixes,
+    "6.3.3": assembly_cases.wedge_arch,
+    "6.4.2": assembly_cases.two_robots,
+    "7.2.1": assembly_cases.leaning_tower,
+    "7.2.3": assembly_cases.snake,
+    "7.2.4": assembly_cases.bridge,
+    "7.5.1": assembly_cases.vault,
+    "7.5.2": assembly_cases.dome,
+    "7.5.3": assembly_cases.freeform,
+    "8.5": assembly_cases.performance,
 }
 """Sections, and what computes each."""
 
@@ -37,7 +50,7 @@ def reproduce(section: str) -> Case:
 
     Examples
     --------
-    >>> case = reproduce("6.2")
+    >>> case = reproduce("5.1.1")
     >>> [line.found for line in case.lines]
     ['stable / unstable', 'stable / unstable']
     """
@@ -48,6 +61,20 @@ def reproduce(section: str) -> Case:
             remedy=f"give one of {', '.join(SECTIONS)}",
         )
     return SECTIONS[section]()
+
+
+def sections() -> Statement:
+    """The sections that are computed, and what of each.
+
+    Examples
+    --------
+    >>> str(sections().tables()[0]["section"][0])
+    '5.1.1'
+    """
+    about = [(inspect.getdoc(one) or "").splitlines()[0] for one in SECTIONS.values()]
+    table = Table("sections", {"section": list(SECTIONS), "about": about})
+    told = "Sections of Kao 2023 that are computed, such as: drystone reproduce 5.1.1"
+    return Statement((Sentence(told, Role.GOOD),), (table,))
 
 
 def save_case(case: Case, folder: PathLike) -> list[str]:
@@ -81,4 +108,4 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
     return written
 
 
-__all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case"]
+__all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case", "sections"]

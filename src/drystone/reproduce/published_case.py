@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
+from drystone.model import Model
 
 if TYPE_CHECKING:
     from drystone.results import Result
@@ -44,21 +48,22 @@ class Line(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Case(OneLine):
+class Case(Answer):
     """A section of the source.
 
     Attributes
     ----------
     section
         Number in Kao 2023 (doctoral dissertation, ETH Zurich).
-    title
+    name
+        What it is about.
     lines
     pictures
         By name, results and plans of which a page and a figure can be drawn.
     """
 
     section: str
-    title: str
+    name: str
     lines: tuple[Line, ...]
     pictures: Mapping[str, Result | Plan]
 
@@ -66,6 +71,46 @@ class Case(OneLine):
     def agrees(self) -> bool:
         """Whether no line disagrees with what is published."""
         return all(line.agrees is not False for line in self.lines)
+
+    @property
+    def _first(self) -> Result | Plan:
+        if not self.pictures:
+            raise InputError(f"there is no picture of section {self.section}")
+        return next(iter(self.pictures.values()))
+
+    @property
+    def model(self) -> Model:
+        """That of the first picture.
+
+        Raises
+        ------
+        InputError
+            There is none.
+        """
+        first = self._first
+        return first.model if isinstance(first.model, Model) else first.model.model
+
+    @cached_property
+    def asked(self) -> Question:
+        """The section."""
+        return Question.of_nothing(made=self.when)
+
+    @property
+    def title(self) -> str:
+        """Number and name of the section."""
+        return f"section {self.section}: {self.name}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How many of its figures agree."""
+        wrong = sum(line.agrees is False for line in self.lines)
+        compared = sum(line.agrees is not None for line in self.lines)
+        told = f"{counted(compared, 'figure')} compared, {wrong or 'none'} "
+        told += "differs" if wrong < 2 else "differ"
+        return [Sentence(told, Role.BAD if wrong else Role.GOOD)]
+
+    def tables(self) -> Sequence[Table]:
+        """The lines."""
+        return [self.table()]
 
     def table(self) -> Table:
         """The lines as a table."""
@@ -77,4 +122,17 @@ class Case(OneLine):
             "agrees": [agrees[line.agrees] for line in self.lines],
             "note": [line.note for line in self.lines],
         }
-        return Table(f"section {self.section}: {self.title}", columns)
+        return Table(self.title, columns)
+
+    def layers(self) -> Scene:
+        """The first picture."""
+        return self._first.layers()
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The lines."""
+        return {
+            "section": self.section,
+            "name": self.name,
+            "agrees": self.agrees,
+            "lines": [line.to_dict() for line in self.lines],
+        }

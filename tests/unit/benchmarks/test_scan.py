@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.scan import tilt_limit
-from benchmarks.studies import studies
 from benchmarks.thesis import _same
+from drystone.reproduce.published_tilts import studies
 
 
 def test_limit_is_where_standing_is_first_lost() -> None:

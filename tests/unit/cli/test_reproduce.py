@@ -6,17 +6,25 @@ from drystone.cli import main
 
 
 def test_a_section_prints_published_beside_found(capsys):
-    assert main(["reproduce", "6.2"]) == 0
+    assert main(["reproduce", "5.1.1"]) == 0
     out = capsys.readouterr().out
     assert "all figures agree" in out
     assert "stable / unstable" in out
 
 
+def test_the_sections_are_listed(capsys):
+    assert main(["reproduce"]) == 0
+    out = capsys.readouterr().out
+    for section in ("5.1.1", "6.2.3", "8.5"):
+        assert section in out
+    assert "Figures 7.3 and 7.4" in out
+
+
 def test_json_has_the_lines_and_the_files(capsys, tmp_path):
     folder = tmp_path / "new" / "pages"
-    assert main(["reproduce", "6.2", "--json", "--out", str(folder)]) == 0
+    assert main(["reproduce", "5.1.1", "--json", "--out", str(folder)]) == 0
     data = json.loads(capsys.readouterr().out)
-    assert data["sections"][0]["section"] == "6.2"
+    assert data["sections"][0]["section"] == "5.1.1"
     assert all(line["agrees"] for line in data["sections"][0]["lines"])
     assert sorted(data["files"]) == sorted(str(path) for path in folder.iterdir())
 
@@ -26,5 +34,5 @@ def test_an_unknown_section_and_a_file_in_place_of_a_folder_are_bad_input(capsys
     assert "7.2.4" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
     (tmp_path / "file").write_text("")
-    assert main(["reproduce", "6.2", "--out", str(tmp_path / "file")]) == 2
+    assert main(["reproduce", "5.1.1", "--out", str(tmp_path / "file")]) == 2
     assert "another folder" in capsys.readouterr().err

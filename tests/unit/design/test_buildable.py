@@ -16,7 +16,7 @@ from drystone.design.buildable import (
     levels_of,
     lines_below,
 )
-from drystone.reproduce.cases import NICHE, niche_shape
+from drystone.reproduce.assembly_cases import NICHE, niche_shape
 from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell
 

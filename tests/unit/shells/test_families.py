@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import InputError, Model, Verdict, check, find_contacts
-from drystone.reproduce.cases import tri_dome as tri_dome_of_blocks
+from drystone.reproduce.assembly_cases import tri_dome as tri_dome_of_blocks
 from drystone.sequence import Structure
 from drystone.sequence.rules import courses
 from drystone.shells import Layout, ShellBody, barrel_vault, build_shell, tri_dome

@@ -1,6 +1,6 @@
 """
-Arch and pi (section 6.1)
-=========================
+Arch and pi (section 6.2.1, table 6.1, figure 6.11)
+===================================================
 
 A semicircular arch is tilted until no forces balance it. The angle depends on friction only
 when friction is small.
@@ -14,11 +14,11 @@ from drystone.models import arch
 from drystone.reproduce import reproduce
 from drystone.view import Frame
 
-case = reproduce("6.1")
+case = reproduce("6.2.1")
 case.table()
 
 # %%
-# The arch just beyond its limit of tilt (section 6.1.1). Four hinges open, and the page plays the
+# The arch just beyond its limit of tilt (figure 6.11). Four hinges open, and the page plays the
 # motion.
 
 blocks, friction = arch(0.15, 36), math.tan(math.radians(43.0))
@@ -28,7 +28,7 @@ print(beyond.verdict.value, "-", beyond.message)
 Frame(beyond)
 
 # %%
-# How much friction does it need (section 6.1.1)? Each joint needs its shear force divided by its
+# How much friction does it need ? Each joint needs its shear force divided by its
 # normal force; the figure shows this as a share of the friction coefficient. The whole arch falls
 # only below the least friction of any force distribution, which is smaller.
 

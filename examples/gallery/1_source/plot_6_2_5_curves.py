@@ -1,6 +1,6 @@
 """
-Curved joints (section 6.2.2)
-=============================
+Curved joints (section 6.2.5, table 6.4, figure 6.16)
+=====================================================
 
 Three blocks with curved joints, each made of 20 plane strips, are tilted about y. 3DEC, Sofistik,
 CRA and RBE all give a limit of 8 degrees.

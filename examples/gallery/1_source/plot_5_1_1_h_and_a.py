@@ -1,6 +1,6 @@
 """
-Blocks between walls (section 6.2)
-==================================
+Blocks between walls (section 5.1.1, figure 5.1)
+================================================
 
 Equilibrium alone includes prestress that nothing causes. A block between two vertical
 walls passes it at any friction. The coupled analysis says that it falls.
@@ -9,7 +9,7 @@ walls passes it at any friction. The coupled analysis says that it falls.
 from drystone.reproduce import reproduce
 from drystone.view import Frame
 
-case = reproduce("6.2")
+case = reproduce("5.1.1")
 case.table()
 
 # %%

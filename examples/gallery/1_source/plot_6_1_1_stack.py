@@ -1,31 +1,30 @@
 """
-Stack (figure 6.1)
-==================
+Stack (section 6.1.1, figures 6.1 to 6.3)
+=========================================
 
-Two blocks with a joint that is inclined by 23.6 degrees. The least friction is the tangent of this
-angle, 0.4369; the source gives 0.44.
+Two stacked blocks: level (figure 6.1), pushed out (6.2), and with a joint that is inclined by 23.6
+degrees (6.3). There the least friction is the tangent of this angle, 0.4369; the source gives 0.44.
 """
 
 from scipy.optimize import linprog
 
 import drystone
-from drystone.limits import limit_friction
-from drystone.models import two_blocks_on_incline
+from drystone.models import overhang, two_blocks_on_incline
 from drystone.programs import FrictionCone, Objective, RBEOptions, build_rbe, solve_rbe
+from drystone.reproduce import reproduce
 from drystone.view import Frame
 
-model = drystone.Model.of(two_blocks_on_incline(23.6), friction=0.5)
-print(limit_friction(model))
+reproduce("6.1.1").table()
 
 # %%
-# Equilibrium does not determine how the four corners of a joint share the force. The quadratic
-# program of RBE uses all of them:
+# The level joint. Equilibrium does not determine how its four corners share the force.
 
+model = drystone.Model.of(two_blocks_on_incline(0.0), friction=0.8)
 print("quadratic program [N]:", solve_rbe(model).force[:, 0].round())
 
 # %%
 # A linear program has many solutions here. The simplex method ends in a vertex of the set of
-# solutions, where one corner carries nothing. Figure 6.1b of the source has one with two corners.
+# solutions, where two corners carry all, as in figure 6.1b.
 
 chosen = RBEOptions(objective=Objective.LINEAR, cone=FrictionCone.octagon(), tension=False)
 program = build_rbe(model, options=chosen)
@@ -43,7 +42,6 @@ corners = program.value(vertex.x, "force").reshape(-1, 3)
 print("linear program, simplex [N]:", corners[:, 0].round())
 
 # %%
-# The forces with a friction of 0.5, on contact springs. The upper block presses more on the lower
-# corners of the joint.
+# A block that is pushed out too far falls. The penalty form shows the pull that would hold it.
 
-Frame(drystone.check(model))
+Frame(solve_rbe(overhang([0.6]), friction=0.8))

@@ -1,4 +1,4 @@
-"""Published tilt limits of small models, and how to build them.
+"""Published tilt limits of small models (tables 6.1 to 6.4), and how to build them.
 
 Source of the figures: Kao 2023, doctoral dissertation, ETH Zurich; Kao et al. 2022, "Coupled
 Rigid-Block Analysis", Computer-Aided Design 146. Angles in degrees; 180 where it never fell.
@@ -6,13 +6,16 @@ Rigid-Block Analysis", Computer-Aided Design 146. Angles in degrees; 180 where i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Literal
 
 import numpy as np
 
-from drystone import Assembly, models
+from drystone import models
+from drystone.assembly import Assembly
+from drystone.base.display import OneLine
 
 Axis = tuple[float, float, float]
 
@@ -22,7 +25,7 @@ XY, XNY = (1.0, 1.0, 0.0), (1.0, -1.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(OneLine):
     """One tilt test.
 
     Attributes
@@ -68,7 +71,7 @@ class Study:
         return f"{self.model} {self.axis_name} mu {self.friction:.2f}"
 
 
-WEDGES = {
+WEDGES: dict[Literal["a", "b", "c", "d"], tuple[tuple[float, ...], ...]] = {
     "a": ((21.8, 21.8, 25.0, 59.2, 59.2, 180.0), (71.3, 71.3, 71.3, 100.0, 100.0, 180.0),
           (24.8, 24.7, 28.0, 62.7, 62.9, 180.0)),
     "b": ((21.8, 21.8, 25.0, 58.7, 58.5, 180.0), (67.4, 67.4, 67.4, 109.1, 109.1, 180.0),
@@ -84,11 +87,17 @@ WEDGES = {
 def studies() -> list[Study]:
     """All published tilt tests, in the order of the dissertation."""
     found: list[Study] = []
+    build: Callable[[], Assembly]
+    dem: float
+    cra: float
+    rbe: float
+    sofistik: float
     for kind, rows in WEDGES.items():
         for (name, axis), row in zip((("x", X), ("y", Y), ("xy30", XY30)), rows, strict=True):
             for friction, published in ((0.20, row[:3]), (0.84, row[3:])):
                 build = partial(models.wedge, kind)
-                found.append(Study(f"type-{kind}", name, build, axis, friction, *published))
+                dem, cra, rbe = published
+                found.append(Study(f"type-{kind}", name, build, axis, friction, dem, cra, rbe))
     for mu, dem, cra in ((0.84, 40, 40), (0.10, 5, 5)):
         build = partial(models.concave, "short")
         found.append(
@@ -110,10 +119,11 @@ def studies() -> list[Study]:
     ):
         build = models.curve_three_blocks
         found.append(Study("curve-3-blocks", name, build, axis, 0.84, dem, cra, rbe, 1.5, sofistik))
-    for height, angles in (
+    heights: tuple[tuple[Literal["short", "tall"], Sequence[tuple[float, float, float]]], ...] = (
         ("short", ((72, 70, 70), (68, 69, 64), (80, 79, 79))),
         ("tall", ((41, 40, 38), (39, 39, 38), (59, 51, 58))),
-    ):
+    )
+    for height, angles in heights:
         for (name, axis), (dem, cra, sofistik) in zip(
             (("x", (-1.0, 0.0, 0.0)), ("xy", XY), ("xny", XNY)), angles, strict=True
         ):
@@ -127,6 +137,3 @@ def studies() -> list[Study]:
         mu = float(np.tan(np.deg2rad(angle)))
         found.append(Study("arch", "y", models.arch, Y, mu, tilt, tilt, tilt))
     return found
-
-
-__all__ = ["Study", "studies"]

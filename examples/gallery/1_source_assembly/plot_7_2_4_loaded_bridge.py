@@ -1,5 +1,5 @@
 """
-Loaded bridge (figure 7.4, section 7.2.4)
+Loaded bridge (section 7.2.4, figure 7.4)
 =========================================
 
 Five boxes stand on the deck of the bridge. They are 3.51 times as dense as its blocks.

@@ -1,6 +1,6 @@
 """
-Design with feedback (section 6.4.1)
-====================================
+Design with feedback (section 6.3.1, figure 6.17)
+=================================================
 
 A designer changes a block and sees at once what it does. Here a script does this. With the first
 fix one piece of the shelf still falls. Its lower joint is turned, degree by degree. After each step

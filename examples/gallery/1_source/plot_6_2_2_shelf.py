@@ -1,6 +1,6 @@
 """
-Shelf (section 6.3, figure 6.18)
-================================
+Shelf (sections 6.2.2 and 6.3.2, figures 6.12 and 6.18)
+=======================================================
 
 Ten slanted pieces in a frame. Equilibrium exists, and yet two pieces fall. Three partial fixes
 of the source each leave one that falls.
@@ -9,8 +9,14 @@ of the source each leave one that falls.
 from drystone.reproduce import reproduce
 from drystone.view import Frame
 
-case = reproduce("6.3")
+case = reproduce("6.2.2")
 case.table()
+
+# %%
+# Each fix of figure 6.18 holds one piece; the other one still falls.
+
+fixes = reproduce("6.3.2")
+fixes.table()
 
 # %%
 # Pieces 9 and 10 slide out.
@@ -20,14 +26,14 @@ Frame(case.pictures["shelf"])
 # %%
 # With the first fix piece 9 is held. Piece 10 still falls.
 
-Frame(case.pictures["shelf-fix-1"])
+Frame(fixes.pictures["fix-1"])
 
 # %%
 # With the second.
 
-Frame(case.pictures["shelf-fix-2"])
+Frame(fixes.pictures["fix-2"])
 
 # %%
 # With the third.
 
-Frame(case.pictures["shelf-fix-3"])
+Frame(fixes.pictures["fix-3"])

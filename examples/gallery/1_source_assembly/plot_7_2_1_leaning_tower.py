@@ -1,6 +1,6 @@
 """
-Leaning tower (figure 7.1, section 7.2)
-=======================================
+Leaning tower (section 7.2.1, figure 7.1)
+=========================================
 
 A leaning monolith is cut from the top down. Each cut is chosen so that the block above it can be
 taken off and the rest stands. Then the tower can be built from the ground without a prop. The

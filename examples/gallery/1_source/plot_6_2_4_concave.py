@@ -1,6 +1,6 @@
 """
-Hooked planks and hoods (section 6.2.2)
-=======================================
+Hooked planks and hoods (sections 6.2.4 and 6.2.5, tables 6.3 and 6.4)
+======================================================================
 
 A plank that hooks under a slab, and a hood whose curved rim rests on another one, are tilted. The
 limits are those of 3DEC, in whole degrees. Each model is checked 1.5 degrees below and above its
