@@ -21,7 +21,8 @@ from drystone.base.errors import FormatError
 from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.unfolding import Unfolded, unfold
 from drystone.io.xml_tree import numbers, root_of
 
 _Mesh: TypeAlias = tuple[Floats, list[Loop]]
@@ -37,8 +38,6 @@ _MOVES = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
 _FACES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
 _SINGLE = 1e-6
 """Distance of coincident points, relative to the extent: programs write single precision."""
-_MOST, _DEEPEST = 100_000, 64
-"""Nodes in all and in each other, chosen: a small file can unfold to very many."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -92,23 +91,25 @@ def _shown(
     root: ET.Element, named: dict[str, ET.Element], path: Path
 ) -> Iterator[tuple[str, str, Floats]]:
     """Name, geometry and matrix (4, 4) of the nodes of the scene that show one."""
-    waiting = [(node, np.eye(4), 1) for node in _roots(root, named)][::-1]
-    for _ in range(_MOST):
-        if not waiting:
-            return
-        node, above, depth = waiting.pop()
-        if depth > _DEEPEST or len(waiting) > _MOST:
-            break
-        name = node.get("name") or node.get("id") or f"block-{len(waiting)}"
-        where = f"{path}, node '{name[:40]}'"
-        with np.errstate(all="ignore"):  # overflow is found with the vertices
-            matrix = above @ _matrix(node, where)
-        for one in node.findall("instance_geometry"):
-            yield name, _of(one), matrix
+
+    def inside(placed: tuple[ET.Element, Floats]) -> Iterator[tuple[ET.Element, Floats]]:
+        node, matrix = placed
         inner = [named.get(_of(one)) for one in node.findall("instance_node")]
-        inside = [*node.findall("node"), *(one for one in inner if one is not None)]
-        waiting += [(one, matrix, depth + 1) for one in inside][::-1]
-    raise FormatError(f"has more than {_MOST:,} nodes, or one in itself", where=str(path))
+        for one in (*node.findall("node"), *inner):
+            if one is not None:
+                with np.errstate(all="ignore"):  # overflow is found with the vertices
+                    yield one, matrix @ _matrix(one, path)
+
+    roots = [(node, _matrix(node, path)) for node in _roots(root, named)]
+    nodes = unfold(roots, inside, path, things="nodes", name=lambda one: _told(one[0]))
+    for number, (node, matrix) in enumerate(nodes):
+        for one in node.findall("instance_geometry"):
+            yield node.get("name") or node.get("id") or f"block-{number}", _of(one), matrix
+
+
+def _told(node: ET.Element) -> str:
+    """What to call a node in errors."""
+    return f"node '{(node.get('name') or node.get('id') or '')[:40]}'"
 
 
 def _roots(root: ET.Element, named: dict[str, ET.Element]) -> list[ET.Element]:
@@ -123,9 +124,9 @@ def _of(instance: ET.Element) -> str:
     return instance.get("url", "").removeprefix("#")
 
 
-def _matrix(node: ET.Element, where: str) -> Floats:
+def _matrix(node: ET.Element, path: Path) -> Floats:
     """The product of the transformations of a node, in their order."""
-    matrix = np.eye(4)
+    matrix, where = np.eye(4), f"{path}, {_told(node)}"
     for one in node:
         size = _MOVES.get(one.tag)
         if size is None:

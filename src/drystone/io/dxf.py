@@ -24,8 +24,9 @@ from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.dxf_entities import Drawing, Entity, drawing
-from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.layers import hidden_notes, holds, require_blocks
+from drystone.io.unfolding import Unfolded
 
 _CHORD = np.deg2rad(5.0)
 """Largest angle of a chord: it lies within 0.001 of the radius from its arc. Corners are at

@@ -12,12 +12,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise, product
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import FARTHEST, Floats
 from drystone.base.errors import FormatError
 from drystone.base.files import lines_of
+from drystone.io.unfolding import unfold
 
 _UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
 """By the value of $INSUNITS."""
@@ -25,8 +27,6 @@ _CODE = re.compile(r"-?\d{1,4}", re.ASCII)
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
 _UPRIGHT = 1.0 / 64.0
 """Below it both x and y of a normal count as zero, in the arbitrary axis algorithm."""
-_DEEPEST, _MOST = 16, 100_000
-"""Blocks in each other, and entities in all: a small file can unfold to very many. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,37 +188,40 @@ def _units(header: Entity) -> str | None:
     return None
 
 
-def _placed(
-    entities: list[Entity], blocks: dict[str, Entity], path: Path
-) -> Iterator[tuple[Entity, Floats, str]]:
+_Placed: TypeAlias = tuple[Entity, Floats, str]
+
+
+def _placed(entities: list[Entity], blocks: dict[str, Entity], path: Path) -> Iterator[_Placed]:
     """Entities with their matrices and layers, those of inserted blocks at each of their places."""
-    waiting = [(one, np.eye(4), "0", 1) for one in entities][::-1]
-    for _ in range(_MOST):
-        if not waiting:
-            return
-        entity, matrix, above, depth = waiting.pop()
-        layer = entity.text(8) if entity.text(8) not in ("", "0") else above
-        block = blocks.get(entity.text(2).lower()) if entity.kind == "INSERT" else None
-        if block is None:
-            yield entity, matrix, layer
-            continue
-        if not block.inner:
-            continue
-        if depth == _DEEPEST:
-            raise FormatError(f"block '{entity.text(2)[:40]}' is in itself", where=str(path))
-        grid = int(entity.number(70, 1)), int(entity.number(71, 1))
-        if len(waiting) + grid[0] * grid[1] * len(block.inner) > _MOST:
-            break
-        with np.errstate(all="ignore"):  # overflow is found with the points
-            at = [matrix @ place for place in _places(entity, block, grid)]
-        waiting += [(one, own, layer, depth + 1) for own in at for one in block.inner][::-1]
-    raise FormatError(
-        f"has more than {_MOST:,} entities", where=str(path), remedy="save less of it"
+
+    def block_of(entity: Entity) -> Entity | None:
+        return blocks.get(entity.text(2).lower()) if entity.kind == "INSERT" else None
+
+    def inside(placed: _Placed) -> Iterator[_Placed]:
+        insert, matrix, layer = placed
+        block = block_of(insert)
+        if block is not None and block.inner:
+            for place in _places(insert, block):
+                with np.errstate(all="ignore"):  # overflow is found with the points
+                    at = matrix @ place
+                yield from ((one, at, _layer(one, layer)) for one in block.inner)
+
+    roots = [(one, np.eye(4), _layer(one, "0")) for one in entities]
+    every = unfold(
+        roots, inside, path, things="entities", name=lambda one: f"block '{one[0].text(2)[:40]}'"
     )
+    yield from (one for one in every if block_of(one[0]) is None)
 
 
-def _places(insert: Entity, block: Entity, grid: tuple[int, int]) -> Iterator[Floats]:
+def _layer(entity: Entity, above: str) -> str:
+    """Layer of an entity: that of the insertion around it where it is 0."""
+    own = entity.text(8)
+    return above if own in ("", "0") else own
+
+
+def _places(insert: Entity, block: Entity) -> Iterator[Floats]:
     """Matrices (4, 4) of a block at an insertion, in columns and rows."""
+    grid = int(insert.number(70, 1)), int(insert.number(71, 1))
     turn, grow = np.deg2rad(insert.number(50)), [insert.number(code, 1.0) for code in (41, 42, 43)]
     spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     frame, apart = insert.frame(), np.array([insert.number(44), insert.number(45), 0.0])

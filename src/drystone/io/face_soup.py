@@ -21,40 +21,6 @@ from drystone.io.draft import DraftBlock
 
 _MANY = 5
 """Names in one note."""
-_MOST_FACES = 1_000_000
-_MOST_VERTICES = 3 * _MOST_FACES
-"""Of all that a file places. Chosen: triangles that share no vertex have three each."""
-
-
-class Unfolded:
-    """Counts what a file places: a small file may place one large part very often.
-
-    Parameters
-    ----------
-    path
-        The file, for errors.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._vertices = self._faces = 0
-
-    def take(self, vertices: int, faces: int) -> None:
-        """Count one more part, before it is placed.
-
-        Raises
-        ------
-        FormatError
-            There are too many vertices or faces together.
-        """
-        self._vertices += vertices
-        self._faces += faces
-        if self._vertices > _MOST_VERTICES or self._faces > _MOST_FACES:
-            raise FormatError(
-                f"places more than {_MOST_FACES:,} faces, or as many vertices as they can have",
-                where=str(self._path),
-                remedy="save less of it, or thin out its meshes",
-            )
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,9 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, Unfolded, in_double, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
+from drystone.io.unfolding import Unfolded
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of
 from drystone.io.bricks import FARTHEST, TALL, Brick, draft_of, usual_mass
 from drystone.io.draft import Draft
+from drystone.io.unfolding import unfold
 
 _GRID = np.array([20.0, 20.0, 8.0])
 """Distance of studs twice, and height of a plate, in units of LDraw."""
@@ -49,9 +51,8 @@ _OFF = 0.02
 """Studs or plates that a part may lie off the grid. Chosen: files round to thousandths."""
 _FARTHEST = 1e7
 """Largest number of a matrix, chosen: 4 km."""
-_DEEPEST, _MOST = 32, 100_000
-"""Models inside each other, and parts and models in all: a small file can unfold to very many.
-Chosen."""
+_Placed: TypeAlias = tuple[str, Floats, str]
+"""Name of a part or a model, its matrix (4, 4), and its line."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -77,9 +78,9 @@ def read(data: bytes, path: Path) -> Draft:
     return draft_of(bricks, path, _PITCH)
 
 
-def _models(text: str, path: Path) -> dict[str, list[tuple[str, Floats, str]]]:
+def _models(text: str, path: Path) -> dict[str, list[_Placed]]:
     """The parts in each model of a file: the name of each, its matrix (4, 4), and its line."""
-    models: dict[str, list[tuple[str, Floats, str]]] = {}
+    models: dict[str, list[_Placed]] = {}
     parts = models.setdefault("", [])
     for number, line in enumerate(lines_of(text), start=1):
         words = line.split()
@@ -104,26 +105,19 @@ def _models(text: str, path: Path) -> dict[str, list[tuple[str, Floats, str]]]:
     return models
 
 
-def _placed(
-    models: dict[str, list[tuple[str, Floats, str]]], first: str, path: Path
-) -> Iterator[tuple[str, Floats, str]]:
+def _placed(models: dict[str, list[_Placed]], first: str, path: Path) -> Iterator[_Placed]:
     """The parts of a model and of the models in it."""
-    waiting = [(*part, 1) for part in models[first]][::-1]
-    for _ in range(_MOST):
-        if not waiting:
-            return
-        if len(waiting) > _MOST:
-            break
-        name, matrix, where, depth = waiting.pop()
-        if name not in models:
-            yield name, matrix, where
-        elif depth < _DEEPEST:
+
+    def inside(part: _Placed) -> Iterator[_Placed]:
+        name, matrix, _ = part
+        for one, at, line in models.get(name, []):
             with np.errstate(all="ignore"):  # overflow is found with the parts
-                inside = [(one, matrix @ at, line, depth + 1) for one, at, line in models[name]]
-            waiting += inside[::-1]
-        else:
-            raise FormatError(f"model '{name[:40]}' is in itself", where=where)
-    raise FormatError(f"has more than {_MOST:,} parts", where=str(path), remedy="save less of it")
+                yield one, matrix @ at, line
+
+    every = unfold(
+        models[first], inside, path, things="parts", name=lambda one: f"model '{one[0][:40]}'"
+    )
+    yield from (one for one in every if one[0] not in models)
 
 
 def _part(name: str, matrix: Floats, where: str) -> tuple[Floats, tuple[int, int, int]]:

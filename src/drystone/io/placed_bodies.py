@@ -24,8 +24,9 @@ from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
 from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
-from drystone.io.face_soup import FaceSoup, Unfolded, moved, named_apart, shape_of, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
 from drystone.io.registry import format_of
+from drystone.io.unfolding import Unfolded
 
 Part: TypeAlias = tuple[Floats, Sequence[Loop]]
 """Vertices (v, 3) [m] and faces."""

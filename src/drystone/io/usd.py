@@ -19,7 +19,6 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft
-from drystone.io.face_soup import Unfolded
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import content_of, require
 from drystone.io.placed_bodies import (
@@ -31,6 +30,7 @@ from drystone.io.placed_bodies import (
     placed,
     shapes_of_bodies,
 )
+from drystone.io.unfolding import Unfolded
 
 PROGRAM = Path(__file__).with_name("usd_extract.py")
 WALL_S = 10.0

@@ -104,7 +104,7 @@ def test_the_axis_and_the_unit_of_the_file_are_used(
         (text(node("a")).replace("<p>", "<p>99 0 "), "vertex that does not exist"),
         (text(node("a"), "Q_UP"), "its up axis is 'Q_UP'"),
         (text(node("a"), unit='<unit meter="0.7"/>'), r"its unit is 0\.7 m"),
-        (text('<node id="n"><instance_node url="#n"/></node>'), "one in itself"),
+        (text('<node id="n"><instance_node url="#n"/></node>'), "is in itself"),
     ],
 )
 def test_what_cannot_be_read_is_told_in_one_line(tmp_path: Path, content: str, words: str) -> None:
