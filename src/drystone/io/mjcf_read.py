@@ -10,7 +10,7 @@ Source of the format: MuJoCo documentation, XML reference.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 
@@ -27,7 +27,6 @@ from drystone.io.placed_bodies import (
     PlacedBody,
     box_part,
     cylinder_part,
-    ground_under,
     hull_part,
     placed,
     shapes_of_bodies,
@@ -72,7 +71,13 @@ class _Rigid:
     def body(self) -> PlacedBody:
         mass, friction = self.mass or None, min(self.friction, default=None)
         return PlacedBody(
-            self.name, tuple(self.parts), self.fixed, self.where, mass, friction=friction
+            self.name,
+            tuple(self.parts),
+            self.fixed,
+            self.where,
+            mass,
+            friction=friction,
+            planes=tuple(self.planes),
         )
 
 
@@ -96,22 +101,23 @@ class _Reader:
         for world in self.root.findall("worldbody"):
             self._inside(world, np.eye(4), None, "main", weighed=False)
         self._weld()
-        bodies = [one.body() for one in self.found if one.parts or not one.planes]
-        for held in self.found:
-            for pose in held.planes:
-                slab = ground_under(bodies, pose)
-                bodies.append(replace(held.body(), parts=(slab,), mass=None))
+        bodies = [one.body() for one in self.found]
         shapes, notes = shapes_of_bodies(bodies, self.path)
         if len({body.friction for body in bodies} - {None}) > 1:
             notes.append("of two bodies MuJoCo takes the larger friction, a joint here the smaller")
         notes += [f"'{tag}' is not read" for tag in _UNREAD if self.root.find(tag) is not None]
+        load, said = self._gravity()
+        return Draft(tuple(shapes), "m", load, (*notes, *said))
+
+    def _gravity(self) -> tuple[partial[Extras] | None, list[str]]:
+        """What makes the load of the file where it is not the usual one, and a note."""
         gravity = _USUAL_GRAVITY
         for one in self.root.findall("option"):
             gravity = numbers(one.attrib, "gravity", 3, gravity, f"{self.path}, option")
         if not gravity.any():
-            notes.append("gravity is off in the file: 9.81 m/s2 along -z is assumed")
-        usual = not gravity.any() or bool((gravity == _USUAL_GRAVITY).all())
-        return Draft(tuple(shapes), "m", None if usual else partial(_loaded, gravity), tuple(notes))
+            return None, ["gravity is off in the file: 9.81 m/s2 along -z is assumed"]
+        usual = bool((gravity == _USUAL_GRAVITY).all())
+        return None if usual else partial(_loaded, gravity), []
 
     def _learn(self, element: ET.Element, above: dict[str, dict[str, str]], name: str) -> None:
         """Defaults of a class and of those within it."""
@@ -156,16 +162,8 @@ class _Reader:
                 self._inside(one, at, of, name, weighed=weighed)
             elif one.tag == "body":
                 at = pose @ self._pose(one.attrib, where)
-                free = self._is_free(one, where, one.get("childclass", name))
-                own = of
-                if own is None or own.fixed or free:
-                    known = one.get("name", f"body-{len(self.found)}")
-                    own = _Rigid(known, where, not free)
-                    self.found.append(own)
-                inertial = one.find("inertial")
-                if inertial is not None:
-                    own.mass += number_of(inertial.attrib, "mass", None, where)
-                self._inside(one, at, own, name, weighed=inertial is not None)
+                own = self._body(one, of, where, one.get("childclass", name))
+                self._inside(one, at, own, name, weighed=one.find("inertial") is not None)
             elif one.tag == "geom":
                 told = self._told(one, name)
                 if told.get("contype") == "0" and told.get("conaffinity") == "0":
@@ -176,6 +174,17 @@ class _Reader:
                     own = _Rigid(told.get("name", usual), where, True)
                     self.found.append(own)
                 self._geom(told, pose @ self._pose(told, where), own, where, weighed)
+
+    def _body(self, body: ET.Element, of: _Rigid | None, where: str, name: str) -> _Rigid:
+        """What a body moves with, its mass added: itself, or the body that it is joined to."""
+        own, free = of, self._is_free(body, where, name)
+        if own is None or own.fixed or free:
+            own = _Rigid(body.get("name", f"body-{len(self.found)}"), where, not free)
+            self.found.append(own)
+        inertial = body.find("inertial")
+        if inertial is not None:
+            own.mass += number_of(inertial.attrib, "mass", None, where)
+        return own
 
     def _is_free(self, body: ET.Element, where: str, name: str) -> bool:
         kinds = [self._told(one, name).get("type", "hinge") for one in body.findall("joint")]
@@ -239,30 +248,26 @@ class _Reader:
 
     def _pose(self, told: dict[str, str], where: str) -> Floats:
         """The pose (4, 4) of an element in the one around it."""
-        place = numbers(told, "pos", 3, np.zeros(3), where)
+        return pose_of(self._turn(told, where), numbers(told, "pos", 3, np.zeros(3), where))
+
+    def _turn(self, told: dict[str, str], where: str) -> Floats:
+        """The rotation (3, 3) of an element, in any of the ways to write it."""
         turn = 1.0 if self.compiler.get("angle") == "radian" else np.pi / 180.0
         if "quat" in told:
-            return pose_of(quaternion(numbers(told, "quat", 4, None, where), where), place)
+            return quaternion(numbers(told, "quat", 4, None, where), where)
         if "axisangle" in told:
             value = numbers(told, "axisangle", 4, None, where)
             vector = unit(value[None, :3])[0][0] * value[3] * turn
-            return pose_of(Rotation.from_rotvec(vector).as_matrix(), place)
+            return np.asarray(Rotation.from_rotvec(vector).as_matrix())
         if "euler" in told:
             order = self.compiler.get("eulerseq", "xyz")
-            if len(order) != 3 or set(order.lower()) - set("xyz"):
-                raise FormatError(f"eulerseq is '{order[:20]}'", where=where, remedy="write xyz")
-            matrix = np.eye(3)
-            for axis, angle in zip(order, numbers(told, "euler", 3, None, where), strict=True):
-                vector = angle * turn * np.eye(3)["xyz".index(axis.lower())]
-                step = Rotation.from_rotvec(vector).as_matrix()
-                matrix = matrix @ step if axis.islower() else step @ matrix
-            return pose_of(matrix, place)
+            return _euler(order, turn * numbers(told, "euler", 3, None, where), where)
         if "xyaxes" in told:
             x, y = numbers(told, "xyaxes", 6, None, where).reshape(2, 3)
-            return pose_of(axes(np.cross(x, y), x, where), place)
+            return axes(np.cross(x, y), x, where)
         if "zaxis" in told:
-            return pose_of(along(numbers(told, "zaxis", 3, None, where), where), place)
-        return pose_of(np.eye(3), place)
+            return along(numbers(told, "zaxis", 3, None, where), where)
+        return np.eye(3)
 
     def _weld(self) -> None:
         """Bodies that an equality holds to the world are fixed; other equalities are refused."""
@@ -278,6 +283,17 @@ class _Reader:
                     remedy="leave it out: only a weld of a body to the world is read",
                 )
             names[ends.pop()].fixed = True
+
+
+def _euler(order: str, angles: Floats, where: str) -> Floats:
+    """The rotation (3, 3) of angles (3,) [rad] about axes: fixed ones where they are capitals."""
+    if len(order) != 3 or set(order.lower()) - set("xyz"):
+        raise FormatError(f"eulerseq is '{order[:20]}'", where=where, remedy="write xyz")
+    matrix = np.eye(3)
+    for axis, angle in zip(order, angles, strict=True):
+        step = Rotation.from_rotvec(angle * np.eye(3)["xyz".index(axis.lower())]).as_matrix()
+        matrix = matrix @ step if axis.islower() else step @ matrix
+    return matrix
 
 
 def _loaded(gravity: Floats, assembly: Assembly, _: float) -> Extras:

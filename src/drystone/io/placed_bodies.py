@@ -63,6 +63,8 @@ class PlacedBody:
     density : [kg/m3]
     friction
         Coefficient, ``None`` where the file has none.
+    planes
+        Poses (4, 4) of planes, in their xy plane: each is a slab of ground below all bodies.
     """
 
     name: str
@@ -72,12 +74,13 @@ class PlacedBody:
     mass: float | None = None
     density: float = DEFAULT_DENSITY
     friction: float | None = None
+    planes: tuple[Floats, ...] = ()
 
 
 def shapes_of_bodies(
     bodies: Sequence[PlacedBody], path: Path
 ) -> tuple[list[DraftBlock], list[str]]:
-    """A shape for each body that has a part, and notes.
+    """A shape for each body that has a part and for each plane, and notes.
 
     Raises
     ------
@@ -85,22 +88,25 @@ def shapes_of_bodies(
         A part has no faces.
     """
     solid = [body for body in bodies if body.parts]
-    notes = []
-    if len(solid) < len(bodies):
-        left = counted(len(bodies) - len(solid), "body", "bodies")
-        notes.append(f"{left} without a shape left out")
-    made: list[DraftBlock] = []
-    for body in solid:
-        whole = _united(body, path) if len(body.parts) > 1 else None
-        if whole is None:
-            soups = [FaceSoup(p, f, body.name, body.where, split=False) for p, f in body.parts]
-            shapes, _ = shapes_of(soups, _SINGLE, path)
-            whole = _together(shapes)
-        loops = [tuple(face) for face in whole.faces]
-        own = shape_of(np.asarray(whole.vertices), loops, body.name, body.where)
-        made.append(_with_material(own, body))
-    shapes, renamed = named_apart(made)
+    empty = sum(not body.parts and not body.planes for body in bodies)
+    notes = [f"{counted(empty, 'body', 'bodies')} without a shape left out"] if empty else []
+    for body in bodies:
+        for pose in body.planes:
+            slab = _ground_under(solid, pose)
+            solid.append(replace(body, parts=(slab,), fixed=True, mass=None, planes=()))
+    shapes, renamed = named_apart([_shape(body, path) for body in solid])
     return shapes, [*notes, *renamed]
+
+
+def _shape(body: PlacedBody, path: Path) -> DraftBlock:
+    """The parts of a body as one shape, of its material."""
+    whole = _united(body, path) if len(body.parts) > 1 else None
+    if whole is None:
+        soups = [FaceSoup(p, f, body.name, body.where, split=False) for p, f in body.parts]
+        whole = _together(shapes_of(soups, _SINGLE, path)[0])
+    loops = [tuple(face) for face in whole.faces]
+    own = shape_of(np.asarray(whole.vertices), loops, body.name, body.where)
+    return _with_material(own, body)
 
 
 def _united(body: PlacedBody, path: Path) -> DraftBlock | None:
@@ -194,7 +200,7 @@ def hull_part(point: Floats, where: str) -> Part:
     return used, [tuple(face) for face in triangle.tolist()]
 
 
-def ground_under(bodies: Sequence[PlacedBody], pose: Floats) -> Part:
+def _ground_under(bodies: Sequence[PlacedBody], pose: Floats) -> Part:
     """A slab whose top lies in the xy plane of a pose (4, 4), below all of some bodies."""
     points = [point for body in bodies for point, _ in body.parts]
     every = np.concatenate(points) if points else np.zeros((1, 3))

@@ -145,24 +145,24 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
     FormatError
         There is none.
     """
-    if name is not None:
-        for known in FORMATS:
-            if known.name == name:
-                return known
-        names = ", ".join(f.name for f in FORMATS)
-        raise FormatError(f"format '{name}' is not known", remedy=f"use one of {names}")
     suffix = as_path(path).suffix.lower()
     for known in FORMATS:
-        if suffix in known.suffixes:
+        if suffix in known.suffixes if name is None else known.name == name:
             return known
+    if name is not None:
+        names = ", ".join(f.name for f in FORMATS)
+        raise FormatError(f"format '{name}' is not known", remedy=f"use one of {names}")
+    raise _unknown(path, suffix, writing)
+
+
+def _unknown(path: PathLike, suffix: str, writing: bool) -> FormatError:
+    """Why no format has the suffix of a file."""
     if not writing and not suffix and not as_path(path).exists():
-        raise FormatError(
-            "there is no such file or folder", where=str(path), remedy="check the path"
-        )
-    able = [f for f in FORMATS if (f.writer if writing else f.reader)]
-    suffixes = ", ".join(sorted({s for f in able for s in f.suffixes}))
+        what = "there is no such file or folder"
+        return FormatError(what, where=str(path), remedy="check the path")
+    suffixes = ", ".join(_suffixes("writer" if writing else "reader"))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
-    raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
+    return FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
 Unit: TypeAlias = Literal["mm", "cm", "m", "in", "ft"]
@@ -194,8 +194,13 @@ def files_at(path: Paths) -> tuple[Path, ...]:
 
 
 def _files_at(path: Paths) -> tuple[list[Path], list[Path]]:
-    known = {suffix for one in FORMATS if one.reader for suffix in one.suffixes}
-    return files_of(path, sorted(known - {".txt"}))  # a folder may have notes beside its models
+    known = [one for one in _suffixes("reader") if one != ".txt"]  # notes beside the models
+    return files_of(path, known)
+
+
+def _suffixes(able: str) -> list[str]:
+    """Suffixes of the formats that have a reader, or a writer."""
+    return sorted({suffix for one in FORMATS if getattr(one, able) for suffix in one.suffixes})
 
 
 def read_file(

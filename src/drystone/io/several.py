@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from glob import has_magic
@@ -13,7 +14,7 @@ from typing import TypeAlias, TypeGuard
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import frozen_floats
 from drystone.base.display import named
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import PathLike, as_path, digest
@@ -145,31 +146,37 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
     FormatError
         A file has contacts, loads or results.
     """
-    stems = [file.stem for file, _ in drafts]
-    names = [file.name for file, _ in drafts]
-    for file, _ in drafts:
-        if sum(file == other for other, _ in drafts) > 1:
-            raise FormatError("is given twice", where=str(file), remedy="name each file once")
     shapes: list[DraftBlock] = []
     size: list[float] = []
     notes: list[str] = []
-    for (file, draft), stem in zip(drafts, stems, strict=True):
+    for (file, draft), name in zip(drafts, _names([file for file, _ in drafts]), strict=True):
         if draft.finish is not None:
             raise FormatError(
                 "it has contacts, loads or results, which refer to its own blocks",
                 where=str(file),
                 remedy="read it alone, or convert it to a mesh",
             )
-        name = stem if stems.count(stem) == 1 else file.name
-        name = name if names.count(file.name) == 1 else f"{file.parent.name}/{stem}"
         scale = scale_of(units or draft.units or "m")
         own = [_placed(shape, file, name, len(draft.shapes), scale) for shape in draft.shapes]
         shapes += own
-        size.append(float(np.median([_extent(shape) for shape in own])))
+        size.append(_extent(own))
         notes += [f"{file.name}: {note}" for note in draft.notes]
     if units is None:
         notes += _units_told(drafts)
     return Draft(tuple(shapes), "m", notes=(*notes, *_odd_sizes([f for f, _ in drafts], size)))
+
+
+def _names(files: Sequence[Path]) -> list[str]:
+    """A name for each file: as short as tells it from the others."""
+    stems, names = Counter(file.stem for file in files), Counter(file.name for file in files)
+    named = []
+    for file in files:
+        if files.count(file) > 1:
+            raise FormatError("is given twice", where=str(file), remedy="name each file once")
+        alone = names[file.name] == 1
+        short = file.stem if stems[file.stem] == 1 else file.name
+        named.append(short if alone else f"{file.parent.name}/{file.stem}")
+    return named
 
 
 def _placed(shape: DraftBlock, file: Path, name: str, of: int, scale: float) -> DraftBlock:
@@ -179,9 +186,11 @@ def _placed(shape: DraftBlock, file: Path, name: str, of: int, scale: float) -> 
     return replace(shape, name=own, vertices=vertices, where=where)
 
 
-def _extent(shape: DraftBlock) -> float:
-    points: Floats = np.asarray(shape.vertices)
-    return float(np.ptp(points, axis=0).max(initial=0.0)) if len(points) else 0.0
+def _extent(shapes: Sequence[DraftBlock]) -> float:
+    """The size of the median shape, its longest side along an axis [m]."""
+    points = [np.asarray(shape.vertices) for shape in shapes]
+    sizes = [np.ptp(one, axis=0).max(initial=0.0) if len(one) else 0.0 for one in points]
+    return float(np.median(sizes))
 
 
 def _units_told(drafts: Sequence[tuple[Path, Draft]]) -> list[str]:

@@ -11,7 +11,9 @@ Source of the format: ROS documentation, urdf/XML.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -31,6 +33,8 @@ from drystone.io.placed_bodies import (
 from drystone.io.xml_tree import number_of, numbers, pose_of, root_of
 
 _WORLD = "world"
+_Joints: TypeAlias = dict[str, tuple[str, bool, Floats]]
+"""By link its parent, whether it floats, and its pose (4, 4) in that of the parent."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -44,6 +48,13 @@ def read(data: bytes, path: Path) -> Draft:
     root = root_of(data, path, "robot", "URDF")
     links = {one.get("name", ""): one for one in root.findall("link")}
     joints = _joints(root, links, path)
+    made = [one for one in _bodies(links, joints, path) if one.parts or one.name in joints]
+    shapes, notes = shapes_of_bodies(made, path)
+    return Draft(tuple(shapes), "m", notes=tuple(notes))
+
+
+def _bodies(links: dict[str, ET.Element], joints: _Joints, path: Path) -> Iterable[PlacedBody]:
+    """What moves as one, and each fixed link."""
     bodies: dict[str, PlacedBody] = {}
     beside = MeshesBeside(path)
     for name, link in links.items():
@@ -51,23 +62,23 @@ def read(data: bytes, path: Path) -> Draft:
         pose, holder = _placed(name, joints, where)
         fixed = holder not in joints and (holder == _WORLD or not _shapes(links[holder]))
         group = name if fixed else holder
-        parts = [placed(part, pose) for one in _shapes(link) for part in _parts(one, beside, where)]
-        weight = link.find("inertial/mass")
-        mass = 0.0 if weight is None else number_of(weight.attrib, "value", None, where)
+        solids = [part for one in _shapes(link) for part in _parts(one, beside, where)]
+        parts, mass = [placed(part, pose) for part in solids], _mass(link, where)
         if group in bodies:
             parts = [*bodies[group].parts, *parts]
             mass += bodies[group].mass or 0.0
         bodies[group] = PlacedBody(group, tuple(parts), fixed, where, mass or None)
-    made = [one for one in bodies.values() if one.parts or one.name in joints]
-    shapes, notes = shapes_of_bodies(made, path)
-    return Draft(tuple(shapes), "m", notes=tuple(notes))
+    return bodies.values()
 
 
-def _joints(
-    root: ET.Element, links: dict[str, ET.Element], path: Path
-) -> dict[str, tuple[str, bool, Floats]]:
-    """By link its parent, whether it floats, and its pose (4, 4) in that of the parent."""
-    joints: dict[str, tuple[str, bool, Floats]] = {}
+def _mass(link: ET.Element, where: str) -> float:
+    """The mass [kg] of a link, zero where it has none."""
+    weight = link.find("inertial/mass")
+    return 0.0 if weight is None else number_of(weight.attrib, "value", None, where)
+
+
+def _joints(root: ET.Element, links: dict[str, ET.Element], path: Path) -> _Joints:
+    joints: _Joints = {}
     for one in root.findall("joint"):
         where = f"{path}, joint '{one.get('name', '')}'"
         ends = [one.find(end) for end in ("parent", "child")]
@@ -89,9 +100,7 @@ def _joints(
     return joints
 
 
-def _placed(
-    name: str, joints: dict[str, tuple[str, bool, Floats]], where: str
-) -> tuple[Floats, str]:
+def _placed(name: str, joints: _Joints, where: str) -> tuple[Floats, str]:
     """The pose (4, 4) of a link in the world, and the link that it moves with."""
     pose, holder, at = np.eye(4), "", name
     seen: set[str] = set()

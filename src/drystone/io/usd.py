@@ -26,7 +26,6 @@ from drystone.io.placed_bodies import (
     PlacedBody,
     box_part,
     cylinder_part,
-    ground_under,
     placed,
     shapes_of_bodies,
 )
@@ -66,17 +65,11 @@ def read(data: bytes, path: Path) -> Draft:
     world = np.diag([scale, scale, scale, 1.0]) @ _UP[up]
     moves = top["moves"].boolean()
     bodies: list[PlacedBody] = []
-    planes: list[tuple[PlacedBody, Floats]] = []
     unfolded = Unfolded(path)
     for one in top["bodies"].elements():
-        body, flat_ones = _body(one, world, moves, path)
-        for point, faces in body.parts:
+        bodies.append(_body(one, world, moves, path))
+        for point, faces in bodies[-1].parts:
             unfolded.take(len(point), len(faces))
-        bodies += [body] if body.parts else []
-        planes += [(body, pose) for pose in flat_ones]
-    for body, pose in planes:
-        slab = ground_under(bodies, pose)
-        bodies.append(PlacedBody(body.name, (slab,), True, body.where, friction=body.friction))
     shapes, notes = shapes_of_bodies(bodies, path)
     if not moves:
         notes.append("it has no rigid bodies: nothing is fixed but planes")
@@ -85,11 +78,8 @@ def read(data: bytes, path: Path) -> Draft:
 
 def _unread(top: Field, path: Path) -> FormatError:
     """Why a stage cannot be read."""
-    what, remedy = (
-        top["error"].text(),
-        "flatten it into one file: usdcat --flatten IN --out OUT.usdc",
-    )
-    if what:
+    if what := top["error"].text():
+        remedy = "flatten it into one file: usdcat --flatten IN --out OUT.usdc"
         return FormatError(what, where=str(path), remedy=remedy)
     if not top.has("line"):
         remedy = "export it again, or check its suffix"
@@ -114,8 +104,8 @@ def _refuse_packed(data: bytes, path: Path) -> None:
         )
 
 
-def _body(one: Field, world: Floats, moves: bool, path: Path) -> tuple[PlacedBody, list[Floats]]:
-    """A body, and the poses (4, 4) of its planes."""
+def _body(one: Field, world: Floats, moves: bool, path: Path) -> PlacedBody:
+    """A body with its planes."""
     where = f"{path}, prim '{one['path'].text()}'"
     parts, planes = [], []
     for part in one["parts"].elements():
@@ -131,7 +121,7 @@ def _body(one: Field, world: Floats, moves: bool, path: Path) -> tuple[PlacedBod
             parts.append(placed(_part(part, where), matrix))
     mass, density = one["mass"].number(), one["density"].number()
     friction = [each.number() for each in one["friction"].elements()]
-    body = PlacedBody(
+    return PlacedBody(
         one["name"].text(),
         tuple(parts),
         moves and not one["free"].boolean(),
@@ -139,8 +129,8 @@ def _body(one: Field, world: Floats, moves: bool, path: Path) -> tuple[PlacedBod
         mass if mass > 0.0 else None,
         density if density > 0.0 else DEFAULT_DENSITY,
         min(friction, default=None),
+        tuple(planes),
     )
-    return body, planes
 
 
 def _part(part: Field, where: str) -> Part:
@@ -156,6 +146,10 @@ def _part(part: Field, where: str) -> Part:
         raise FormatError(
             f"is a {kind}{rolls}", where=where, remedy="use meshes, cubes, cylinders and planes"
         )
+    return _mesh(part, where)
+
+
+def _mesh(part: Field, where: str) -> Part:
     points = part["points"].floats(None, 3)
     corner = [each.integer() for each in part["faceVertexIndices"].elements()]
     count = [each.integer() for each in part["faceVertexCounts"].elements()]

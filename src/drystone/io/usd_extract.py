@@ -38,6 +38,13 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
             return {"error": "", **({"line": place[1], "text": place[2]} if place else {})}
 
 
+def _plain(name: str, value: Any) -> Any:
+    """The value of an attribute as JSON has it."""
+    if name == "points":
+        return [[float(x) for x in point] for point in value or ()]
+    return [int(x) for x in value or ()] if name.startswith("face") else value
+
+
 class _Found:
     """What is in a stage."""
 
@@ -89,12 +96,7 @@ class _Found:
             "Mesh": ("points", "faceVertexCounts", "faceVertexIndices", "orientation"),
         }  # fmt: skip
         for name in names.get(part["kind"], ()):
-            value = prim.GetAttribute(name).Get()
-            if name == "points":
-                value = [[float(x) for x in point] for point in value or ()]
-            elif name.startswith("face"):
-                value = [int(x) for x in value or ()]
-            part[name] = value
+            part[name] = _plain(name, prim.GetAttribute(name).Get())
         return part
 
     def _friction(self, prim: Any) -> float | None:
