@@ -168,12 +168,12 @@ class _Reader:
                 told = self._told(one, name)
                 if told.get("contype") == "0" and told.get("conaffinity") == "0":
                     continue
-                own = of
-                if own is None:
+                held = of
+                if held is None:
                     usual = "ground" if told.get("type") == "plane" else f"geom-{len(self.found)}"
-                    own = _Rigid(told.get("name", usual), where, True)
-                    self.found.append(own)
-                self._geom(told, pose @ self._pose(told, where), own, where, weighed)
+                    held = _Rigid(told.get("name", usual), where, True)
+                    self.found.append(held)
+                self._geom(told, pose @ self._pose(told, where), held, where, weighed)
 
     def _body(self, body: ET.Element, of: _Rigid | None, where: str, name: str) -> _Rigid:
         """What a body moves with, its mass added: itself, or the body that it is joined to."""

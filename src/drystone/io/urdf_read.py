@@ -62,13 +62,18 @@ def _bodies(links: dict[str, ET.Element], joints: _Joints, path: Path) -> Iterab
         pose, holder = _placed(name, joints, where)
         fixed = holder not in joints and (holder == _WORLD or not _shapes(links[holder]))
         group = name if fixed else holder
-        solids = [part for one in _shapes(link) for part in _parts(one, beside, where)]
-        parts, mass = [placed(part, pose) for part in solids], _mass(link, where)
+        parts, mass = _solids(link, pose, beside, where), _mass(link, where)
         if group in bodies:
             parts = [*bodies[group].parts, *parts]
             mass += bodies[group].mass or 0.0
         bodies[group] = PlacedBody(group, tuple(parts), fixed, where, mass or None)
     return bodies.values()
+
+
+def _solids(link: ET.Element, pose: Floats, beside: MeshesBeside, where: str) -> list[Part]:
+    """The solids of the shapes of a link, in the world."""
+    own = [part for one in _shapes(link) for part in _parts(one, beside, where)]
+    return [placed(part, pose) for part in own]
 
 
 def _mass(link: ET.Element, where: str) -> float:
