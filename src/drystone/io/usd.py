@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.base.arrays import Floats
+from drystone.base.arrays import FARTHEST, Floats
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft
 from drystone.io.jsontext import Field, parse
@@ -112,9 +112,14 @@ def _body(one: Field, world: Floats, moves: bool, path: Path) -> PlacedBody:
         matrix = world @ part["matrix"].floats(4, 4).T
         if part["kind"].text() == "Plane":
             pose = matrix @ _ALONG.get(part["axis"].text(), np.eye(4))
+            size = np.abs(pose[:3, :3]).max(axis=0)
+            if not (size > 0.0).all() or not (np.abs(pose) <= FARTHEST).all():
+                raise FormatError(
+                    "a plane has no size, or is too far away",
+                    where=where,
+                    remedy="scale it otherwise",
+                )
             size = np.linalg.norm(pose[:3, :3], axis=0)
-            if not (size > 0.0).all():
-                raise FormatError("a plane has no size", where=where, remedy="scale it otherwise")
             pose[:3, :3] /= size
             planes.append(pose)
         else:

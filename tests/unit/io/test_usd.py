@@ -103,6 +103,17 @@ def test_what_a_stage_cannot_say_is_refused_in_one_line(tmp_path, old, new, said
     assert "\n" not in str(caught.value)
 
 
+def test_a_plane_beyond_every_number_is_refused_in_words(tmp_path):
+    floor = 'def Plane "floor"\n{\n    uniform token axis = "Z"\n    MOVED\n}\n'
+    stretched = floor.replace(
+        "MOVED",
+        """double3 xformOp:scale = (1e200, 1, 1)
+    uniform token[] xformOpOrder = ["xformOp:scale"]""",
+    )
+    with pytest.raises(FormatError, match="a plane has no size, or is too far away"):
+        io.read_file(written(tmp_path, TWO + stretched))
+
+
 def test_archives_are_read_and_packed_ones_refused(tmp_path):
     stage = written(tmp_path, TWO).read_bytes()
     usdz = tmp_path / "stage.usdz"
