@@ -58,11 +58,15 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
     if turned is not None:
         straight = np.zeros(len(edges))
         friction = least_friction(model, edges.contacts(straight, straight))
-        middle, *ends = (
-            check(_with(model, edges.contacts(turn, friction)))
-            for turn in (straight, turned, -turned)
-        )
-        if middle.verdict is Verdict.UNSTABLE or all(one.verdict is middle.verdict for one in ends):
+
+        def pressed(turn: Floats) -> Result:
+            """The verdict where the edges press in one direction of their range."""
+            return check(_with(model, edges.contacts(turn, friction)))
+
+        middle = pressed(straight)
+        if middle.verdict is Verdict.UNSTABLE or all(
+            pressed(end).verdict is middle.verdict for end in (turned, -turned)
+        ):
             return middle
         return _undecided(found, np.stack([edges.block_a, edges.block_b], axis=1), "parallel edges")
     meet = further.corners[moving[further.corners].any(axis=1)]
