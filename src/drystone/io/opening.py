@@ -16,8 +16,10 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
+from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_overlaps
 from drystone.detection.block_overlaps import overlap_lines, require_apart
+from drystone.detection.resample import FEW
 from drystone.io.capacity_words import with_joint_capacity
 from drystone.io.draft import Contents
 from drystone.io.load_options import Loads
@@ -326,7 +328,15 @@ def _stored_notes(model: Model, detection: DetectionOptions | None, anyway: bool
     if not anyway:
         require_apart(names, overlaps)
     used = f"the {counted(model.contacts.count, 'interface')} of the file {verb} used"
-    return [used, *overlap_lines(names, overlaps)]
+    return [used + _facets_kept(model.contacts), *overlap_lines(names, overlaps)]
+
+
+def _facets_kept(contacts: Contacts) -> str:
+    """That the contact search would have taken fewer pieces, where it would."""
+    if contacts.corner_count <= FEW or contacts.joints is contacts:
+        return ""
+    joints = counted(contacts.joints.count, "joint")
+    return f", all facets of {joints}; --find-contacts (search=True) takes fewer where they curve"
 
 
 def tolerances(

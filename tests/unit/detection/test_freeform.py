@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from benchmarks.curved import curved_vault
-from drystone import Assembly, InputError, Model, find_contacts, limit_tilt
+from drystone import (
+    Assembly,
+    Contacts,
+    InputError,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
+    find_contacts,
+    limit_tilt,
+    read,
+    write,
+)
 from drystone.assembly import replace_block
 from drystone.detection import DetectionOptions, contacts_from_mesh
 from drystone.models import box, concave, cube_curve, curve_three_blocks, tower
@@ -75,6 +89,35 @@ def test_limits_of_pieces_differ_by_less_than_they_turn() -> None:
     assert 1.0 < turn <= 3.0
     assert pieces.stands - every.falls < turn
     assert every.stands - pieces.falls < turn
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_vault_of_pieces_falls_within_what_they_turn_of_all_facets(
+    axis: tuple[float, float, float],
+) -> None:
+    model = curved_vault(9, 3, wave=0.08)
+    found, every = find_contacts(model), find_contacts(model, options=ALL)
+    turn = max(pair.turn for pair in found.report.resampled)
+
+    def verdict(contacts: Contacts, degrees: float) -> Verdict:
+        return check(Model(model, contacts, LoadCase.tilt(model, axis, degrees))).verdict
+
+    stands, falls = 32.0, 34.0
+    assert falls - stands < turn
+    assert verdict(found.contacts, stands) is Verdict.STABLE
+    assert verdict(found.contacts, falls) is Verdict.UNSTABLE
+    assert verdict(every.contacts, falls - turn) is Verdict.STABLE
+    assert verdict(every.contacts, stands + turn) is Verdict.UNSTABLE
+
+
+def test_contacts_of_a_file_are_all_kept_and_their_number_is_told(tmp_path: Path) -> None:
+    model = curved_vault(9, 3, wave=0.08)
+    file = tmp_path / "vault.json"
+    write(Model(model, find_contacts(model, options=ALL).contacts), file)
+    kept, searched = read(file), read(file, search=True)
+    assert kept.contacts.count > 10 * searched.contacts.count
+    (said,) = (note for note in kept.notes if "of the file are used" in note)
+    assert f"all facets of {searched.contacts.joints.count} joints; --find-contacts" in said
 
 
 def test_more_angle_means_fewer_pieces() -> None:
