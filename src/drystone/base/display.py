@@ -11,6 +11,8 @@ from typing import Any
 
 _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
+NAME = 60
+"""Largest number of characters of a name in a sentence or a table. Chosen: half a line."""
 _NAMED = 3
 """Names of equal things that are said; of more, how many there are."""
 
@@ -98,7 +100,9 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
     'a, b, c and 2 more'
     """
     rest = len(names) - most
-    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
+    return ", ".join(shortened(one, NAME) for one in names[:most]) + (
+        f" and {rest} more" if rest > 0 else ""
+    )
 
 
 def _plainly_equal(value: object, default: object) -> bool:

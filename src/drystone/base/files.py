@@ -249,6 +249,16 @@ def write_bytes(path: PathLike, data: bytes) -> None:
     write_whole(path, fill)
 
 
+def write_text(path: PathLike, text: str) -> None:
+    """Write a whole text as UTF-8, or nothing; see :func:`write_whole` and :func:`utf8`."""
+    write_bytes(path, utf8(text))
+
+
+def utf8(text: str) -> bytes:
+    """A text as UTF-8. Half of a surrogate pair, which is no letter, becomes its escape in JSON."""
+    return text.encode("utf-8", "backslashreplace")
+
+
 @contextlib.contextmanager
 def _beside(target: Path) -> Iterator[Path]:
     """A path of the same name in a hidden folder beside a file.

@@ -17,7 +17,7 @@ from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, MissingDependency, counted
-from drystone.base.files import PathLike, write_bytes
+from drystone.base.files import PathLike, write_text
 
 if TYPE_CHECKING:
     import pandas
@@ -156,7 +156,7 @@ class Table(OneLine):
         flat = self._flat()
         writer.writerow(flat)
         writer.writerows(zip(*(values.tolist() for values in flat.values()), strict=True))
-        write_bytes(path, text.getvalue().encode("utf-8"))
+        write_text(path, text.getvalue())
 
     def to_pandas(self) -> pandas.DataFrame:
         """A data frame; title and units are in its ``attrs``.

@@ -60,7 +60,7 @@ class Waiting:
         self._state = ("", 0, 0)
         self._bar: Progress | None = None
         self._timer: threading.Timer | None = None
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
 
     def __enter__(self) -> Waiting:
         UNDER_WAY.set(self)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.base.files import same_place
+from drystone.base.files import same_place, write_text
 from drystone.cli import kinds, options
 from drystone.cli.offered import OUTPUT, Option
 
@@ -157,7 +157,6 @@ class Written(Pictures):
             return [], ["no joint table: there are no forces"] if self.joints else []
         if not self.joints and self.strength is None:
             return [], []
-        from drystone.base.files import write_bytes  # work is imported when there is some
         from drystone.view import save_report
 
         strength = None if self.strength is None else 1e6 * self.strength
@@ -170,7 +169,7 @@ class Written(Pictures):
                 jobs.append((path, table.to_csv))
             else:
                 content = json.dumps({"strength": strength, **table.to_dict()})
-                jobs.append((path, partial(write_bytes, data=content.encode("utf-8"))))
+                jobs.append((path, partial(write_text, text=content)))
         if strength is None:
             return jobs, []
         over = int(table["over_strength"].sum())

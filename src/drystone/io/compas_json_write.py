@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
-from drystone.base.files import write_bytes
+from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
 from drystone.io.draft import Contents
 from drystone.results import Result
@@ -119,7 +119,7 @@ def block_model_content(model: Contents) -> dict[str, Any]:
 
 
 def _guid(*parts: str) -> str:
-    return str(uuid.uuid5(_NAMESPACE, "/".join(parts)))
+    return str(uuid.uuid5(_NAMESPACE, utf8("/".join(parts)).decode()))
 
 
 def _object(dtype: str, data: dict[str, Any], name: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
-from drystone.base.files import write_bytes
+from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
 from drystone.io import npz
 from drystone.io.draft import Contents
@@ -62,7 +62,7 @@ def _text(content: dict[str, Any], path: Path) -> bytes:
             parts.append(f'"blocks": [\n  {blocks}\n ]')
         elif value is not None:
             parts.append(f'"{key}": {_dumps(value, path)}')
-    return ("{\n " + ",\n ".join(parts) + "\n}\n").encode()
+    return utf8("{\n " + ",\n ".join(parts) + "\n}\n")
 
 
 def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.base.files import PathLike, write_bytes
+from drystone.base.files import PathLike, write_text
 from drystone.io.draft import Contents
 from drystone.io.simulator_bodies import bodies, gravity_of, model_of
 from drystone.model import Model
@@ -110,7 +110,7 @@ def write_mjcf(
         See :func:`mjcf_text`.
     path
     """
-    write_bytes(path, mjcf_text(model, name=name, contact_s=contact_s).encode("utf-8"))
+    write_text(path, mjcf_text(model, name=name, contact_s=contact_s))
 
 
 def _numbers(values: Floats) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drystone.base.errors import FormatError
-from drystone.base.files import decode, lines_of, write_bytes
+from drystone.base.files import decode, lines_of, write_text
 from drystone.io.draft import Contents, Draft, DraftBlock
 
 _IGNORED = frozenset(
@@ -196,4 +196,4 @@ def write(model: Contents, path: Path) -> None:
         lines += ["v " + " ".join(map(repr, point)) for point in block.vertices.tolist()]
         lines += ["f " + " ".join(str(i + offset) for i in face) for face in block.faces]
         offset += len(block.vertices)
-    write_bytes(path, ("\n".join(lines) + "\n").encode())
+    write_text(path, "\n".join(lines) + "\n")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.base.errors import FormatError
-from drystone.base.files import write_bytes
+from drystone.base.files import utf8, write_bytes
 from drystone.io import ply_tables
 from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.face_soup import FaceSoup, in_double, shape_of, shapes_of
@@ -124,5 +124,5 @@ def write(model: Contents, path: Path) -> None:
     body[at + lengths + 1] = faces.owner
     inside = np.arange(len(faces.loop)) + 1 + 2 * np.repeat(np.arange(faces.count), lengths)
     body[inside] = faces.loop
-    data = ("\n".join(header) + "\n").encode()
+    data = utf8("\n".join(header) + "\n")
     write_bytes(path, data + faces.point.astype("<f8").tobytes() + body.tobytes())

@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, unit
 from drystone.base.errors import FormatError
-from drystone.base.files import decode, lines_of, write_bytes
+from drystone.base.files import decode, lines_of, write_text
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft
 from drystone.io.face_soup import FaceSoup, in_double, shapes_of
@@ -137,4 +137,4 @@ def write(model: Contents, path: Path) -> None:
             lines += ["   vertex " + " ".join(map(repr, point)) for point in points]
             lines += ["  endloop", " endfacet"]
         lines.append(f"endsolid {name}")
-    write_bytes(path, ("\n".join(lines) + "\n").encode())
+    write_text(path, "\n".join(lines) + "\n")

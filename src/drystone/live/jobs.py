@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import threading
 from collections.abc import Callable
@@ -29,7 +30,7 @@ class Jobs:
     def __init__(self, pipe: Connection, gone: Callable[[], None]) -> None:
         self._pipe, self._gone = pipe, gone
         self._messages: SimpleQueue[dict[str, Any]] = SimpleQueue()
-        self._gate = threading.Lock()
+        self._gate = threading.RLock()
         self._worker = ctypes.c_ulong(threading.get_ident())
         self._now = self._dropped = 0
         threading.Thread(target=self._read, daemon=True, name="drystone-jobs").start()
@@ -60,9 +61,13 @@ class Jobs:
             self._end()
 
     def _end(self) -> None:
-        with self._gate:
-            self._now = 0
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(self._worker, None)
+        self._gate.acquire()
+        self._now = 0
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(self._worker, None)
+        # since Python 3.14 an interruption may come when a gate is taken and not yet to be let go
+        with contextlib.suppress(RuntimeError):
+            while True:
+                self._gate.release()
 
     def _read(self) -> None:
         """Read until the server is gone."""

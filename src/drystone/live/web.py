@@ -18,6 +18,7 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 
 import drystone
 from drystone.base.errors import DrystoneError
+from drystone.base.files import utf8
 from drystone.live.desk import Desk
 from drystone.live.guard import LOOPBACK, WISH, Guard, Refusal
 from drystone.live.helper import ToolCalls
@@ -299,7 +300,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
 
     def _send(self, status: int, text: str, kind: str) -> None:
-        data = text.encode()
+        data = utf8(text)
         self._head(status, kind, len(data))
         self.wfile.write(data)
 

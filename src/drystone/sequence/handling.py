@@ -19,7 +19,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.base.files import PathLike, write_bytes
+from drystone.base.files import PathLike, write_text
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -170,7 +170,7 @@ class Handling(Answer):
     def save_json(self, path: PathLike) -> None:
         """Write everything as JSON, to a temporary name beside it that is then renamed."""
         text = json.dumps(self.to_dict(), indent=1, allow_nan=False)
-        write_bytes(path, (text + "\n").encode("utf-8"))
+        write_text(path, text + "\n")
 
 
 @checked_call

@@ -12,7 +12,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError
-from drystone.base.files import PathLike, write_bytes
+from drystone.base.files import PathLike, write_text
 from drystone.geometry import polygon
 from drystone.io import write
 from drystone.shells.materialise import cell_faces
@@ -144,7 +144,7 @@ def write_unrolled(
     chosen = shell.voussoirs.tolist() if blocks is None else shell.assembly.indices(blocks).tolist()
     placed = _rows([flat_faces(shell, i) for i in chosen])
     text = _svg(placed) if suffix == ".svg" else _dxf(placed)
-    write_bytes(path, text.encode())
+    write_text(path, text)
 
 
 def _rows(blocks: Sequence[Sequence[FlatFace]]) -> list[tuple[FlatFace, Floats]]:

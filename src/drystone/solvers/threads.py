@@ -15,7 +15,8 @@ from contextlib import contextmanager
 
 from threadpoolctl import LibController, ThreadpoolController
 
-_lock = threading.Lock()
+_lock = threading.RLock()
+"""Its own thread may take it again: since Python 3.14 an interruption may leave it taken."""
 _inside = 0
 _before: list[tuple[LibController, int]] = []
 
@@ -56,7 +57,7 @@ def one_blas_thread() -> Iterator[None]:
 def _alone() -> None:
     """In a forked process no other thread is inside."""
     global _inside, _lock
-    _inside, _lock = 0, threading.Lock()
+    _inside, _lock = 0, threading.RLock()
 
 
 if hasattr(os, "register_at_fork"):

@@ -9,10 +9,11 @@ from os import PathLike
 
 import numpy as np
 
-from drystone.base.files import write_bytes
+from drystone.base.files import write_text
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.view.figure import draw
+from drystone.view.report import name_text
 
 _INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }
@@ -24,7 +25,7 @@ svg { width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #d5d1c7; }
 th { color: #5d5950; font-weight: 500; }
-td:nth-child(3), td:nth-child(6) { white-space: nowrap; }
+td:nth-child(3) { overflow-wrap: anywhere; } td:nth-child(6) { white-space: nowrap; }
 td.n, th.n { text-align: right; }
 tr.held td:nth-child(4) { background: #e69f00; } tr.propped td:nth-child(4) { background: #d55e00;
   color: #ffffff; }
@@ -41,7 +42,7 @@ def save_instructions(plan: Plan, path: str | PathLike[str]) -> None:
     path
         Written to a temporary name beside it and renamed.
     """
-    write_bytes(path, instructions_text(plan).encode("utf-8"))
+    write_text(path, instructions_text(plan))
 
 
 def instructions_text(plan: Plan) -> str:
@@ -78,7 +79,7 @@ def _row(plan: Plan, step: Step) -> str:
         cells = (
             (str(numbers[block]), True),
             (str(plan.step_of[block] + 1), True),
-            (names[block], False),
+            (name_text(names[block]), False),
             (status, False),
             (", ".join(str(numbers[b]) for b in plan.partners(block)), False),
             (", ".join(f"{x:.2f}" for x in np.round(motion, 2) + 0.0), False),
@@ -86,9 +87,7 @@ def _row(plan: Plan, step: Step) -> str:
             (str(one.stages) if one else "", True),
             (str(len(step.props)) if step.props else "", True),
         )
-        text = "".join(
-            f"<td{' class=n' if right else ''}>{html.escape(cell)}</td>" for cell, right in cells
-        )
+        text = "".join(f"<td{' class=n' if right else ''}>{cell}</td>" for cell, right in cells)
         rows.append(f'<tr class="{status}">{text}</tr>')
     return "".join(rows)
 

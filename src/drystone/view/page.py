@@ -8,7 +8,7 @@ from importlib import resources
 from os import PathLike
 
 from drystone.answer.scene import Scene
-from drystone.base.files import write_bytes
+from drystone.base.files import write_text
 from drystone.contacts import Contacts
 from drystone.view.encode import encode, to_text
 from drystone.view.panels import panel
@@ -63,7 +63,7 @@ def save_page(
     """
     scene = scene_of(subject, contacts)
     scene = scene if section is None else cut_at(scene, section)
-    write_bytes(path, page_text(scene).encode("utf-8"))
+    write_text(path, page_text(scene))
 
 
 @dataclass(frozen=True)

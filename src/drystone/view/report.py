@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.files import write_bytes
+from drystone.base.display import NAME, shortened
+from drystone.base.files import write_text
 from drystone.base.table import Table
 from drystone.geometry.kern import kern
 from drystone.joints import worst_joints
@@ -33,7 +34,8 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { text-align: right; padding: .2rem .5rem; border-bottom: 1px solid var(--line);
   white-space: nowrap; }
 th { color: var(--soft); font-weight: 500; vertical-align: bottom; }
-th:nth-child(2), td:nth-child(2) { text-align: left; }
+th:nth-child(2), td:nth-child(2) { text-align: left; min-width: 10rem; white-space: normal;
+  overflow-wrap: anywhere; }
 .alarm { color: var(--alarm); font-weight: 600; }
 .plans { display: flex; flex-wrap: wrap; gap: .75rem; margin-top: 1.25rem; }
 figure { margin: 0; width: 150px; } figcaption { font-size: 11px; color: var(--soft);
@@ -70,7 +72,7 @@ def save_report(
     InputError
         The result has no forces, or the file cannot be written.
     """
-    write_bytes(path, _report_text(result, strength, worst).encode("utf-8"))
+    write_text(path, _report_text(result, strength, worst))
 
 
 def _report_text(result: Result, strength: float | None, worst: int) -> str:
@@ -121,10 +123,15 @@ _HEAD = (
 )
 
 
+def name_text(name: str) -> str:
+    """A name as HTML; letters that turn the direction of writing end with it."""
+    return f"<bdi>{html.escape(shortened(name, NAME))}</bdi>"
+
+
 def _row(row: dict[str, Any]) -> str:
     cells = [
         (str(row["joint"]), False),
-        (html.escape(f"{row['block_a']} – {row['block_b']}"), False),
+        (f"{name_text(row['block_a'])} – {name_text(row['block_b'])}", False),
         (_number(row["normal"]), False),
         (_number(row["tangential"]), False),
         (_share(row["friction_use"]), row["friction_use"] > 0.99),
@@ -159,13 +166,15 @@ def _plan(result: Result, table: Table, i: int) -> str:
         return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels(points))
 
     x, y = pixels(at)
-    label = html.escape(f"joint {i}: {table['block_a'][i]} – {table['block_b'][i]}")
+    names = [table[side][i] for side in ("block_a", "block_b")]
+    label = html.escape(f"joint {i}: {' – '.join(shortened(name, NAME) for name in names)}")
     return (
         f'<figure><svg viewBox="0 0 {_SIDE} {_SIDE}" width="{_SIDE}" height="{_SIDE}" role="img" '
         f'aria-label="{label}"><polygon class="stone" points="{path(corners)}"/>'
         f'<polygon class="kern" points="{path(kern(corners))}"/>'
         f'<circle class="force" cx="{x:.1f}" cy="{y:.1f}" r="5"/></svg>'
-        f"<figcaption>{label}<br>{extent:.3g} m wide</figcaption></figure>"
+        f"<figcaption>joint {i}: {' – '.join(map(name_text, names))}"
+        f"<br>{extent:.3g} m wide</figcaption></figure>"
     )
 
 

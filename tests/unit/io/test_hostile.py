@@ -174,3 +174,16 @@ def test_names_reach_the_terminal_without_control_characters(
         assert main([*words, *(["--gravity", "9,0,-1"] if given == ["check"] else [])]) in (0, 1)
         out, err = capsys.readouterr()
         assert not {"\x1b", "\u202e", "\x85"} & set(out + err)
+
+
+@pytest.mark.parametrize("suffix", [".json", ".obj", ".stl", ".ply", ".glb", ".xml"])
+def test_half_of_a_surrogate_pair_in_a_name_is_written(tmp_path: Path, suffix: str) -> None:
+    names = ("low", "half \ud800 a letter")
+    blocks = tuple(b.renamed(name) for b, name in zip(tower(2).blocks, names, strict=True))
+    path = tmp_path / f"model{suffix}"
+    io.write(Model.of(drystone.Assembly(blocks, tower(2).fixed)), path)
+    assert len(io.read_file(path).assembly) == 2
+    if suffix in (".json", ".ply", ".glb"):
+        assert io.read_file(path).assembly.names == names
+    elif suffix in (".obj", ".stl"):
+        assert io.read_file(path).assembly.names[1] == "half \\ud800 a letter"

@@ -97,7 +97,7 @@ def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
         planned.model.assembly.index(name): i for i, name in enumerate(planned.order, 1)
     }
     for name in planned.order:
-        assert f"<td>{name}</td>" in text
+        assert f"<td><bdi>{name}</bdi></td>" in text
     assert "<svg" in text
     assert "<script" not in text
     assert "src=" not in text
