@@ -17,10 +17,12 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
+from drystone.contacts import joined_contacts
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import FEW
-from drystone.mechanics.meeting import faces_apart
+from drystone.mechanics.meeting import Apart, faces_apart, followed_model
+from drystone.mechanics.vertices_met import still_on_faces, vertices_met
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.outcomes import outcome_of
@@ -36,6 +38,9 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
+
+MEETINGS = 3
+"""How often what falls is followed again because vertices meet faces. Chosen."""
 
 
 @checked_call
@@ -56,7 +61,7 @@ def settle(
     finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
     act about the moved centroids. Besides the interfaces of the model, faces act that blocks meet
     while they move: those that are parallel to 2 degrees and face each other at up to ``fall`` of a
-    block's size.
+    block's size. What falls is followed again with the vertices that would pass through a face.
 
     Parameters
     ----------
@@ -121,13 +126,44 @@ def _carried(
     progress: Progress | None,
     left_at: float = np.inf,
 ) -> Settlement:
-    """The paths of all carriers; those after one that is unknown are left out."""
+    """Where the blocks end; what falls is followed again with the vertices that meet a face."""
     began = clock.elapsed_s
     if not len(model.assembly.free):
         return _nothing_free(model, moving, chosen)
-    carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
     case = FollowedCase(model, apart, chosen, clock, moving, left_at)
+    paths = _paths(case, executor, progress)
+    for _ in range(MEETINGS):
+        if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
+            break
+        met = vertices_met(followed_model(model, case.apart)[0], paths[0].positions, chosen.fall)
+        if not len(met.contacts):
+            break
+        every = joined_contacts(case.apart.contacts, met.contacts)
+        more = replace(case, apart=Apart(every, np.concatenate([case.apart.gap, met.gap])))
+        again = _paths(more, executor, progress)
+        if not all(_on_faces(path) for path in again):
+            break
+        case, paths = more, again
+    outcome, message = outcome_of(paths, clock)
+    spent = {"solve": clock.elapsed_s - began}
+    return Settlement(outcome, message, paths, clock.reason, chosen, spent)
+
+
+def _on_faces(path: SettlementPath) -> bool:
+    """Whether the vertices that met a face and press at the end are still on it."""
+    contacts = path.model.contacts
+    pressed = contacts.corners.any(np.asarray(path.force.any(axis=1)))
+    points = [i for i in path.met if pressed[i] and len(contacts.polygon(i)) == 1]
+    return not points or still_on_faces(path.model, path.displacement, path.point, points)
+
+
+def _paths(
+    case: FollowedCase, executor: Workers | None, progress: Progress | None
+) -> tuple[SettlementPath, ...]:
+    """The paths of all carriers; those after one that is unknown are left out."""
+    clock, left_at = case.clock, case.left_at
+    carriers = carriers_of(case.model, case.chosen)
     tries = [(one, one is not carriers[-1]) for one in carriers]
     known: list[tuple[SettlementPath, bool]] = []
     # of many blocks, the second run depends on the first one
@@ -155,9 +191,7 @@ def _carried(
                 case, *tries[0], progress=progress, overlap=second.overlap, other=second
             )
             paths = path, second
-    outcome, message = outcome_of(paths, clock)
-    spent = {"solve": clock.elapsed_s - began}
-    return Settlement(outcome, message, paths, clock.reason, chosen, spent)
+    return paths
 
 
 @checked_call

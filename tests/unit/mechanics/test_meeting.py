@@ -52,6 +52,36 @@ def test_a_block_tips_against_a_wall() -> None:
     assert np.count_nonzero(met[:, 0]) == 2
 
 
+def before_a_leaning_wall(gap: float, reach: float = 1.5) -> Model:
+    """A block that tips to a wall whose face leans away from it by 45 degrees."""
+    foot = 0.5 + gap - 2.0
+    wall = [(foot, 4.0), (foot + 4.0, 0.0), (foot + 6.0, 0.0), (foot + 2.0, 4.0)]
+    blocks = (
+        box((8.0, 2.0, 1.0), (-1.0, -0.5, -1.0), "base"),
+        prism(wall, (-0.5, reach), "wall"),
+        box((0.5, 1.0, 2.0), name="block"),
+    )
+    assembly = Assembly(blocks).with_fixed(["base", "wall"])
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 20.0)
+    return Model.of(assembly, friction=0.9, load=load)
+
+
+def test_an_edge_meets_a_face_that_it_is_not_parallel_to() -> None:
+    found = settle(before_a_leaning_wall(0.02))
+    assert found.outcome is Outcome.RESTS
+    assert "'wall' meets 'block'" in found.message
+    path = found.path
+    assert len(path.met) == 2
+    # the upper edge is 2 m above the one about which the block tips
+    assert path.displacement[2, 4] == pytest.approx(0.02 / 2.0, rel=0.01)
+    assert path.residuals is not None
+    assert path.residuals.largest < 1e-8
+
+
+def test_what_comes_to_a_face_too_far_away_falls() -> None:
+    assert settle(before_a_leaning_wall(2.0)).outcome is Outcome.FALLS
+
+
 def test_joints_of_the_model_and_faces_that_touch_are_not_met() -> None:
     model = before_a_stop(0.015)
     assert len(faces_apart(model, 0.3).contacts) == 1
@@ -107,4 +137,4 @@ def test_in_a_re_entrant_edge_the_convex_one_carries_the_corners(
     assert (ends.share[at_ridge, 0] == owner).all()
     # where both are convex and end flush either may carry them
     outer = np.abs(middle[:, 0]) > 1.0 - 1e-9
-    assert (ends.share[outer, 0] == (carrier is Carrier.MOVING)).all()
+    assert (ends.share[outer, 0] == (carrier is not Carrier.RESTING)).all()
