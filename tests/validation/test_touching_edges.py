@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Model, Verdict, check, solve_rbe
+from drystone import Assembly, Block, Model, Verdict, check, limits, plan, solve_rbe
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism
 
@@ -203,3 +203,13 @@ def test_a_tripod_stands_by_the_edges_of_its_legs_on_a_hub() -> None:
     """A third of the hub's weight w on each leg W: moments about the inner edge of the foot."""
     assert check(tripod(), friction=0.6).stable
     assert check(tripod(), friction=0.5).falls
+
+
+def test_limits_and_plans_count_the_edges_that_touch() -> None:
+    tilt = limits.limit_tilt(leaning(60.0), "y", friction=0.6)
+    assert tilt.rest is not None
+    assert tilt.rest.stands is not None
+    assert tilt.rest.stands > 45.0
+    found = plan(leaning(60.0), friction=0.6)
+    assert found.order == ("slab",)
+    assert found.counts["free"] == 1

@@ -26,6 +26,7 @@ from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
+from drystone.stability.touching_edges import unless_edges_hold
 
 _WIDEST = 3e-3
 """A limit from one program needs checked states within this share of it on both sides. Otherwise it
@@ -62,7 +63,7 @@ def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Res
         mechanism = checked_mechanism(problem, held_still(problem.statics, solution.state))
     if mechanism is None:
         return None
-    return Result(
+    found = Result(
         method="rbe",
         verdict=Verdict.UNSTABLE,
         model=model,
@@ -73,6 +74,9 @@ def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Res
         solver=solution.state.raw.solver,
         iterations=solution.state.raw.iterations,
     )
+    # the factor was that of the contacts of the model: edges that touch may hold it
+    held = unless_edges_hold(found, partial(rbe, cone, None))
+    return held if held.verdict is Verdict.UNSTABLE else None
 
 
 def bisected_bound(

@@ -1,4 +1,4 @@
-"""Vertices that pass through a face of another block on a path: contacts that the path lacks."""
+"""Vertices that pass through a face of another block on a path, as contacts."""
 
 from __future__ import annotations
 

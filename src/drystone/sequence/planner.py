@@ -36,6 +36,7 @@ from drystone.sequence.stages import (
 from drystone.sequence.step_checks import checked_step, falling_words, without_help
 from drystone.sequence.structure import CHECKED, Structure
 from drystone.stability.screening import stage_screening
+from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole
 
 EFFORT, LARGE = 1600.0, 50.0
@@ -143,8 +144,15 @@ def plan(
         complete = evaluator.answer(Stage(model.everything))
         if check is None and model.small and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
-        if check is None and complete.verdict is Verdict.UNSTABLE and model.model.unjoined:
+        if check is None and complete.verdict is Verdict.UNSTABLE and may_touch_more(model.model):
             whole = check_whole(model.model)  # near blocks that do not touch are no proof of a fall
+            if whole.stable and whole.contacts.count > model.contacts.count:
+                # edges that touch hold it: they count in the stages too
+                with_edges = replace(whole.model, report=None)
+                return plan(
+                    with_edges, options=options, checkpoint=checkpoint, executor=executor,
+                    progress=progress, stop=stop, time_limit_s=clock.left_s,
+                )  # fmt: skip
             if whole.verdict is Verdict.UNDECIDED:
                 why = whole.message
                 complete = replace(complete, verdict=whole.verdict, message=why, falling=())

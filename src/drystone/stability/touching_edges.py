@@ -78,6 +78,15 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
     return found
 
 
+def may_touch_more(model: Model) -> bool:
+    """Whether pairs of blocks are near, or touch with edges and corners that are no contacts."""
+    report = model.report
+    if model.unjoined or report is None or report.options.edges is not EdgeContacts.ISOLATED:
+        return bool(model.unjoined)
+    found = further_contacts(model.assembly, model.contacts, report.options)
+    return bool(len(found.contacts) or len(found.parallel) or len(found.corners))
+
+
 def _further(found: Result) -> Further | None:
     """What touches with edges and corners; None where it was searched, or nothing falls."""
     report = found.model.report
