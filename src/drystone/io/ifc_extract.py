@@ -43,7 +43,12 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any]:  # noqa: AR
         shape = found.get()
         element = file.by_id(shape.id)
         if any(element.is_a(kind) for kind in _PARTS):
-            objects.append(_object(shape, element) | _stones(shape, element, metres))
+            try:
+                stones = _stones(shape, element, metres)
+            except (AttributeError, TypeError, ValueError):  # values of other types
+                stones, what = {}, "layers that cannot be read"
+                skipped[what] = skipped.get(what, 0) + 1
+            objects.append(_object(shape, element) | stones)
             whole |= {one.RelatingObject.id() for one in getattr(element, "Decomposes", ())}
         else:
             skipped[shape.type] = skipped.get(shape.type, 0) + 1

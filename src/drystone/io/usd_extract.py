@@ -34,8 +34,16 @@ def content(data: bytes, options: dict[str, Any]) -> dict[str, Any] | bytes:
             }
             return json.dumps(found).encode()
         except (tf.ErrorException, TypeError, ValueError) as error:  # also values of other types
-            place = _MISTAKE.search(str(error))
+            place = _MISTAKE.search(_words(error))
             return {"error": "", **({"line": place[1], "text": place[2]} if place else {})}
+
+
+def _words(error: Exception) -> str:
+    """What an error says, nothing where it quotes bytes that are no text."""
+    try:
+        return str(error)
+    except UnicodeDecodeError:
+        return ""
 
 
 def _plain(name: str, value: Any) -> Any:
