@@ -116,6 +116,22 @@ def test_two_cards_need_half_the_cotangent_of_their_lean_and_all_of_it_whichever
     assert check(house, friction=cotangent + 0.005).stable
 
 
+@pytest.mark.parametrize("degrees", [60.0, 75.0])
+def test_the_thrust_of_three_hinges_is_half_the_weight_times_the_cotangent(degrees: float) -> None:
+    """Two thin cards, a hinge at the head and one at each foot: moments about a foot."""
+    found = check(card_house(1, degrees, 1e-4), friction=1.0)
+    assert found.stable
+    assert found.force is not None
+    contacts = found.contacts
+    world = np.einsum("ki,kij->kj", found.force, contacts.frame[contacts.interface])
+    of_floor = (contacts.block_a == 0)[contacts.interface]
+    weight = float(found.assembly.blocks[1].mass) * 9.81
+    thrust = 0.5 * weight / np.tan(np.deg2rad(degrees))
+    assert np.abs(world[of_floor, 0]).sum() == pytest.approx(2.0 * thrust, rel=1e-3)
+    assert np.abs(world[of_floor, 2]).sum() == pytest.approx(2.0 * weight, rel=1e-8)
+    assert np.abs(world[~of_floor, 0]).sum() == pytest.approx(thrust, rel=1e-3)
+
+
 def test_cards_that_lean_at_45_degrees_depend_on_the_direction_of_their_edges() -> None:
     """The normal may lie 45 degrees to either side: friction of less holds the middle one only."""
     found = check(card_house(1, 45.0), friction=0.7)
