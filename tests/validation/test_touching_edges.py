@@ -7,7 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Model, Verdict, check, limits, plan, solve_rbe
+from drystone import (
+    Assembly,
+    Block,
+    LoadCase,
+    Model,
+    Verdict,
+    check,
+    limits,
+    models,
+    plan,
+    solve_rbe,
+)
+from drystone.detection import DetectionOptions
+from drystone.detection.further import further_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism
 
@@ -229,3 +242,13 @@ def test_limits_and_plans_count_the_edges_that_touch() -> None:
     found = plan(leaning(60.0), friction=0.6)
     assert found.order == ("slab",)
     assert found.counts["free"] == 1
+
+
+def test_edges_of_four_blocks_that_meet_in_a_line_hold_nothing() -> None:
+    """A dome without bond under a sideways load: its joints decide."""
+    shell = models.dome(slices=8, rings=4)
+    load = LoadCase.gravity(shell) + 1.03 * LoadCase.seismic(shell, 1.0)
+    model = Model.of(shell, friction=0.7, load=load)
+    further = further_contacts(shell, model.contacts, DetectionOptions())
+    assert not len(further.parallel)
+    assert check(model).falls

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.contacts import Contacts
 from drystone.detection.candidates import near_blocks
 from drystone.detection.detection_options import DetectionOptions
@@ -21,6 +21,9 @@ from drystone.geometry.frames import frames_from_normals
 _ELSEWHERE = 0.05
 """Distance from the joints of two blocks, by the size of the smaller one, from which on an edge of
 one that is not convex touches the other elsewhere. Chosen: nearer to it the joint stands for it."""
+
+_AT_EDGE = 0.01
+"""Distance from a joint, by the size of the block, within which an edge ends it. Chosen."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,7 @@ def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionO
     found = _searched(assembly, known.astype(np.int64).tobytes(), options)
     keys = found.contacts.block_a * count + found.contacts.block_b
     again = np.flatnonzero(np.isin(keys, known))
+    found = replace(found, parallel=found.parallel.take(~_in_joints(assembly, contacts, found)))
     if not len(again):
         return found
     keep = np.ones(len(found.contacts), dtype=bool)
@@ -63,7 +67,24 @@ def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionO
         near = _ELSEWHERE * float(min(size[a], size[b]))
         joints = np.flatnonzero((low == a) & (high == b))
         keep[i] = all(_distance(contacts, int(j), found.contacts.polygon(i)) > near for j in joints)
-    return Further(found.contacts.select(keep), found.parallel, found.corners)
+    return replace(found, contacts=found.contacts.select(keep))
+
+
+def _in_joints(assembly: Assembly, contacts: Contacts, found: Further) -> Bools:
+    """Which parallel edges (p,) both end a joint of their block with another one.
+
+    Four blocks whose edges meet in one line press with their faces. What two of them do across the
+    line is then decided by the joints, and the line holds nothing.
+    """
+    edges, size = found.parallel, np.cbrt(assembly.volume)
+    ends = np.zeros((len(edges), 2), dtype=bool)
+    for side, block in enumerate((edges.block_a, edges.block_b)):
+        for i, one in enumerate(block.tolist()):
+            of_block = (contacts.block_a == one) | (contacts.block_b == one)
+            joints = np.flatnonzero(of_block & (contacts.area > 0.0))
+            middle, near = edges.point[i].mean(axis=0, keepdims=True), _AT_EDGE * float(size[one])
+            ends[i, side] = any(_distance(contacts, int(j), middle) <= near for j in joints)
+    return np.asarray(ends.all(axis=1))
 
 
 def held_everywhere(pairs: Ints, bounds: Floats, friction: float) -> Contacts:
