@@ -15,9 +15,10 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.mechanics.bodies import LIGHT, Bodies
 from drystone.mechanics.law import ContactResponse, respond
-from drystone.mechanics.maps import Solve, corner_rows, maps_between
+from drystone.mechanics.maps import corner_rows, maps_between
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.positions import BlockPositions, place_corners
+from drystone.solvers.refinement import Solve
 
 FEW = 24
 """Largest number of free blocks that are not many; from timings."""

@@ -8,8 +8,6 @@ to take a wrench to a smaller block loses digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy import sparse
 
@@ -19,20 +17,18 @@ from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
+from drystone.solvers.refinement import Solve, refined
 
 FULL = 16
 """Largest number of free blocks with full matrices. Measured: a check of 11 blocks takes 0.8 of the
 time that it takes with sparse ones, of 15 and 20 as long, of a wall of 22 blocks 1.6 times."""
 
 SINGLE_FROM = 200
-"""Free blocks from which on a rough step is computed in single precision: fewer gain no time."""
+"""Free blocks from which on factors have single precision: fewer gain no time."""
 
 SIDE_BY_SIDE = 8192
 """Corners whose maps are multiplied at once: from timings with 512 to all, at 4,800, 23,000 and
 119,000 corners."""
-
-Solve = Callable[[Floats], Floats]
-"""From wrenches (n, 6) to motions (n, 6)."""
 
 
 class FullMaps:
@@ -76,17 +72,14 @@ class FullMaps:
         result: Floats = (force.ravel() @ self.rows).reshape(-1, 6)
         return result
 
-    def factorise(self, tangent: Floats, weight: Floats, *, rough: bool = False) -> Solve:
+    def factorise(self, tangent: Floats, weight: Floats) -> Solve:
         """The inverse of ``A D A' + diag(weight)``, of D (k, 3, 3) and weights (n, 6).
-
-        ``rough``: single precision will do.
 
         Raises
         ------
         SolverError
             The matrix is singular.
         """
-        del rough
         size = self.shape[1]
         matrix = self.rows.T @ (tangent @ self.rows.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
@@ -165,15 +158,23 @@ class SparseMaps:
         far = (near[:, None] @ self.carry)[:, 0]
         return np.asarray(self.on_blocks @ np.concatenate([near, far]))
 
-    def factorise(self, tangent: Floats, weight: Floats, *, rough: bool = False) -> Solve:
-        """As for few blocks."""
-        blocks = self.blocks(tangent, weight)
-        if rough and len(weight) >= SINGLE_FROM:
-            try:
-                return self.ordering.factorise(blocks.astype(np.float32)).solve
-            except SolverError:
-                pass  # singular only to so few digits
-        return self.ordering.factorise(blocks).solve
+    def factorise(self, tangent: Floats, weight: Floats) -> Solve:
+        """As for few blocks. The factors of many have single precision; solutions are refined."""
+
+        def product(motion: Floats) -> Floats:
+            local = np.einsum("kij,kj->ki", tangent, self.moved(motion))
+            return self.wrench(local) + weight * motion
+
+        def exact() -> Solve:
+            return self.ordering.factorise(self.blocks(tangent, weight)).solve
+
+        if len(weight) < SINGLE_FROM:
+            return exact()
+        try:
+            blocks = self.blocks(tangent, weight).astype(np.float32)
+            return refined(self.ordering.factorise(blocks).solve, product, exact)
+        except SolverError:  # singular to so few digits
+            return exact()
 
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""

@@ -22,10 +22,10 @@ from drystone.mechanics.law import (
     respond,
     wrench_size,
 )
-from drystone.mechanics.maps import Solve
 from drystone.mechanics.newton import Equation, Steps, newton
 from drystone.mechanics.rest_state import RestOptions, RestState, Start, block_scale
 from drystone.mechanics.statics import Statics
+from drystone.solvers.refinement import Solve
 
 STALL = 3
 """Largest number of successive steps that do not halve what is left. With 2, the rest state of a
@@ -148,7 +148,6 @@ class _Law(Equation[_Point, Floats]):
         self.goal = options.tolerance
         self.weight = options.ground * statics.mass_matrix
         self.solve: Solve | None = None
-        self.before = np.inf
 
     def at(self, motion: Floats, moved: Floats) -> _Point:
         """The iterate at a motion (n, 6), and at the corner displacements (k, 3) by it."""
@@ -175,11 +174,8 @@ class _Law(Equation[_Point, Floats]):
 
     def step(self, point: _Point, renew: bool) -> Floats:
         if renew or self.solve is None:
-            rough = point.size < 0.5 * self.before  # as long as single precision leads on
             self.solve = None  # one set of factors at a time
-            tangent = point.response.tangent
-            self.solve = self.statics.maps.factorise(tangent, self.weight, rough=rough)
-        self.before = point.size
+            self.solve = self.statics.maps.factorise(point.response.tangent, self.weight)
         return self.solve(point.left)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:

@@ -1,0 +1,63 @@
+"""Solutions from rough factors: iterative refinement.
+
+Factors in single precision take half of the time and memory. What a solution with them leaves is
+computed in double precision, and solved for again: each turn leaves a few thousandths of it.
+
+Source: Wilkinson 1963; Carson and Higham 2018 (factors of low precision).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+
+REFINED = 1e-6
+"""What a solution may leave of its right side. Measured: without a turn 5e-5 is left in domes, 7e-4
+in a wall of 100 courses and 7e-3 in one of 316. A wall of 48,510 blocks then takes 14 Newton steps,
+and 10 with exact factors."""
+
+SLOWLY = 0.3
+"""What a turn leaves of what was left, from which on exact factors are sooner there: a turn takes
+an eighth of the time of rough factors, exact ones one and a half times as long. Measured: most
+turns leave 1e-3 to 1e-5."""
+
+Solve = Callable[[Floats], Floats]
+"""From right sides to solutions of the same shape."""
+
+
+def refined(rough: Solve, product: Solve, exact: Callable[[], Solve]) -> Solve:
+    """The inverse of a matrix.
+
+    Parameters
+    ----------
+    rough
+        An inverse with few digits.
+    product
+        The product with the matrix, in all digits.
+    exact
+        Makes an inverse with all digits; called once, where the rough one does not lead on.
+    """
+    inverse = rough
+
+    def solve(right: Floats) -> Floats:
+        nonlocal inverse
+        if inverse is not rough:
+            return inverse(right)
+        goal = REFINED * float(np.linalg.norm(right))
+        solution, before = np.zeros_like(right), np.inf
+        left = right
+        while True:
+            solution += rough(left)
+            left = right - product(solution)
+            size = float(np.linalg.norm(left))
+            if size <= goal:
+                return solution
+            if not size < SLOWLY * before:
+                inverse = exact()
+                return inverse(right)
+            before = size
+
+    return solve
