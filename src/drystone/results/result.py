@@ -179,7 +179,7 @@ class Result(Solution, Answer):
     def sensitive(self) -> bool:
         """Whether it stands only for some contact stiffnesses, or only after settling.
 
-        :attr:`sensitive_to` has what it depends on.
+        ``sensitive_to`` has what it depends on.
         """
         some = self.samples.standing < self.samples.tried or bool(self.sensitive_to)
         return self.stable and (some or self.settlement is not None)
