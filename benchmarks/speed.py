@@ -56,7 +56,7 @@ class Row:
     def slower(self, phase: str = "total_s") -> float:
         """Our time by that of the commit before; not a number where an answer is wrong or missing.
 
-        ``total_s`` is with uniform contact stiffness, ``whole_s`` with the default options,
+        ``total_s`` is with uniform contact stiffness, ``whole_s`` with all stiffnesses,
         ``detect_s`` for the contacts.
         """
         timed = phase in self.before and phase in self.ours
@@ -259,7 +259,7 @@ def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
         "CPU seconds on one thread, the least of several runs, for each phase: build the blocks, "
         "detect the contacts, solve, check the answer. *Solve* is `check` with uniform contact "
         "stiffness (`CheckOptions(samples=0, settle=False)`): forces and motion, or a mechanism or "
-        "first motion. *With all stiffnesses* is `check` as it is called by default, which also "
+        "first motion. *With all stiffnesses* is `check` with `CheckOptions.robust()`, which also "
         "distinguishes robust from sensitive, and follows the blocks by steps where the stiffness "
         "decides; this takes longest. Both must give the known verdict. The ratio is the time of "
         "`cra_solve` of the peer, divided by ours, pair by pair in one run; `>` if it was stopped. "
@@ -288,7 +288,7 @@ def main() -> int:
     )
     parser.add_argument("--limit", type=float, default=1200.0, help="CPU seconds per workload")
     parser.add_argument("--only", default="", help="part of GROUP/NAME of workloads; no page")
-    parser.add_argument("--whole", action="store_true", help="default options on large models too")
+    parser.add_argument("--whole", action="store_true", help="all stiffnesses on large models too")
     parser.add_argument("--json", type=Path, help="also write the rows")
     arguments = parser.parse_args()
     machine = description()

@@ -49,11 +49,11 @@ class Workload:
     aim_s : [s]
         For the analysis alone; None where there is none.
     whole_aim_s : [s]
-        For the default options.
+        With all stiffnesses.
     peer
         Whether the peer is asked too.
     large
-        Whether one answer takes so long that the default options are timed on demand only.
+        Whether one answer takes so long that all stiffnesses are timed on demand only.
     """
 
     key: str
@@ -83,11 +83,19 @@ LARGE = 2_000
 
 STANDS, FALLS = Verdict.STABLE, Verdict.UNSTABLE
 
-WALLS = {25: (5, 5), 50: (7, 7), 100: (10, 10), 400: (20, 20), 2_000: (45, 44), 10_000: (100, 100)}
+WALLS = {
+    25: (5, 5),
+    50: (7, 7),
+    100: (10, 10),
+    400: (20, 20),
+    2_000: (45, 44),
+    3_630: (60, 60),
+    10_000: (100, 100),
+}
 """Courses and block lengths per course, by about the number of blocks."""
 
 WALL_AIMS = {100: 0.1, 400: 0.4, 2_000: 3.0, 10_000: 8.0}
-WHOLE_AIMS = {2_000: 6.0}
+WHOLE_AIMS = {2_000: 6.0, 3_630: 10.0}
 BEYOND_AIM_S = 5.0
 
 DOMES = {160: (20, 8), 640: (32, 20), 2_000: (50, 40)}
