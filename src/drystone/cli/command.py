@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 import inspect
 import sys
 from collections.abc import Callable
@@ -136,16 +135,14 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Told | No
     return make
 
 
-class _Names(dict[str, Any]):
-    """The names of a module; one that it imports for its types only may be anything."""
-
-    def __missing__(self, name: str) -> Any:
-        return getattr(builtins, name, Any)
-
-
 def _hints(of: Any, module: str) -> dict[str, Any]:
-    names = _Names(vars(sys.modules[module]))
-    return get_type_hints(of, localns=names, include_extras=True)
+    """Types of parameters or fields; what a module imports for its types only may be anything."""
+    names = dict(vars(sys.modules[module]))
+    while True:
+        try:
+            return get_type_hints(of, localns=names, include_extras=True)
+        except NameError as error:
+            names[str(error.name)] = Any
 
 
 def _parts(function: Callable[..., Any]) -> list[Part]:
