@@ -22,7 +22,7 @@ from drystone.io.load_parts import load_of_parts
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
 SCHEMA = "drystone"
 VERSION = 1
@@ -42,7 +42,7 @@ ARRAYS = {
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("stopped", "options", "solver", "iterations", "time_s"),
+    *("sensitive_to", "stopped", "options", "solver", "iterations", "time_s"),
 )
 _HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
@@ -191,6 +191,10 @@ def _result(
     def array(name: str) -> Floats | None:
         return _optional(field, name, (rows.get(name, len(assembly)), ARRAYS[name]))
 
+    sensitive = [one.text().upper() for one in field.get("sensitive_to", []).elements()]
+    if not set(sensitive) <= set(Sensitivity.__members__):
+        words = ", ".join(name.lower() for name in Sensitivity.__members__)
+        raise field["sensitive_to"].error("names what is not known", f"use some of {words}")
     return Result(
         method=field["method"].text(),
         verdict=Verdict(verdict.value),
@@ -209,6 +213,7 @@ def _result(
         displacement=array("displacement"),
         mechanism=array("mechanism"),
         prop=array("prop"),
+        sensitive_to=tuple(Sensitivity[name] for name in sensitive),
         eta=field["eta"].number() if field.has("eta") else None,
         stopped=field.get("stopped", "").text(),
     )

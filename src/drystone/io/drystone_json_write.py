@@ -151,6 +151,7 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "samples": dataclasses.asdict(result.samples),
         "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
         "eta": result.eta,
+        "sensitive_to": [one.name.lower() for one in result.sensitive_to],
         "stopped": result.stopped,
         "options": _plain(result.options),
         "solver": result.solver,

@@ -22,7 +22,7 @@ from drystone import (
 )
 from drystone.assembly import replace_block
 from drystone.models import arch, box, tower
-from drystone.results import Residuals, Samples
+from drystone.results import Residuals, Samples, Sensitivity
 
 
 def cube(name: str = "a", x: float = 0.0, **more: Any) -> dict[str, Any]:
@@ -74,6 +74,7 @@ def full_model() -> io.Contents:
         prop=-0.0 * np.ones((3, 6)),
         falling=(1, 2),
         samples=Samples(7, 3),
+        sensitive_to=(Sensitivity.JOINTS, Sensitivity.ENDS),
         residuals=Residuals(1e-17, 0.0, 5e-324, 1.7e308, 0.1),
         eta=1.0 / 3.0,
         options={"eta": 10.0},
