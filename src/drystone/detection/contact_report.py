@@ -54,6 +54,9 @@ class ContactReport(Card):
         Pairs whose curved joints have fewer interfaces than facets.
     missed
         Near misses, and joints that are within tolerance on a part only.
+    farther
+        Gaps up to three times as wide as those of near misses. They are not told of, but no fall is
+        proved by them.
     inexact
         Pairs that are joined although they are drawn beyond a tolerance.
     shortfalls
@@ -89,6 +92,7 @@ class ContactReport(Card):
     merged: Ints
     resampled: tuple[Resampled, ...]
     missed: tuple[Missed, ...]
+    farther: tuple[Missed, ...]
     inexact: tuple[Inexact, ...]
     shortfalls: tuple[Shortfall, ...]
     undirected: tuple[tuple[int, int], ...]
@@ -134,7 +138,7 @@ class ContactReport(Card):
         """
         near = [
             miss
-            for miss in self.missed
+            for miss in (*self.missed, *self.farther)
             if miss.reason is not Reason.HIDDEN
             and not (miss.joined and miss.reason is Reason.SLIVER)
         ]

@@ -68,7 +68,8 @@ class DetectionOptions(Options):
         Replaces ``gap``; up to half the size of the smaller block.
     inexact
         Whether to join what small errors of the drawing keep apart: overlaps up to 8 % of the
-        thinnest dimension of the smaller block, gaps up to three times the deepest overlap.
+        thinnest dimension of the smaller block, gaps up to three times the deepest overlap of one
+        of their blocks, or of all where hardly any joint is exact.
 
     Raises
     ------

@@ -30,6 +30,9 @@ PARALLEL = 0.05
 _MANY = 4096
 """Edges of one block times faces or edges of another above which a tree finds the near ones."""
 
+_NEIGHBOURS = BATCH // 8
+"""Neighbours of vertices that are compared at once. Chosen: 10 MB."""
+
 
 @dataclass(frozen=True)
 class Wires:
@@ -153,7 +156,7 @@ class _Touches(_Rows):
 
 
 def edge_contacts(
-    assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
+    assembly: Assembly, patches: Patches, pairs: Pairs, reach: Floats, options: DetectionOptions
 ) -> tuple[Interfaces, Ints]:
     """Contacts of edges and vertices with faces, and of edges that cross.
 
@@ -161,6 +164,8 @@ def edge_contacts(
     ----------
     pairs
         Near blocks (a < b) without a face contact.
+    reach : (p,) [m]
+        Largest distance of the edges and vertices of each pair.
 
     Returns
     -------
@@ -170,7 +175,7 @@ def edge_contacts(
         Pairs that meet only along parallel edges or at corners, where the contact has no defined
         normal.
     """
-    search = _EdgeSearch(assembly, patches, pairs, options)
+    search = _EdgeSearch(assembly, patches, pairs, reach, options)
     on_faces, meets = search.on_faces()
     touched = np.zeros(len(pairs[0]), dtype=bool)
     touched[on_faces.pair] = True
@@ -207,14 +212,19 @@ class _EdgeSearch:
     """Search for contacts of the edges and vertices of pairs of blocks."""
 
     def __init__(
-        self, assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
+        self,
+        assembly: Assembly,
+        patches: Patches,
+        pairs: Pairs,
+        reach: Floats,
+        options: DetectionOptions,
     ) -> None:
         self.patches, self.pairs = patches, pairs
         self.wires = Wires.of(assembly, patches.origin, np.unique(np.concatenate(pairs)))
         self.slack = warp_slack(patches, options)
         self.frame = frames_from_normals(patches.normal)
         self.size: Floats = np.minimum(patches.size[pairs[0]], patches.size[pairs[1]])
-        self.reach = options.reach(self.size)
+        self.reach = reach
 
     def on_faces(self) -> tuple[_Touches, Bools]:
         """Contacts of edges and vertices with faces, and which pairs meet at outlines (q,)."""
@@ -335,10 +345,13 @@ class _EdgeSearch:
         """Whether each vertex (q,) is near the plane of its patch and no neighbour is behind it."""
         away = np.abs(heights(self.patches, self.wires.point[vertex], patch))
         rests: Bools = away <= tolerance
-        near = np.flatnonzero(rests)
-        part, neighbour = self.wires.around(vertex[near])
-        height = heights(self.patches, self.wires.point[neighbour], part.spread(patch[near]))
-        rests[near] = part.min(height) >= -tolerance[near]
+        every = np.flatnonzero(rests)
+        beside = Ragged.from_counts(self.wires.beside[0].counts[vertex[every]])
+        for some in beside.batches(_NEIGHBOURS):
+            near = every[some]
+            part, neighbour = self.wires.around(vertex[near])
+            height = heights(self.patches, self.wires.point[neighbour], part.spread(patch[near]))
+            rests[near] = part.min(height) >= -tolerance[near]
         return rests
 
     def crossing(self, pairs: Ints) -> _Touches:

@@ -13,13 +13,13 @@ from drystone.detection.nearest import uncovered
 from drystone.detection.patches import Patches
 from drystone.detection.planes import planes_between
 from drystone.detection.reasons import Missed, Reason
-from drystone.detection.shortfall import Shortfall, shortfalls
+from drystone.detection.shortfall import Compared
 
 
 def face_contacts(
     patches: Patches, pairs: Pairs, options: DetectionOptions
-) -> tuple[Interfaces, list[Missed], tuple[Shortfall, ...]]:
-    """Interfaces with an area, near misses, and missing area of curved joints."""
+) -> tuple[Interfaces, list[Missed], Compared]:
+    """Interfaces with an area, near misses, and all that was compared."""
     f, g = facing_patches(patches, pairs, options)
     order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
     planes = planes_between(patches, f[order], g[order])
@@ -35,5 +35,5 @@ def face_contacts(
         *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
         *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
     ]
-    short = shortfalls(patches, planes, shared, found, checked, options)
-    return from_pieces(patches, planes, found, checked.partial), missed, short
+    compared = Compared(planes, shared, checked)
+    return from_pieces(patches, planes, found, checked.partial), missed, compared

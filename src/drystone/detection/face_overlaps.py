@@ -114,6 +114,19 @@ def _is_convex(corner: Floats, start: Ints) -> Bools:
     return loops.all(turn >= 0.0)
 
 
+def joint_width(pieces: Pieces, pair: Ints, curved: Bools) -> Floats:
+    """Width (s,) [m] of each polygon; of facets of a curved joint, that of the whole joint.
+
+    Parameters
+    ----------
+    pair, curved : (q,) per plane
+    """
+    _, place = np.unique(pair[pieces.row], return_inverse=True)
+    facet = curved[pieces.row]
+    area = np.bincount(place.ravel(), np.where(facet, pieces.area, 0.0))
+    return np.where(facet, np.sqrt(area)[place.ravel()], pieces.width)
+
+
 def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
     """Whether each polygon is a sliver beside a wide one of the same patch and the same blocks.
 

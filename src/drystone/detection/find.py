@@ -26,8 +26,9 @@ from drystone.detection.inexact_joints import Joined, join_inexact
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.misses import edge_misses
 from drystone.detection.patches import Patches, patches_of
+from drystone.detection.reasons import Missed
 from drystone.detection.resample import Resampled, resample
-from drystone.detection.shortfall import Shortfall
+from drystone.detection.shortfall import Shortfall, shortfalls
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
 
@@ -105,17 +106,17 @@ def find_contacts(
     plain = patches.block_convex & patches.one_surface  # such a surface is simple
     require_sound([assembly.blocks[i] for i in np.flatnonzero(~plain).tolist()])
     pairs = near_blocks(patches, options)
-    found, missed, short = face_contacts(patches, pairs, options)
+    found, missed, compared = face_contacts(patches, pairs, options)
     near = _pairs_for_edges(patches, pairs, found, options)
-    lines, undirected = edge_contacts(assembly, patches, near, options)
+    touching = options.reach(np.minimum(patches.size[near[0]], patches.size[near[1]]))
+    lines, undirected = edge_contacts(assembly, patches, near, touching, options)
     by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
-    told = [miss for miss in missed if not np.isnan(miss.needed)]
+    told = [m for m in missed if not (np.isnan(m.needed) or m.farther(options.search))]
     named = by_edge | {(miss.block_a, miss.block_b) for miss in told}
     named |= {(int(a), int(b)) for a, b in undirected}
-    beyond, open_ones = edge_misses(assembly, patches, _less(near, named), options)
     missed = [
         replace(miss, joined=miss.joined or (miss.block_a, miss.block_b) in by_edge)
-        for miss in [*missed, *beyond]
+        for miss in missed
     ]
     found = joined([found, lines]).ordered()
     plane = found.area > 0.0
@@ -124,6 +125,11 @@ def find_contacts(
     joining = Joined(found, (), missed)
     if options.inexact:
         joining = join_inexact(assembly, patches, found, missed, deep, options)
+    named |= {(pair.block_a, pair.block_b) for pair in joining.inexact}
+    facing = [m.block_a * len(assembly) + m.block_b for m in missed]
+    beyond, open_ones = edge_misses(assembly, patches, _less(near, named), facing, options)
+    joining = replace(joining, missed=[*joining.missed, *beyond])
+    short = shortfalls(patches, compared, joining.found, options)
     found, fewer = resample(joining.found, options.curve)
     joining = replace(joining, found=found)
     return Detection(
@@ -171,6 +177,9 @@ def _report(
     options: DetectionOptions,
 ) -> ContactReport:
     found = joining.found
+    parted: dict[bool, list[Missed]] = {False: [], True: []}
+    for miss in joining.missed:
+        parted[miss.farther(options.search)].append(miss)
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
     return ContactReport(
@@ -188,7 +197,8 @@ def _report(
         clipped=found.clipped,
         merged=found.merged,
         resampled=fewer,
-        missed=tuple(joining.missed),
+        missed=tuple(parted[False]),
+        farther=tuple(parted[True]),
         inexact=joining.inexact,
         shortfalls=short,
         undirected=tuple((a, b) for a, b in undirected.tolist()),

@@ -122,7 +122,8 @@ def _searched(assembly: Assembly, known: bytes, options: DetectionOptions) -> Fu
     # two convex blocks that share a face touch nowhere else
     several = joined & ~(patches.block_convex[a] & patches.block_convex[b])
     some = ~joined | several
-    lines, undirected = edge_contacts(assembly, patches, (a[some], b[some]), options)
+    reach = options.reach(np.minimum(patches.size[a], patches.size[b]))[some]
+    lines, undirected = edge_contacts(assembly, patches, (a[some], b[some]), reach, options)
     keys = a[several] * len(assembly) + b[several]
     meets = undirected[~np.isin(undirected[:, 0] * len(assembly) + undirected[:, 1], keys)]
     parallel = parallel_edges(assembly, patches, (meets[:, 0], meets[:, 1]), options)

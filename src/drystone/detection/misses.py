@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
-from drystone.detection.candidates import Pairs, granted_to
+from drystone.detection.candidates import FARTHER, Pairs, granted_to
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.interfaces import Interfaces, angles, from_pieces
+from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
 from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
 from drystone.detection.planes import Pieces, Planes
@@ -96,9 +97,9 @@ def dropped(
     if pieces.count == 0:
         return []
     interfaces = from_pieces(patches, planes, pieces, np.zeros(len(planes.f), dtype=bool))
-    joined = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
+    touch = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
     return [
-        missed_of(interfaces, i, reason, float("nan"), bool(joined[i]), patches.origin)
+        missed_of(interfaces, i, reason, float("nan"), bool(touch[i]), patches.origin)
         for i in range(interfaces.count)
     ]
 
@@ -111,7 +112,10 @@ def misses(
     checked: ToleranceCheck,
     options: DetectionOptions,
 ) -> list[Missed]:
-    """Near misses: overlaps just beyond a tolerance, of faces without other contact."""
+    """Near misses: overlaps just beyond a tolerance, of faces without other contact.
+
+    Gaps that are not near are among them, see :data:`FARTHER`.
+    """
     refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
     if not refused.any():
         return []
@@ -121,12 +125,13 @@ def misses(
     explained = covered >= EXPLAINED * patches.area
     row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]
-    near = np.abs(gaps(planes, shared)) - checked.slack[row]
-    near /= planes.size[row]
-    refused &= near <= options.search
+    away = gaps(planes, shared)
+    apart = np.abs(away) - checked.slack[row]
+    size = planes.size[row]
+    refused &= apart <= options.search * size * np.where(away > 0.0, FARTHER, 1.0)
     chosen = shared.select(refused)
     interfaces = from_pieces(patches, planes, chosen, checked.partial)
-    joined = np.isin(_pair_keys(patches, planes, chosen), _pair_keys(patches, planes, found))
+    touch = np.isin(_pair_keys(patches, planes, chosen), _pair_keys(patches, planes, found))
     excess = np.rad2deg(checked.angle - checked.limit)[chosen.row] + options.angle
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
@@ -137,8 +142,8 @@ def misses(
             reason, needed = Reason.ANGLE, float("nan") if far else float(excess[i])
         else:
             reason = Reason.GAP if checked.too_far[piece] else Reason.OVERLAP
-            needed = float(near[piece])
-        result.append(missed_of(interfaces, i, reason, needed, bool(joined[i]), patches.origin))
+            needed = float(apart[piece] / size[piece])
+        result.append(missed_of(interfaces, i, reason, needed, bool(touch[i]), patches.origin))
     return result
 
 
@@ -169,14 +174,20 @@ def missed_of(
 
 
 def edge_misses(
-    assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
+    assembly: Assembly,
+    patches: Patches,
+    pairs: Pairs,
+    facing: Sequence[int],
+    options: DetectionOptions,
 ) -> tuple[list[Missed], Ints]:
-    """Line and point contacts that a larger gap would create.
+    """Line and point contacts that a larger gap would create, and those that are farther.
 
     Parameters
     ----------
     pairs
         Near blocks (a < b) without any contact.
+    facing
+        Those of them whose faces are farther apart, as ``a * number + b``: their edges are not.
 
     Returns
     -------
@@ -186,9 +197,14 @@ def edge_misses(
     """
     if len(pairs[0]) == 0 or (options.gap_length is None and options.search <= options.gap):
         return [], np.zeros((0, 2), dtype=np.intp)
-    found, undirected = edge_contacts(
-        assembly, patches, pairs, replace(options, gap=options.search, gap_length=None)
-    )
+    a, b = pairs
+    reach = options.search * np.minimum(patches.size[a], patches.size[b])
+    found, undirected = edge_contacts(assembly, patches, pairs, reach, options)
+    count = len(patches.size)
+    left = ~np.isin(a * count + b, [*(found.block_a * count + found.block_b), *facing])
+    others = a[left], b[left]
+    farther, _ = edge_contacts(assembly, patches, others, FARTHER * reach[left], options)
+    found = joined([found, farther])
     return [_missed_edges(found, i, patches.origin) for i in range(found.count)], undirected
 
 

@@ -91,6 +91,12 @@ class Patches:
         """Number of patches."""
         return len(self.owner)
 
+    def of_faces(self, block: Ints, face: Ints) -> Ints:
+        """The patches (q,) by their blocks and faces; where there is none, any."""
+        most = int(self.face.max(initial=0)) + 1
+        place = np.searchsorted(self.owner * most + self.face, block * most + face)
+        return np.minimum(place, self.count - 1)
+
     @cached_property
     def of_block(self) -> Ragged:
         """Which patches belong to which block."""

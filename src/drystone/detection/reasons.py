@@ -63,6 +63,10 @@ class Missed(OneLine):
     polygon: Floats
     joined: bool
 
+    def farther(self, search: float) -> bool:
+        """Whether it is a gap wider than the option ``search``, which is not reported."""
+        return self.reason is Reason.GAP and self.needed > search
+
 
 def millimetres(length: float) -> str:
     """A length [m] in millimetres, to three digits or a nanometre, and never as a power of ten.

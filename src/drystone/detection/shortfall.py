@@ -9,6 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.detection.candidates import fits
 from drystone.detection.detection_options import DetectionOptions
+from drystone.detection.interfaces import Interfaces
 from drystone.detection.misses import ToleranceCheck
 from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
@@ -41,28 +42,40 @@ class Shortfall:
     angle: float
 
 
+@dataclass(frozen=True)
+class Compared:
+    """The planes between facing patches, their overlaps, and how these are within tolerance."""
+
+    planes: Planes
+    shared: Pieces
+    checked: ToleranceCheck
+
+
 def shortfalls(
-    patches: Patches,
-    planes: Planes,
-    shared: Pieces,
-    found: Pieces,
-    checked: ToleranceCheck,
-    options: DetectionOptions,
+    patches: Patches, compared: Compared, found: Interfaces, options: DetectionOptions
 ) -> tuple[Shortfall, ...]:
-    """Joints of curved faces with rejected overlaps on faces that have no other contact.
+    """Joints of curved faces with overlaps that were not joined, on faces without other contact.
 
     Parameters
     ----------
-    shared, found
-        Overlaps of the patches, and those that became contacts.
+    found
+        All interfaces, with those that the search joined beyond its tolerances.
     """
+    planes, shared, checked = compared.planes, compared.shared, compared.checked
     curved = fits(patches, planes.f, planes.g)
     if shared.count == 0 or not curved.any():
         return ()
     count = len(planes.f)
     away = np.abs(gaps(planes, shared)) - checked.slack[shared.row]
     near = away <= options.search * planes.size[shared.row]
-    kept = _summed(found.row, found.area, count)
+    f = patches.of_faces(found.block_a, found.face_a)
+    g = patches.of_faces(found.block_b, found.face_b)
+    key = planes.f * patches.count + planes.g
+    order = np.argsort(key)
+    place = order[np.minimum(np.searchsorted(key[order], f * patches.count + g), count - 1)]
+    known = key[place] == f * patches.count + g
+    kept = _summed(place[known], found.area[known], count)
+    covered = _summed(np.concatenate([f, g]), np.tile(found.area, 2), patches.count)
     lost = _summed(shared.row, np.where(near, shared.area, 0.0), count) - kept
     lost = np.where(curved, np.maximum(lost, 0.0), 0.0)
     first, second = patches.owner[planes.f], patches.owner[planes.g]
@@ -70,7 +83,7 @@ def shortfalls(
     pair = pair.ravel()
     joint = np.bincount(pair, np.where(curved, kept, 0.0))
     missing = np.maximum(
-        *(np.bincount(pair, _bare(patches, side, lost, kept)) for side in (planes.f, planes.g))
+        *(np.bincount(pair, _bare(patches, side, lost, covered)) for side in (planes.f, planes.g))
     )
     gap, angle = _needed(planes, shared, checked, options)
     result = []
@@ -86,9 +99,8 @@ def shortfalls(
     return tuple(result)
 
 
-def _bare(patches: Patches, side: Ints, lost: Floats, kept: Floats) -> Floats:
+def _bare(patches: Patches, side: Ints, lost: Floats, covered: Floats) -> Floats:
     """Lost area (q,) as far as the patch on one side has that much area left."""
-    covered = _summed(side, kept, patches.count)
     wanted = _summed(side, lost, patches.count)
     left = np.clip(patches.area - covered, 0.0, wanted)
     part: Floats = lost * (left / np.where(wanted > 0.0, wanted, 1.0))[side]

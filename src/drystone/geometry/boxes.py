@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely
@@ -12,6 +15,9 @@ from drystone.base.ragged import BATCH
 
 _FEW = 4096
 """Up to so many pairs all are compared: faster than a tree, measured."""
+
+_PAIRS = BATCH // 4
+"""Pairs in a batch. Chosen: what is computed of a pair has some 200 bytes, 50 MB in all."""
 
 
 def overlapping(low: Floats, high: Floats) -> tuple[Ints, Ints]:
@@ -64,6 +70,13 @@ def batches(
     """The pairs of :func:`between` in batches of bounded size, by the boxes of the first set.
 
     The memory does not grow with the number of pairs, unless one box overlaps very many others.
+    """
+    return BoxTree(low_b, high_b).overlapped_by(low_a, high_a)
+
+
+@dataclass(frozen=True)
+class BoxTree:
+    """Boxes (b, 3) [m] in which those that overlap others are found, many times.
 
     Notes
     -----
@@ -71,33 +84,45 @@ def batches(
     which the boxes cover the largest part of the extent. It would separate the fewest pairs, and is
     tested last.
     """
-    if len(low_a) == 0 or len(low_b) == 0:
-        return
-    if len(low_a) * len(low_b) <= _FEW:
-        apart = (low_a[:, None] > high_b).any(axis=2) | (low_b > high_a[:, None]).any(axis=2)
-        first, second = np.nonzero(~apart)
-        yield first, second
-        return
-    whole = np.maximum(high_a.max(axis=0), high_b.max(axis=0))
-    whole = whole - np.minimum(low_a.min(axis=0), low_b.min(axis=0))
-    mean = 0.5 * ((high_a - low_a).mean(axis=0) + (high_b - low_b).mean(axis=0))
-    left_out = int(np.argmax(mean / np.where(whole > 0.0, whole, 1.0) + (whole == 0.0)))
-    axes = [axis for axis in range(3) if axis != left_out]
-    diagonal_a, diagonal_b = (
-        shapely.linestrings(np.stack([low[:, axes], high[:, axes]], axis=1))
-        for low, high in ((low_a, high_a), (low_b, high_b))
-    )
-    tree = shapely.STRtree(diagonal_b)
-    begin, several = 0, 256  # before it is known how many others each overlaps
-    while begin < len(diagonal_a):
-        i, j = tree.query(diagonal_a[begin : begin + several]).astype(np.intp)
-        i = i + begin
-        near = low_a[i, left_out] <= high_b[j, left_out]
-        near &= low_b[j, left_out] <= high_a[i, left_out]
-        yield i[near], j[near]
-        begin += several
-        # parts of a body may be meshed more finely than others
-        several = max(1, several * BATCH // max(len(i), BATCH // 64))
+
+    low: Floats
+    high: Floats
+
+    @cached_property
+    def _left_out(self) -> int:
+        """The axis that the tree does not have."""
+        whole = self.high.max(axis=0) - self.low.min(axis=0)
+        mean = (self.high - self.low).mean(axis=0)
+        return int(np.argmax(mean / np.where(whole > 0.0, whole, 1.0) + (whole == 0.0)))
+
+    def _diagonals(self, low: Floats, high: Floats) -> Any:
+        axes = [axis for axis in range(3) if axis != self._left_out]
+        return shapely.linestrings(np.stack([low[:, axes], high[:, axes]], axis=1))
+
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(self._diagonals(self.low, self.high))
+
+    def overlapped_by(self, low: Floats, high: Floats) -> Iterator[tuple[Ints, Ints]]:
+        """Pairs of one of some boxes (a, 3) and one in the tree, in batches of bounded size."""
+        if len(low) == 0 or len(self.low) == 0:
+            return
+        if len(low) * len(self.low) <= _FEW:
+            apart = (low[:, None] > self.high).any(axis=2) | (self.low > high[:, None]).any(axis=2)
+            first, second = np.nonzero(~apart)
+            yield first, second
+            return
+        axis, diagonals = self._left_out, self._diagonals(low, high)
+        begin, several = 0, 256  # before it is known how many others each overlaps
+        while begin < len(diagonals):
+            i, j = self._tree.query(diagonals[begin : begin + several]).astype(np.intp)
+            i = i + begin
+            near = low[i, axis] <= self.high[j, axis]
+            near &= self.low[j, axis] <= high[i, axis]
+            yield i[near], j[near]
+            begin += several
+            # parts of a body may be meshed more finely than others
+            several = max(1, several * _PAIRS // max(len(i), _PAIRS // 64))
 
 
 def touching(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> Bools:

@@ -27,6 +27,9 @@ _TRIED = BATCH // 16
 halves the time."""
 CROSS = 1e-6
 """Unit directions whose cross product is shorter than this are parallel."""
+_FINE = 10_000
+"""Corners of a shared surface from which on its depth is measured at them alone. Measured: a peg of
+111,000 triangles, deep all round, takes six times as long with the middles, and is as deep."""
 _COPY = 0.5
 """Bodies whose surfaces agree within the tolerance are copies when they share more than this part
 of the larger volume. Chosen: any value between 0 and 1 gives the same answer."""
@@ -304,8 +307,9 @@ def _deepest(
 ) -> Floats:
     """Depth (p,) [m] of the common solids of bodies; see :class:`_SharedVolume`.
 
-    The depth is measured at the corners of their triangles and at the middles of edges and
-    triangles. Each triangle lies on the surface of one body, and is measured from the other.
+    The depth is measured at the corners of their triangles and, unless these are very many, at the
+    middles of edges and triangles. Each triangle lies on the surface of one body, and is measured
+    from the other.
     """
     meshes = [common.to_mesh64() for common in commons]
     points = [np.asarray(mesh.vert_properties)[:, :3] for mesh in meshes]
@@ -332,13 +336,19 @@ def _lie_on(common: manifold3d.Mesh64, number: int) -> Bools:
 
 
 def _middles(point: Floats, corner: Ints, owner: Ints) -> tuple[Floats, Ints]:
-    """The corners of triangles (t, 3), the middles of them and of their edges; and their owners."""
+    """The corners of triangles (t, 3), the middles of them and of their edges; and their owners.
+
+    Owners with very many corners have no middles.
+    """
     used, first = np.unique(corner, return_index=True)
+    at = owner[first // 3]
+    coarse = np.bincount(at, minlength=1)[owner] < _FINE
+    corner, owner = corner[coarse], owner[coarse]
     begin, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
     once = np.flatnonzero(begin < end)
     middle = 0.5 * (point[begin[once]] + point[end[once]])
     tried = np.concatenate([point[used], middle, point[corner].mean(axis=1)])
-    return tried, np.concatenate([owner[first // 3], owner[once // 3], owner])
+    return tried, np.concatenate([at, owner[once // 3], owner])
 
 
 def _away(bodies: _Bodies, body: Ints, points: Ragged, point: Floats, tolerance: Floats) -> Floats:

@@ -98,9 +98,9 @@ def farthest(points: Floats, triangles: Floats, least: float) -> float:
     """
     from scipy.spatial import cKDTree  # slow to import, and few models need it
 
-    low, high = triangles.min(axis=1), triangles.max(axis=1)
+    tree = boxes.BoxTree(triangles.min(axis=1), triangles.max(axis=1))
     near = np.zeros(len(points), dtype=bool)
-    for i, j in boxes.batches(points - least, points + least, low, high):
+    for i, j in tree.overlapped_by(points - least, points + least):
         near[i[squared_distance(points[i], triangles[j]) <= least**2]] = True
     left = np.flatnonzero(~near)
     if len(left) == 0:
@@ -115,7 +115,7 @@ def farthest(points: Floats, triangles: Floats, least: float) -> float:
             break
         place, reach = points[left[some]], bound[some, None]
         square = np.full(len(some), np.inf)
-        for i, j in boxes.batches(place - reach, place + reach, low, high):
+        for i, j in tree.overlapped_by(place - reach, place + reach):
             np.minimum.at(square, i, squared_distance(place[i], triangles[j]))
         deepest = max(deepest, float(np.sqrt(square.max())))
     return deepest

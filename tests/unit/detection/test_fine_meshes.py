@@ -81,7 +81,7 @@ def peak(work: Callable[[], object]) -> int:
 
 
 @pytest.mark.parametrize("edges", ["isolated", "always", "never"])
-@pytest.mark.parametrize("play", [PLAY, 0.0006, 0.0])
+@pytest.mark.parametrize("play", [PLAY, 0.0006, 0.0, -0.0005])
 def test_memory_of_a_peg_in_a_sleeve_grows_with_its_faces(edges: str, play: float) -> None:
     options = DetectionOptions(edges=edges)
     coarse, fine = (peg_in_sleeve(grade, play) for grade in (3, 6))
@@ -102,6 +102,16 @@ def test_memory_of_deep_pegs_grows_with_their_faces() -> None:
 def test_a_depth_does_not_depend_on_the_mesh(grade: int) -> None:
     (found,) = find_contacts(piled(3 * grade)).report.overlaps
     assert found.depth == pytest.approx(0.005, rel=1e-3)
+
+
+@pytest.mark.parametrize("grade", [8, 12])
+def test_a_peg_that_is_drawn_into_its_sleeve_touches_all_round(grade: int) -> None:
+    model = peg_in_sleeve(grade, -0.0005)
+    found = find_contacts(model)
+    assert found.contacts.area.sum() == pytest.approx(2.0 * np.pi * 0.0195 * 0.08, rel=0.01)
+    assert [pair.off for pair in found.report.inexact] == pytest.approx([0.0005], rel=0.01)
+    assert found.report.shortfalls == ()
+    assert found.report.unjoined == ()
 
 
 def test_a_peg_with_play_touches_nothing() -> None:

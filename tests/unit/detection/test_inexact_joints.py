@@ -80,17 +80,64 @@ def test_a_gap_alone_is_not_closed() -> None:
     assert not found.report.inexact
 
 
-def test_a_gap_is_closed_where_as_deep_an_overlap_shows_that_the_drawing_is_off() -> None:
-    blocks = [
-        box((0.3, 0.3, 0.3), (x, 0.0, -deep), name=f"cube {x}")
-        for x, deep in ((-0.8, 4e-3), (0.0, -3e-3), (0.6, -12e-3))
+def test_a_gap_is_closed_where_as_deep_an_overlap_of_its_block_shows_that_it_is_off() -> None:
+    low = box((0.3, 0.3, 0.3), (0.0, 0.0, -4e-3), name="low")
+    for gap, joined in ((3e-3, 2), (14e-3, 1)):
+        upper = box((0.3, 0.3, 0.3), (0.0, 0.0, 0.296 + gap), name="upper")
+        found = find_contacts(Assembly((FLOOR, low, upper)).with_fixed(["floor"])).report
+        told = [(pair.block_b, pair.error) for pair in found.inexact]
+        assert told == [(1, Error.OVERLAP), (2, Error.GAP)][:joined]
+
+
+def test_a_block_that_is_drawn_into_the_floor_closes_no_gaps_of_others() -> None:
+    sunk = box((0.3, 0.3, 0.3), (-0.8, 0.0, -4e-3), name="sunk")
+    low = box((0.3, 0.3, 0.3), name="low")
+    for first, gap in ((low, 3e-3), (None, 3e-3)):
+        height = gap if first is None else 0.3 + gap
+        upper = box((0.3, 0.3, 0.3), (0.0, 0.0, height), name="upper")
+        blocks = (FLOOR, *([low] if first else []), upper)
+        alone = Assembly(blocks).with_fixed(["floor"])
+        beside = Assembly((*blocks, sunk)).with_fixed(["floor"])
+        assert not find_contacts(alone).report.inexact
+        assert [pair.block_b for pair in find_contacts(beside).report.inexact] == [len(blocks)]
+        assert check(beside).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize("short", [3e-4, 1e-3, 3e-3, 5e-3])
+@pytest.mark.parametrize("thick", [0.03, 0.04, 0.06])
+def test_a_leg_that_is_drawn_too_short_is_no_proof_of_a_fall(thick: float, short: float) -> None:
+    far = 0.19 - thick
+    legs = [
+        box((thick, thick, 0.45 - low), (x, y, low), name=f"leg {x:g} {y:g}")
+        for x, y, low in ((-0.19, -0.19, short), (-0.19, far, 0), (far, -0.19, 0), (far, far, 0))
     ]
-    found = find_contacts(Assembly((FLOOR, *blocks)).with_fixed(["floor"]))
-    assert found.contacts.block_b.tolist() == [1, 2]
-    assert [(pair.block_b, pair.error) for pair in found.report.inexact] == [
-        (1, Error.OVERLAP),
-        (2, Error.GAP),
-    ]
+    seat = box((0.4, 0.4, 0.03), (-0.2, -0.2, 0.45), name="seat")
+    found = check(Assembly((FLOOR, *legs, seat)).with_fixed(["floor"]))
+    if found.verdict is not Verdict.STABLE:  # within tolerance
+        assert found.verdict is Verdict.UNDECIDED
+        assert f"'floor' and '{legs[0].name}' are {1e3 * short:g} mm apart" in found.message
+        assert "--gap" in found.message
+
+
+@pytest.mark.parametrize("low", [5e-4, 3e-3, 5e-3])
+@pytest.mark.parametrize("thick", [0.03, 0.06])
+def test_a_bearing_that_is_drawn_too_low_is_no_proof_of_a_fall(thick: float, low: float) -> None:
+    ends = (box((0.1, 0.1, 0.1), name="left"), box((0.1, 0.1, 0.1 - low), (0.9, 0, 0), "right"))
+    beam = box((1.0, thick, thick), (0.0, 0.0, 0.1), name="beam")
+    found = check(Assembly((*ends, beam)).with_fixed(["left", "right"]))
+    assert found.verdict is Verdict.UNDECIDED
+    assert f"'right' and 'beam' are {1e3 * low:g} mm apart; join them with --gap" in found.message
+
+
+def test_what_hovers_far_above_the_floor_falls() -> None:
+    assert check(cube(-0.07)).verdict is Verdict.UNSTABLE
+
+
+def test_a_wider_gap_is_kept_in_mind_and_not_reported() -> None:
+    report = find_contacts(cube(-0.04)).report
+    assert not report.missed
+    assert not report.suggestions() or "gap" not in report.suggestions()[0]
+    assert [miss.gap for miss in report.farther] == pytest.approx([0.04])
 
 
 def test_a_tilted_foot_in_the_floor_touches_with_all_of_its_face() -> None:
