@@ -38,7 +38,9 @@ UNIFORM = CheckOptions(samples=0, settle=False)
 BY_HAND = "## Stud-and-tube bricks"
 """Heading from which on the page is not written here."""
 
-PREDICTED = CheckOptions(settlement=replace(CheckOptions().settlement, carrier=Carrier.MOVING))
+PREDICTED = CheckOptions(
+    settlement=replace(CheckOptions().settlement, carrier=Carrier.MOVING), stiff_shear=None
+)
 """As by default, but the ends of joints on the block that moves: no model is undecided."""
 
 StandsCheck = Callable[[Model], bool]

@@ -187,5 +187,7 @@ class Limit(LimitAnswer):
             because = ""
             if all(one is Outcome.ENDS_DECIDE for one in ends):
                 because = ": it depends on which block carries the ends of the joints"
+            if all(one is Outcome.SHEAR_DECIDES for one in ends):
+                because = ": it depends on the shear stiffness of the joints"
             told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
         return tuple(told)

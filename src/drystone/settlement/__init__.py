@@ -11,6 +11,7 @@ from drystone.settlement.large_displacement import move_supports, push, reduce_f
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
+    UNDECIDED,
     FlushEnds,
     Outcome,
     Settlement,
@@ -20,6 +21,7 @@ from drystone.settlement.settlement_types import (
 from drystone.settlement.settling import settle, settle_many
 
 __all__ = [
+    "UNDECIDED",
     "Carrier",
     "Drive",
     "End",

@@ -293,6 +293,7 @@ def _physical(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
         tuple(range(joints, len(model.contacts))),
         bodies.overlap,
         beyond_flush_ends(bodies, track.frames[-1]) * bodies.length_unit,
+        case.chosen.tangential,
     )
 
 

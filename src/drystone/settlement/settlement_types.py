@@ -35,6 +35,8 @@ class Outcome(enum.Enum):
     """A block moved by a large share of its size and still moves."""
     ENDS_DECIDE = "the ends of the joints decide"
     """The result depends on the block that carries the ends of the joints."""
+    SHEAR_DECIDES = "the shear stiffness of the joints decides"
+    """The result depends on their tangential stiffness by the normal one."""
     UNKNOWN = "not followed to an end"
     """The message has the reason."""
 
@@ -52,6 +54,9 @@ class FlushEnds(enum.StrEnum):
         """The block that carries such ends."""
         return Carrier.MOVING if self is FlushEnds.LONGER else Carrier.EXACT
 
+
+UNDECIDED = (Outcome.ENDS_DECIDE, Outcome.SHEAR_DECIDES)
+"""Outcomes of paths that end otherwise."""
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000
 """Frames of a path in pictures. Chosen: it looks smooth, and adds 3 MB to a page."""
@@ -149,6 +154,8 @@ class SettlementPath(OneLine):
     beyond : [m]
         How far corners that press at the end have gone beyond ends that were flush at the
         beginning. The face of the block that does not carry them is taken as longer by so much.
+    tangential
+        Tangential by normal stiffness.
     """
 
     carrier: Carrier
@@ -167,6 +174,7 @@ class SettlementPath(OneLine):
     met: tuple[int, ...] = ()
     overlap: float = 1e-6
     beyond: float = 0.0
+    tangential: float = 0.17
 
     def _summary(self) -> str:
         return (
@@ -256,14 +264,14 @@ class Settlement(Answer):
         ends = {Outcome.RESTS: Role.GOOD, Outcome.FALLS: Role.BAD, Outcome.DISPLACED: Role.BAD}
         said = [Sentence(self.outcome.value.upper(), ends.get(self.outcome, Role.UNSURE))]
         said.append(Sentence(self.message))
-        if self.outcome is Outcome.ENDS_DECIDE:
+        if self.outcome in UNDECIDED:
             said += [Sentence(f"{_carried(path)}: {path.outcome.value}") for path in self.paths]
         return said
 
     def tables(self) -> Sequence[Table]:
         """The motion of the blocks, the longest first."""
         table = self.table()
-        shown = len(self.paths) if self.outcome is Outcome.ENDS_DECIDE else 1
+        shown = len(self.paths) if self.outcome in UNDECIDED else 1
         moved = np.flatnonzero(table["travel"][: shown * len(self.assembly)] > 0.0)
         return [table.take(moved[np.argsort(-table["travel"][moved], kind="stable")])]
 
@@ -290,6 +298,7 @@ class Settlement(Answer):
             "paths": [
                 {
                     "carrier": path.carrier,
+                    "tangential": path.tangential,
                     "outcome": path.outcome,
                     "travel": path.travel.max(initial=0.0),
                     "steps": path.steps,
@@ -308,7 +317,7 @@ class Settlement(Answer):
         return Scene(self.assembly, self.contacts, stages, title, facts)
 
     def _stage(self, path: SettlementPath) -> SceneStage:
-        differ = self.outcome is Outcome.ENDS_DECIDE
+        differ = self.outcome in UNDECIDED
         model, last = path.model, path.displacement
         assembly = model.assembly
         state = state_of(assembly)
@@ -344,4 +353,6 @@ class Settlement(Answer):
 
 
 def _carried(path: SettlementPath) -> str:
-    return f"ends of joints on the {path.carrier.value} block"
+    shear = f", shear stiffness {path.tangential:g} of the normal one"
+    told = "" if path.tangential == SettlementPath.tangential else shear
+    return f"ends of joints on the {path.carrier.value} block{told}"

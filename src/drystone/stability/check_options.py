@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.settlement import FlushEnds, SettlementOptions
@@ -28,6 +30,10 @@ class CheckOptions(Options):
     settlement
         How they are followed; by default until a block has moved by a twentieth of its size. What
         stands moves no farther than a fiftieth.
+    stiff_shear
+        Tangential by normal stiffness with which blocks are followed once more, where joints
+        decide: UNDECIDED where the two ways end otherwise. With ``None`` they are followed once,
+        with that of ``settlement``.
     uniform
         Stable only where uniform contact stiffness holds it too. What falls with it is not
         followed.
@@ -38,6 +44,7 @@ class CheckOptions(Options):
     samples: int = 0
     settle: bool = True
     settlement: SettlementOptions = SettlementOptions(fall=0.05)  # noqa: RUF009 - frozen
+    stiff_shear: float | None = 0.5
     uniform: bool = False
     seed: int = 0
 
@@ -45,6 +52,10 @@ class CheckOptions(Options):
         super().__post_init__()
         if self.samples < 0:
             raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
+        if self.stiff_shear is not None and not 0.0 < self.stiff_shear < np.inf:
+            raise InputError(
+                f"stiff_shear is {self.stiff_shear}", remedy="give a number above 0, such as 0.5"
+            )
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
 

@@ -25,8 +25,8 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics import law
 from drystone.model import Model
-from drystone.results import Result, Verdict
-from drystone.settlement import Outcome, SettlementOptions
+from drystone.results import Result, Sensitivity, Verdict
+from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
 from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
@@ -294,6 +294,40 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     return None
 
 
+def _with_stiff_shear(
+    asked: Asked, pool: WorkerPool, found: Settlement, options: SettlementOptions
+) -> Settlement:
+    """The same where the blocks end alike with stiffer joints along their faces; else both ways.
+
+    The shear stiffness of joints is unknown as well. What is not followed to an end says nothing.
+    """
+    stiff, model = asked.options.stiff_shear, asked.problem.model
+    ends = (Outcome.RESTS, Outcome.DISPLACED, Outcome.FALLS)
+    rubs = bool(model.contacts.friction.any())
+    if stiff is None or not rubs or found.outcome not in ends or asked.clock.late():
+        return found
+    other = settle_for_verdict(
+        model,
+        options=replace(options, tangential=stiff),
+        executor=pool.executor,
+        stop=asked.clock.late,
+    )
+    alike = (other.outcome is Outcome.RESTS) == (found.outcome is Outcome.RESTS)
+    if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
+        return found
+    asked.depends_on(Sensitivity.SHEAR)
+    said = "; ".join(
+        f"at {shear:g} of the normal one {one.message}"
+        for shear, one in ((options.tangential, found), (stiff, other))
+    )
+    return replace(
+        found,
+        outcome=Outcome.SHEAR_DECIDES,
+        message=f"it depends on the shear stiffness of the joints: {said}",
+        paths=(*found.paths, *other.paths),
+    )
+
+
 def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     """The verdict of blocks that are followed by finite steps."""
     asked.report("settlement", 2)
@@ -307,10 +341,17 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         executor=pool.executor,
         stop=clock.late,
     )
+    certain = uniform.stands and not hardly and all(one.stands for one in asked.tried)
+    if not (certain and found.outcome is Outcome.RESTS):
+        found = _with_stiff_shear(asked, pool, found, options)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)
     asked.steps += sum(path.iterations for path in found.paths)
+    if not uniform.stands:
+        asked.depends_on(Sensitivity.JOINTS)
+    if found.outcome is Outcome.ENDS_DECIDE:
+        asked.depends_on(Sensitivity.ENDS)
     held = "uniform contact stiffness would not hold it in place"
     if uniform.falling is None:
         held = "uniform contact stiffness was not found to hold it in place"
@@ -326,9 +367,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         if not uniform.stands or hardly:
             return asked.settles(found, words)
         # that it slides far was the only doubt
-        certain = all(one.stands for one in asked.tried)
         return asked.stable(uniform) if certain else asked.stable(uniform, words, found)
-    if found.outcome in (Outcome.UNKNOWN, Outcome.ENDS_DECIDE):
+    if found.outcome in (Outcome.UNKNOWN, *UNDECIDED):
         if clock.late():
             return asked.no_answer()
         return asked.answer(Verdict.UNDECIDED, words, settlement=found)

@@ -1,6 +1,7 @@
 """Verdicts where the contact stiffness decides: the blocks are followed."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_checks import every_stiffness
 from drystone.models import concave, cube_curve, h_model, random_pack, wedge
 from drystone.models.solids import prism
+from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.settling import settle_many
 from drystone.stability import try_rest
@@ -107,6 +109,20 @@ def test_what_is_followed_into_a_fall_is_unstable_though_it_could_be_wedged() ->
     assert found.mechanism is not None
     assert "forces could balance the loads, but the loads alone do not" in found.message
     assert "shims or prestress might hold it: sensitive" in found.message
+
+
+def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
+    model = tilted(wedge("b"), X, 57.8)
+    one = replace(MOVING, stiff_shear=None)
+    assert check(model, options=one).falls
+    stiff = replace(one.settlement, tangential=0.5)
+    assert check(model, options=replace(one, settlement=stiff)).stable
+    found = check(model, options=MOVING)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "it depends on the shear stiffness of the joints: at 0.17" in found.message
+    assert Sensitivity.SHEAR in found.sensitive_to
+    assert found.settlement.outcome is Outcome.SHEAR_DECIDES
+    assert [path.tangential for path in found.settlement.paths] == [0.17, 0.5]
 
 
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:
