@@ -45,3 +45,9 @@ def test_clear_errors_pass_as_they_are() -> None:
 
 def test_short_text_is_left_alone() -> None:
     assert printable("Größe 壁") == "Größe 壁"
+
+
+def test_what_an_error_quotes_is_cut_where_it_is_too_long() -> None:
+    error = InputError(f"there is no block '{'9' * 5000}'", where="x" * 5000)
+    assert len(str(error)) < 1000
+    assert str(error.located("supports")).startswith("supports: there is no block '999")

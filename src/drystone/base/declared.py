@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
-from drystone.base.display import OneLine, shortened
+from drystone.base.display import OneLine
 from drystone.base.errors import InputError, meant
 
 _SECTIONS = ("Attributes", "Parameters")
@@ -197,8 +197,7 @@ def refuse_unknown(given: Sequence[str] | Mapping[str, Any], known: Sequence[str
     """Raise InputError at the first name that is not known; the nearest one is told."""
     for name in given:
         if name not in known:
-            told = shortened(str(name), 60)
-            raise InputError(f"there is no argument '{told}'", remedy=meant(told, known))
+            raise InputError(f"there is no argument '{name}'", remedy=meant(name, known))
 
 
 def kinds_of(hint: Any) -> list[Any]:

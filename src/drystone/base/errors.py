@@ -73,6 +73,13 @@ def printable(text: str, limit: int = _LONGEST) -> str:
     return f"{shown[:half]}...{shown[-half:]}"
 
 
+def _with_short_words(text: str) -> str:
+    """The text, each word that is too long cut in the middle: it quotes what was given."""
+    if len(text) <= _LONGEST:
+        return text
+    return " ".join(printable(word) if len(word) > _LONGEST else word for word in text.split(" "))
+
+
 class DefectKind(enum.StrEnum):
     """Kinds of defects of the shape of a block that callers distinguish."""
 
@@ -108,11 +115,9 @@ class InputError(DrystoneError, ValueError):
     def __init__(
         self, what: str, *, where: str = "", remedy: str = "", kind: DefectKind | None = None
     ) -> None:
-        self.what = what
-        self.where = where
-        self.remedy = remedy
+        self.what, self.where, self.remedy = map(_with_short_words, (what, where, remedy))
         self.kind = kind
-        super().__init__(what, where, remedy)
+        super().__init__(self.what, self.where, self.remedy)
 
     def __reduce__(self) -> tuple[Any, ...]:
         make = functools.partial(type(self), where=self.where, remedy=self.remedy, kind=self.kind)

@@ -12,7 +12,6 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from drystone.base.declared import Declared, declared, refuse_unknown
-from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext, read
 from drystone.model import Model
@@ -93,8 +92,7 @@ class Folder:
         except (OSError, UnicodeError):  # a name that no file can have
             there = False
         if not there:
-            told = shortened(name, 60)
-            raise InputError("there is no such file", where=told, remedy="name one that is there")
+            raise InputError("there is no such file", where=name, remedy="name one that is there")
         self.accept(at.stat().st_size, name)
         return at
 

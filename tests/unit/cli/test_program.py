@@ -14,7 +14,6 @@ from drystone.base.errors import MissingDependency
 from drystone.base.version import commit
 from drystone.cli import application, main, output
 from drystone.cli.waiting import Waiting
-from drystone.models import tower
 
 HEAVY = ("matplotlib", "PIL", "starlette", "fastapi", "uvicorn", "rhino3dm", "trimesh", "compas")
 """Plotting, app and CAD packages."""
@@ -190,18 +189,3 @@ def test_the_version_is_told_without_numpy() -> None:
         "finally: sys.exit('numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "cp437", "utf-16"])
-def test_names_that_stdout_cannot_encode_are_written_escaped(
-    encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "\u77f3.json"
-    drystone.write(tower(2), path)
-    written = text_io.BytesIO()
-    stream = text_io.TextIOWrapper(written, encoding=encoding)
-    monkeypatch.setattr(sys, "stdout", stream)
-    assert main(["inspect", str(path)]) == 0
-    assert main(["check", str(path)]) == 0
-    told = written.getvalue().decode(encoding)
-    assert ("\u77f3" if encoding == "utf-16" else "\\u77f3.json") in told

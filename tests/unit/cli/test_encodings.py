@@ -1,0 +1,90 @@
+"""Every text of every command reaches every stdout; what it cannot encode is written escaped."""
+
+import io as text_io
+import sys
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import Assembly
+from drystone.cli import main
+from drystone.models import tower
+from tests.unit.cli.test_command import commands
+
+NAMES = ("\u77f3", "\U0001f9f1", "e\u0301")
+MODEL = "\u5854.json"
+BLOCK = NAMES[1]
+GIVEN: dict[str, list[str]] = {
+    "check": [MODEL, "--html", "\u9875.html"],
+    "convert": [MODEL, "\u77f3.obj"],
+    "cut": [MODEL, "--block", BLOCK, "--blocks", "2", "--out", "\u5207.json"],
+    "fall": [MODEL, "--seismic", "0.4"],
+    "inspect": [MODEL, "--sweep"],
+    "interlock": [MODEL],
+    "limit friction": [MODEL],
+    "limit imperfections": [MODEL, "--offset", "0.01", "--draws", "2"],
+    "limit load": [MODEL, f"{BLOCK}:1kN@0,0,1"],
+    "limit shrink": [MODEL],
+    "limit thrust": [MODEL, NAMES[0]],
+    "limit tilt": [MODEL],
+    "live": [MODEL, "--client", "\u5ba2.py"],
+    "mcp": ["\u7121"],
+    "mend": [MODEL, "--seismic", "0.7", "--kind", "friction"],
+    "plan": [MODEL, "--checkpoint", "\u8bb0"],
+    "poses": [MODEL, "--block", BLOCK],
+    "push": [MODEL, "--to", "0.001"],
+    "recut": [MODEL, "--most", "1"],
+    "scaffold": [MODEL, "--time-limit", "1"],
+    "settle": [MODEL, "--move", f"{NAMES[0]}:0,0,-1", "--to", "0.01"],
+    "shape": [MODEL, "--seismic", "0.9", "--time-limit", "1"],
+    "sharpen": [MODEL, "--seismic", "0.7", "--most", "20"],
+    "shell": ["\u7121.obj"],
+    "tune": [
+        "tower",
+        "--set",
+        "count=2",
+        "--vary",
+        "edge=0.5:1",
+        "--trials",
+        "1",
+        "--store",
+        "\u8bb0\u5f55",
+    ],
+}
+WITHOUT_NAMES = {"demo", "limit thickness", "models", "reproduce"}
+SAYS_NO_NAME = {"tune"}
+
+
+class Written(text_io.BytesIO):
+    """Bytes that can be read after the stream over them is closed."""
+
+    data = b""
+
+    def close(self) -> None:
+        self.data = self.getvalue()
+        super().close()
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii", "cp437", "utf-16"])
+def test_names_that_stdout_cannot_encode_are_written_escaped(
+    encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert {*GIVEN} | WITHOUT_NAMES == {*commands()}
+    monkeypatch.chdir(tmp_path)
+    blocks = tuple(one.renamed(name) for one, name in zip(tower(3).blocks, NAMES, strict=True))
+    drystone.write(drystone.Model.of(Assembly(blocks, tower(3).fixed)), MODEL)
+    for name, given in GIVEN.items():
+        written = Written()
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "stdout", text_io.TextIOWrapper(written, encoding=encoding))
+            patch.setattr(
+                sys, "stderr", text_io.TextIOWrapper(Written(), encoding, "backslashreplace")
+            )
+            assert main([*name.split(), *given]) in (0, 1, 2, 3), name
+            sys.stdout.close()
+        told = written.data.decode(encoding)
+        if name in SAYS_NO_NAME or not told:
+            continue
+        assert (max(told) > "\u2fff") == (encoding == "utf-16"), name
+        assert ("\\u" in told.lower()) == (encoding != "utf-16"), name
