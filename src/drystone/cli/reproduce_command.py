@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from drystone.reproduce import Case
 
 
-@command("drystone reproduce", "drystone reproduce 5.1.1", "drystone reproduce 5.1.1 --out .")
+@command("drystone reproduce 5.1.1", "drystone reproduce 5.1.1 --out .")
 def reproduce(
     *,
     section: Annotated[
