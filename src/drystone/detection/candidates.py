@@ -19,7 +19,7 @@ FARTHER = 3.0
 """Gaps up to the option ``search`` times this are not reported, and no fall is proved by them.
 Chosen: drawings are off by a share of the length of a leg, which may be ten times as long as thick.
 A leg of 30 mm is near that is 5 mm short; two boards are not between which a third one lies."""
-_MANY = 4096
+MANY = 4096
 """Patch pairs of two blocks above which a grid finds the near ones."""
 
 Pairs = tuple[Ints, Ints]
@@ -149,7 +149,7 @@ def _products(
     begin = np.searchsorted(pair_g, np.arange(count + 1))
     per_pair = np.diff(begin)
     product = np.bincount(pair_f, minlength=count) * per_pair
-    large = product > _MANY
+    large = product > MANY
     small = np.flatnonzero(~large[pair_f])
     source, place = expand(begin[pair_f[small]], per_pair[pair_f[small]])
     found_f, found_g = [f[small][source]], [g[place]]

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
-from drystone.detection.candidates import FARTHER, Pairs, granted_to
+from drystone.detection.candidates import FARTHER, MANY, Pairs, granted_to
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
@@ -202,6 +202,7 @@ def edge_misses(
     found, undirected = edge_contacts(assembly, patches, pairs, reach, options)
     count = len(patches.size)
     left = ~np.isin(a * count + b, [*(found.block_a * count + found.block_b), *facing])
+    left &= patches.of_block.counts[a] * patches.of_block.counts[b] <= MANY  # not of fine meshes
     others = a[left], b[left]
     farther, _ = edge_contacts(assembly, patches, others, FARTHER * reach[left], options)
     found = joined([found, farther])

@@ -198,11 +198,11 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
     corner = np.unique(surface.faces.loop * count + np.repeat(np.arange(count), lengths))
     joined = {tuple(pair) for pair in surface.edge.tolist()}
     for vertex, face in _near(point, point, _face_boxes(surface)):
-        on = (
-            (np.abs(surface.height(point[vertex], face)) <= _TOUCH)
-            & (surface.warp[face] <= _TOUCH)
-            & ~np.isin(vertex * count + face, corner)
+        on = (np.abs(surface.height(point[vertex], face)) <= _TOUCH) & (
+            surface.warp[face] <= _TOUCH
         )
+        key = vertex * count + face
+        on &= corner[np.minimum(np.searchsorted(corner, key), len(corner) - 1)] != key
         vertex, face = vertex[on], face[on]
         flat = surface.in_plane(point[vertex], face)
         on = shapely.distance(surface.outline[face], flat) <= _TOUCH
