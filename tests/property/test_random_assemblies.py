@@ -7,7 +7,7 @@ from drystone import Assembly, LoadCase, Model, Verdict, check, find_contacts, s
 from drystone.checks import check_forces, mechanism_defects
 from drystone.models import box
 from drystone.programs import RBEOptions
-from drystone.settlement import Outcome
+from drystone.settlement import UNDECIDED
 
 BATCHES, PER_BATCH = 10, 30
 
@@ -51,7 +51,7 @@ def test_random_piles_get_verdicts_that_their_proofs_support(batch):
         seen[result.verdict] += 1
         if result.verdict is Verdict.UNDECIDED:
             # two ways were followed to their ends, and differ
-            assert result.settlement.outcome is Outcome.ENDS_DECIDE
+            assert result.settlement.outcome in UNDECIDED
         if balance.verdict is Verdict.UNSTABLE:
             assert result.verdict is Verdict.UNSTABLE
         if result.verdict is Verdict.STABLE:
