@@ -18,7 +18,7 @@ def test_a_block_rests_below_its_angle_of_friction_and_slides_above() -> None:
 
 def test_the_random_models_are_closed_free_on_one_block_and_repeatable() -> None:
     every = trials(6, 1)
-    assert [trial.carrier for trial in every[:2]] == list(Carrier)
+    assert [trial.carrier for trial in every[:2]] == [Carrier.MOVING, Carrier.RESTING]
     for trial, again in zip(every, trials(6, 1), strict=True):
         assert len(trial.model.assembly.free) == 1
         assert trial.model.contacts.count >= 2
