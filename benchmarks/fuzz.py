@@ -446,7 +446,13 @@ def watching() -> Watch:
     return Watch()
 
 
-def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = None) -> Tally:
+def run(
+    inputs: int,
+    seed: int,
+    only: tuple[str, ...] = (),
+    keep: Path | None = None,
+    outside_s: int | None = None,
+) -> Tally:
     """Read ``inputs`` damaged files and tally what became of them.
 
     Parameters
@@ -457,6 +463,8 @@ def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = 
         Formats; all when empty.
     keep
         Folder for the inputs that failed.
+    outside_s : [s]
+        CPU time after which a program of its own is given up, where that is not the usual one.
     """
     files = samples()
     tally = Tally()
@@ -464,7 +472,7 @@ def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = 
     names = [name for name in files if not only or name in only]
     for name in OUTSIDE.keys() & names:
         import_module(OUTSIDE[name])
-    programs = _Forks(tally)
+    programs = _Forks(tally, outside_s)
     before = None
     try:
         with (
@@ -571,8 +579,8 @@ def _one(
 class _Forks:
     """Runs the program of a file as a fork of this process, in place of ``subprocess.run``."""
 
-    def __init__(self, tally: Tally) -> None:
-        self.tally = tally
+    def __init__(self, tally: Tally, most_s: int | None = None) -> None:
+        self.tally, self.most_s = tally, most_s
         self.contents: dict[str, Callable[[bytes, Any], Any]] = {}
 
     def run(
@@ -586,7 +594,8 @@ class _Forks:
         child = os.fork()
         if not child:
             os.close(end)
-            _child(begin, self.contents[program], input, json.loads(options), int(cpu_s))
+            most_s = int(cpu_s) if self.most_s is None else self.most_s
+            _child(begin, self.contents[program], input, json.loads(options), most_s)
         os.close(begin)
         out = b""
         last = time.perf_counter() + timeout

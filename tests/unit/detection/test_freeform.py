@@ -91,16 +91,13 @@ def test_limits_of_pieces_differ_by_less_than_they_turn() -> None:
     assert every.stands - pieces.falls < turn
 
 
-@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
-def test_vault_of_pieces_falls_within_what_they_turn_of_all_facets(
-    axis: tuple[float, float, float],
-) -> None:
+def test_vault_of_pieces_falls_within_what_they_turn_of_all_facets() -> None:
     model = curved_vault(9, 3, wave=0.08)
     found, every = find_contacts(model), find_contacts(model, options=ALL)
     turn = max(pair.turn for pair in found.report.resampled)
 
     def verdict(contacts: Contacts, degrees: float) -> Verdict:
-        return check(Model(model, contacts, LoadCase.tilt(model, axis, degrees))).verdict
+        return check(Model(model, contacts, LoadCase.tilt(model, (1.0, 0.0, 0.0), degrees))).verdict
 
     stands, falls = 32.0, 34.0
     assert falls - stands < turn
