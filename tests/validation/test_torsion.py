@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check
-from drystone.models import prism, tower
+from drystone.models import dome, prism, tower
 from drystone.results import Sensitivity
 
 FRICTION = 0.5
@@ -198,3 +198,14 @@ def test_what_needs_its_corners_says_so_without_being_asked_for_more() -> None:
     assert any("the joint of 'ground' and 'plate' needs its corners" in one for one in said)
     robust = asked(result.model)
     assert robust.title == "Stands on the corners of its joints"
+
+
+def test_no_joint_is_said_to_need_its_corners_where_spread_pressure_was_tried_and_holds() -> None:
+    blocks = dome(slices=8, rings=4)
+    load = LoadCase.tilt(blocks, (0.0, 1.0, 0.0), 20.0)
+    model = Model.of(blocks, friction=0.6, load=load)
+    said = [one.text for one in check(model).sentences()]
+    assert any("needs its corners" in one and "--strict asks" in one for one in said)
+    robust = check(model, options=CheckOptions.robust())
+    assert "one with pressure spread over the faces" in robust.message
+    assert not any("needs its corners" in one.text for one in robust.sentences())

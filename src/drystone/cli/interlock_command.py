@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated
 
+from drystone.base.errors import InputError
 from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
@@ -42,6 +43,10 @@ def interlock(
     """
     from drystone.sequence import interlocking  # the program starts fast
 
+    if directions is None and asked.given:
+        raise InputError(
+            "--stands is about directions of gravity", remedy="write --directions 100 too"
+        )
     model = subject.prepared(waiting)
     if directions is None:
         found = interlocking(model)

@@ -66,4 +66,5 @@ def reproduce(
     told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
     numbers = {"sections": [case.numbers() for case in found]}
     answer = Statement((told,), tuple(case.table() for case in found), numbers)
-    return Told(answer, subject=f"section {section}", written=written, everything=True)
+    asked = "all sections" if section == "all" else f"section {section}"
+    return Told(answer, subject=asked, written=written, everything=True)

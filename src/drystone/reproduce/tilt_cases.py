@@ -119,6 +119,6 @@ def _agrees(study: Study, found: Limit) -> bool:
 
 def _why(found: Limit) -> str:
     """Why the limit is a band, where it is one."""
-    return "between them the ends of the joints or their shear stiffness decide" * (
-        found.undecided_between is not None
-    )
+    if found.undecided_between is None:
+        return ""
+    return "between them the ends of the joints or their shear stiffness decide"

@@ -9,7 +9,7 @@ from drystone.contacts import joined_contacts
 from drystone.detection.unjoined import contacts_if_joined, words_on
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.proofs import moving_blocks
+from drystone.stability.proofs import part_of_fall, withdrawn
 
 
 def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> Result:
@@ -25,10 +25,8 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
     if found.verdict is not Verdict.UNSTABLE or not found.model.unjoined:
         return found
     model, names = found.model, found.assembly.names
-    moving = set(found.falling)
-    if found.mechanism is not None:
-        moving |= set(moving_blocks(model.assembly, found.mechanism))
-    near = [m for m in model.unjoined if m.block_a in moving or m.block_b in moving]
+    moving = part_of_fall(found)
+    near = [m for m in model.unjoined if moving[m.block_a] or moving[m.block_b]]
     if not near:
         return found
     most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
@@ -40,12 +38,5 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
         even_so = check(touching)
         if even_so.verdict is Verdict.UNSTABLE:
             return replace(even_so, model=model, force_with_props=None)  # of more contacts
-    return replace(
-        found,
-        verdict=Verdict.UNDECIDED,
-        message=f"it falls as drawn, and may stand if near blocks touch: {words_on(near, names)}",
-        mechanism=None,
-        prop=None,
-        force_with_props=None,
-        falling=(),
-    )
+    said = f"it falls as drawn, and may stand if near blocks touch: {words_on(near, names)}"
+    return withdrawn(found, said)

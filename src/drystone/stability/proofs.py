@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.checks import block_speed, check_forces, mechanism_defects
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
 )
 from drystone.formulations.projection import held_still, project_on_mechanisms
 from drystone.mechanics.rest_state import RestState
+from drystone.results import Result, Verdict
 from drystone.stability.problem import Problem
 
 FORCE_TOLERANCE = 1e-8
@@ -83,6 +85,28 @@ def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:
     """Positions of the blocks that take part in a mechanism (n, 6)."""
     speed = block_speed(assembly, mechanism)
     return tuple(int(i) for i in np.flatnonzero(speed > FALLING_SHARE * speed.max(initial=0.0)))
+
+
+def part_of_fall(found: Result) -> Bools:
+    """The blocks (n,) that fall or take part in the motion that proves it."""
+    moving = np.zeros(len(found.assembly), dtype=bool)
+    moving[list(found.falling)] = True
+    if found.mechanism is not None:
+        moving[list(moving_blocks(found.assembly, found.mechanism))] = True
+    return moving
+
+
+def withdrawn(found: Result, message: str) -> Result:
+    """UNDECIDED in place of a fall whose proof does not hold, and nothing of that proof."""
+    return replace(
+        found,
+        verdict=Verdict.UNDECIDED,
+        message=message,
+        mechanism=None,
+        prop=None,
+        force_with_props=None,
+        falling=(),
+    )
 
 
 def first_motion(problem: Problem, state: RestState) -> Floats | None:

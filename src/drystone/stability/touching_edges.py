@@ -18,7 +18,7 @@ from drystone.detection.parallel_edges import ParallelEdges
 from drystone.mechanics.meeting import least_friction
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.proofs import MECHANISM_TOLERANCE, moving_blocks
+from drystone.stability.proofs import MECHANISM_TOLERANCE, part_of_fall, withdrawn
 
 _SHOWN = 3
 """Pairs that a note names."""
@@ -38,10 +38,11 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
     check
         Gives the verdict on the same model with more contacts.
     """
-    model, further = found.model, _further(found)
+    model = found.model
+    further = _further(model) if found.verdict is Verdict.UNSTABLE else None
     if further is None:
         return found
-    moving = _moving(found)
+    moving = part_of_fall(found)
 
     def of_moving(contacts: Contacts) -> Bools:
         """Those (m,) of a block that moves."""
@@ -80,30 +81,20 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
 
 def may_touch_more(model: Model) -> bool:
     """Whether pairs of blocks are near, or touch with edges and corners that are no contacts."""
-    report = model.report
-    if model.unjoined or report is None or report.options.edges is not EdgeContacts.ISOLATED:
-        return bool(model.unjoined)
-    found = further_contacts(model.assembly, model.contacts, report.options)
+    if model.unjoined:
+        return True
+    found = _further(model)
+    if found is None:
+        return False
     return bool(len(found.contacts) or len(found.parallel) or len(found.corners))
 
 
-def _further(found: Result) -> Further | None:
-    """What touches with edges and corners; None where it was searched, or nothing falls."""
-    report = found.model.report
-    if found.verdict is not Verdict.UNSTABLE or report is None:
+def _further(model: Model) -> Further | None:
+    """What touches with edges and corners that were not searched; None where they were."""
+    report = model.report
+    if report is None or report.options.edges is not EdgeContacts.ISOLATED:
         return None
-    if report.options.edges is not EdgeContacts.ISOLATED:
-        return None
-    return further_contacts(found.assembly, found.contacts, report.options)
-
-
-def _moving(found: Result) -> Bools:
-    """The blocks (n,) that fall or take part in the motion."""
-    moving = np.zeros(len(found.assembly), dtype=bool)
-    moving[list(found.falling)] = True
-    if found.mechanism is not None:
-        moving[list(moving_blocks(found.assembly, found.mechanism))] = True
-    return moving
+    return further_contacts(model.assembly, model.contacts, report.options)
 
 
 def _may_hold(found: Result, more: Contacts) -> bool:
@@ -147,12 +138,4 @@ def _undecided(found: Result, pairs: Ints, what: str) -> Result:
     said = f"{what} of '{names[a]}' and '{names[b]}' meet"
     if len(pairs) > 1:
         said += f", and those of {counted(len(pairs) - 1, 'more pair')}"
-    return replace(
-        found,
-        verdict=Verdict.UNDECIDED,
-        message=f"it depends on the direction in which edges press: {said}",
-        mechanism=None,
-        prop=None,
-        force_with_props=None,
-        falling=(),
-    )
+    return withdrawn(found, f"it depends on the direction in which edges press: {said}")
