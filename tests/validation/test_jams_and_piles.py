@@ -115,3 +115,85 @@ def test_a_hexagonal_log_on_two_others_needs_the_root_of_a_quadratic(
     assert found.stable is expected
     if not expected:
         assert found.verdict is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize(
+    ("out", "back", "table", "stands"),
+    [
+        (-0.003, -0.003, -0.003, True),
+        (0.003, 0.0, -0.003, False),
+        (-0.003, 0.003, -0.003, False),
+        (-0.003, -0.003, 0.006, False),
+    ],
+)
+def test_four_bricks_without_a_spine_overhang_by_15_less_4_roots_of_2_by_8(
+    out: float, back: float, table: float, stands: bool
+) -> None:
+    """Ainley 1979: a diamond, its top brick presses on the tails of both middle ones.
+
+    It presses on the outer one with f. Moments about the end of the lowest brick put the outer one
+    at (1 / 2 + f) / (1 + f) beyond it, those about its other end put the inner one there, and those
+    about the table put its end at (5 / 2 - f) / 4; f = sqrt(2) - 1 is best. At the largest overhang
+    all three edges are about to turn: beyond any of them it falls. Friction would let the top
+    brick tie the middle ones, so there is hardly any.
+    """
+    press = np.sqrt(2.0) - 1.0
+    lowest = (2.5 - press) / 4.0
+    outer = lowest + (0.5 + press) / (1.0 + press)
+    inner = lowest - 1.0 + 0.5 / (2.0 - press)
+    top = press * (outer - 1.0) + (1.0 - press) * inner + 0.5
+    assert outer == pytest.approx((15.0 - 4.0 * np.sqrt(2.0)) / 8.0)
+    blocks = (
+        box((2.0, 0.5, 1.0), (-2.0, 0.0, -1.0), "table"),
+        brick(lowest + table, 0, "lowest"),
+        brick(outer + table + out, 1, "outer"),
+        brick(inner + table - back, 1, "inner"),
+        brick(top + table + 0.5 * (out - back), 2, "top"),
+    )
+    assert check(Assembly(blocks).with_fixed([0]), friction=0.01).stable is stands
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.97, True), (1.03, False)])
+@pytest.mark.parametrize("friction", [0.5, 0.6])
+def test_an_arch_of_three_hinges_carries_a_load_on_a_hinge_until_its_other_foot_slides(
+    friction: float, share: float, stands: bool
+) -> None:
+    """Moments about the feet and the crown, with faces so narrow that they are hinges.
+
+    Halves of weight W, as wide as high; W acts at d from the crown, the load Q at e from the left
+    foot. The right foot carries V = W + Q e / 2 and thrusts with V - W d, which is friction times
+    V where V = W d / (1 - friction). A beam brings Q on a hinge without friction.
+    """
+    narrow, at, pier = 1e-3, -0.5, -1.7
+    left = prism(
+        [(-1.0, 0.0), (narrow - 1.0, 0.0), (0.0, 1.0 - narrow), (0.0, 1.0), (-1.0, 1.0)],
+        (0.0, 1.0),
+        "left",
+    )
+    right = left.transformed(np.diag([-1.0, 1.0, 1.0])).renamed("right")
+    weight = left.volume * left.density
+    carried = weight * -left.centroid[0] / (1.0 - friction)
+    load = share * 2.0 / (1.0 + at) * (carried - weight)
+    outline = [
+        (at, 1.0),
+        (at + narrow, 1.0),
+        (at + 0.1, 1.1),
+        (at + 0.1, 1.3),
+        (pier, 1.3),
+        (pier, 1.1),
+        (at - 0.1, 1.1),
+    ]
+    beam = prism(outline, (0.0, 1.0), "beam")
+    portion = beam.volume * (beam.centroid[0] - pier) / (at - pier)
+    blocks = (
+        box((6.0, 1.0, 0.5), (-3.0, 0.0, -0.5), "floor"),
+        box((narrow, 1.0, 1.1), (pier, 0.0, 0.0), "pier"),
+        left,
+        right,
+        prism(outline, (0.0, 1.0), "beam", load / portion),
+    )
+    model = Model.of(Assembly(blocks).with_fixed([0, 1]))
+    joints = list(zip(model.contacts.block_a, model.contacts.block_b, strict=True))
+    of_joint = {(2, 3): 2.0, (2, 4): 0.0}
+    found = check(model.with_friction([of_joint.get(joint, friction) for joint in joints]))
+    assert found.stable is stands
