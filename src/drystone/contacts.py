@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +22,11 @@ from drystone.base.arrays import (
     whole,
 )
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, MissingDependency, counted
+from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry import facets, polygon
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
-
-if TYPE_CHECKING:
-    import networkx
 
 DEFAULT_FRICTION = 0.6
 """Friction coefficient, chosen: the cautious end of dry stone on stone (0.6 to 0.75)."""
@@ -351,25 +348,6 @@ class Contacts(OneLine):
             object.__setattr__(part, name, frozen(value))
         object.__setattr__(part, "capacity", capacity)
         return part
-
-    def graph(self) -> networkx.MultiDiGraph:
-        """The directed contact graph, an edge per interface from a to b, as networkx.
-
-        Raises
-        ------
-        MissingDependency
-            networkx is not installed.
-        """
-        try:
-            import networkx  # optional: only for those who ask for the graph
-        except ImportError as error:
-            raise MissingDependency(
-                "networkx", extra="graph", purpose="the contact graph"
-            ) from error
-        graph = networkx.MultiDiGraph()
-        for i, (a, b) in enumerate(zip(self.block_a.tolist(), self.block_b.tolist(), strict=True)):
-            graph.add_edge(a, b, interface=i, area=float(self.area[i]), normal=self.frame[i, 0])
-        return graph
 
 
 def _checked_frames(frame: Any, count: int) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
 from drystone.base.display import Card, OneLine, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.block_overlaps import overlap_lines
@@ -24,6 +24,9 @@ from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
+
+if TYPE_CHECKING:
+    import networkx
 
 _REPRESENTED = (1e-100, 1e100)
 """[N, N m], and by mass [m/s2], chosen: far from anything that is built, and products of forces, or
@@ -180,6 +183,42 @@ class Model(Card):
     def __len__(self) -> int:
         """Number of blocks."""
         return len(self.assembly)
+
+    def graph(self) -> networkx.MultiDiGraph:
+        """The contact graph: a node per block, an edge per interface from block a to block b.
+
+        Returns
+        -------
+        networkx.MultiDiGraph
+            Nodes are positions and have ``block``, ``fixed`` and ``load`` (6,) [N, N m]. Edges have
+            ``interface``, ``area`` [m2], ``friction``, ``points`` (c, 3) [m] and ``frame`` (3, 3),
+            its rows n, u, v.
+
+        Raises
+        ------
+        MissingDependency
+            networkx is not installed.
+
+        Notes
+        -----
+        Source: Frick et al. 2016, the assembly as a directed graph; Kao 2023, section 4.5.
+        """
+        try:
+            import networkx  # optional: only for those who ask for the graph
+        except ImportError as error:
+            raise MissingDependency("networkx", extra="graph", purpose="the graph") from error
+        graph = networkx.MultiDiGraph()
+        for i, block in enumerate(self.assembly.blocks):
+            fixed = bool(self.assembly.fixed[i])
+            graph.add_node(i, block=block, fixed=fixed, load=self.load.wrench[i])
+        contacts = self.contacts
+        for i, pair in enumerate(zip(contacts.block_a, contacts.block_b, strict=True)):
+            graph.add_edge(
+                *map(int, pair), interface=i, area=float(contacts.area[i]),
+                friction=float(contacts.friction[i]), points=contacts.polygon(i),
+                frame=contacts.frame[i],
+            )  # fmt: skip
+        return graph
 
     @classmethod
     def of(

@@ -154,3 +154,64 @@ def test_what_slides_raises_value_error_in_both(capsys: pytest.CaptureFixture[st
     for solve, assembly in ((compas_cra.equilibrium.cra_solve, theirs), (own.cra_solve, ours)):
         with pytest.raises(ValueError, match="solve failed"):
             solve(assembly, mu=0.84)
+
+
+def test_the_example_of_section_8_4_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("compas_assembly")
+    import compas
+    from compas.geometry import Box, Frame, Rotation, Translation
+    from compas_assembly.datastructures import Block as CompasBlock
+
+    from drystone.compat.compas_cra import (
+        CRA_Assembly,
+        assembly_interfaces_numpy,
+        cra_solve,
+        cra_view,
+    )
+
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda url: bool(opened.append(url)) or True)
+
+    def box_of(frame: Any, *sizes: float) -> Any:
+        """COMPAS 1 took the frame first."""
+        return Box(frame, *sizes) if compas.__version__ < "2" else Box(*sizes, frame=frame)
+
+    turned = Translation.from_vector([0, 0, 1]) * Rotation.from_axis_and_angle([0, 0, 1], 0.2)
+    assembly = CRA_Assembly()
+    assembly.add_block(CompasBlock.from_shape(box_of(Frame.worldXY(), 4, 2, 1)), node=0)
+    plane = Frame.worldXY().transformed(turned)
+    assembly.add_block(CompasBlock.from_shape(box_of(plane, 1, 3, 1)), node=1)
+    assembly.set_boundary_conditions([0])
+    assembly_interfaces_numpy(assembly)
+    cra_solve(assembly, verbose=True, timer=True)
+    cra_view(assembly, resultant=False, nodal=True, grid=True)
+    assert len(opened) == 1
+    assert resultants(assembly) == pytest.approx(np.array([[0.0, 0.0, 3.0]]), abs=1e-9)
+    compas.json_dump(assembly, tmp_path / "solved.json")
+    assert compas.json_load(tmp_path / "solved.json").graph.number_of_nodes() == 2
+    for contents in (from_compas(assembly), io.read_file(tmp_path / "solved.json")):
+        (result,) = contents.results
+        assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
+        assert result.resultants.normal == pytest.approx([3.0])
+
+
+def test_an_assembly_of_compas_cra_is_turned_moved_and_weighed() -> None:
+    pytest.importorskip("compas_assembly")
+    from compas_assembly.datastructures import Block as CompasBlock
+
+    from drystone.compat.compas_cra import CRA_Assembly, assembly_interfaces_numpy
+
+    assembly = CRA_Assembly()
+    for z in (0.0, 1.5):
+        cube = box((1.0, 1.0, 1.0), (0.0, 0.0, z))
+        faces = [list(face) for face in cube.faces]
+        assembly.add_block(CompasBlock.from_vertices_and_faces(cube.vertices.tolist(), faces))
+    assembly.move_block(1, (0.0, 0.0, -0.5))
+    assembly.set_boundary_condition(0)
+    assert [assembly.is_block_support(key) for key in (0, 1)] == [True, False]
+    assembly_interfaces_numpy(assembly)
+    assembly.rotate_assembly([0, 0, 0], [0, 1, 0], np.pi / 2)
+    (interface,) = assembly.interfaces()
+    assert [x for x, _, _ in interface.points] == pytest.approx([1.0] * 4)
+    assert assembly.get_weight_total(2.0) == pytest.approx(4.0)
+    assert assembly.get_weight_mean(2.0) == pytest.approx(2.0)

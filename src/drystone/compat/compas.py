@@ -22,6 +22,7 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
 from drystone.io.compas_contacts import frame_of, joined
+from drystone.io.compas_forces import COMPONENTS, forces_of, solved
 from drystone.io.compas_json_write import assembly_content, block_model_content
 from drystone.io.draft import Contents
 from drystone.io.registry import contents_of
@@ -40,7 +41,7 @@ class CompasKind(enum.Enum):
 
 
 def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
-    """Blocks, supports and contacts of a COMPAS object.
+    """Blocks, supports, contacts and forces of a COMPAS object.
 
     Parameters
     ----------
@@ -54,7 +55,8 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
     -------
     Contents
         In an assembly a node's key is its block's name; in a model the element's name, with the
-        node behind it where several have one. Contacts are ``None`` when there are none.
+        node behind it where several have one. Contacts are ``None`` when there are none. Forces of
+        a solved one are a result.
 
     Raises
     ------
@@ -73,7 +75,7 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
 
 def _from_assembly(obj: Any, friction: float) -> Contents:
     nodes = list(obj.graph.nodes())
-    return Contents(blocks_of(obj, nodes), _contacts(obj.graph, nodes, "interfaces", friction))
+    return _contents(blocks_of(obj, nodes), obj.graph, nodes, "interfaces", friction)
 
 
 def blocks_of(obj: Any, nodes: Sequence[Any], density: float = DEFAULT_DENSITY) -> Assembly:
@@ -105,7 +107,7 @@ def _from_model(obj: Any, friction: float) -> Contents:
     ]
     fixed = [bool(getattr(element, "is_support", False)) for element in elements]
     assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
-    return Contents(assembly, _contacts(obj.graph, nodes, "contacts", friction))
+    return _contents(assembly, obj.graph, nodes, "contacts", friction)
 
 
 def _is_mesh(geometry: Any) -> bool:
@@ -131,9 +133,22 @@ def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
     return mended_block(np.array(vertices), faces, name, density)
 
 
-def _contacts(graph: Any, nodes: Sequence[Any], key: str, friction: float) -> Contacts | None:
+def _contents(
+    assembly: Assembly, graph: Any, nodes: Sequence[Any], key: str, friction: float
+) -> Contents:
+    """The blocks with the interfaces of a graph, and the forces and motions of a solved one."""
     found = interfaces_of(graph, nodes, key)
-    return joined_interfaces(found, friction)[0] if found else None
+    if not found:
+        return Contents(assembly)
+    contacts, backwards = joined_interfaces(found, friction)
+    given = [
+        np.array([[one.get(name, 0.0) for name in COMPONENTS] for one in stored.forces or []])
+        for _, _, stored in found
+    ]
+    forces = forces_of(given, contacts, np.zeros(contacts.count, dtype=bool), backwards)
+    moved = [graph.node_attribute(node, "displacement") or [0.0] * 6 for node in nodes]
+    motion = np.array(moved, dtype=np.float64) if np.any(moved) else None
+    return Contents(assembly, contacts, results=solved(assembly, contacts, forces, motion))
 
 
 def interfaces_of(graph: Any, nodes: Sequence[Any], key: str) -> list[tuple[int, int, Any]]:

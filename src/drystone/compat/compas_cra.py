@@ -1,8 +1,10 @@
 """The functions of compas_cra under their own names, on its assemblies, solved by drystone.
 
-Change one import line::
+Change the import line::
 
-    from drystone.compat.compas_cra import assembly_interfaces_numpy, cra_solve
+    from drystone.compat.compas_cra import (
+        CRA_Assembly, assembly_interfaces_numpy, cra_solve, cra_view
+    )
 
 Assemblies are changed as compas_cra 0.8 changes them: interfaces are added to the edges, corner
 forces are written to ``interface.forces``, displacements to the nodes. An assembly that does not
@@ -16,13 +18,14 @@ import importlib
 import logging
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from drystone.compat.compas import blocks_of
-from drystone.compat.cra_assembly import Taken, taken, write_back
+from drystone.compat.compas import blocks_of, from_compas
+from drystone.compat.cra_assembly import Taken, assembly_class, taken, write_back
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -35,6 +38,7 @@ from drystone.programs import (
     solve_rbe,
 )
 from drystone.results import Result
+from drystone.view import scene_of, show
 
 _log = logging.getLogger(__name__)
 
@@ -196,6 +200,61 @@ def cra_penalty_solve(
     return write_back(assembly, read, result, (eps, d_bnd))
 
 
+def cra_view(
+    assembly: Any,
+    scale: float = 1.0,
+    density: float = 1.0,
+    dispscale: float = 1.0,
+    tol: float = 1e-5,
+    grid: bool = False,
+    resultant: bool = True,
+    nodal: bool = False,
+    edge: bool = True,
+    blocks: bool = True,
+    interfaces: bool = True,
+    forces: bool = True,
+    forcesdirect: bool = True,
+    forcesline: bool = False,
+    weights: bool = True,
+    displacements: bool = True,
+) -> None:
+    """Open the page of an assembly, with its forces and displacements where it was solved.
+
+    Parameters
+    ----------
+    assembly
+    interfaces, forces, resultant, nodal, displacements
+        What is shown at first of interfaces, all forces, resultants, forces at corners and virtual
+        displacements.
+    scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
+        Not used: the page scales what it shows, and has buttons for the rest.
+
+    Raises
+    ------
+    InputError
+        There is no browser; the error names the page.
+    """
+    del scale, density, dispscale, tol, grid, edge, blocks, forcesdirect, forcesline, weights
+    read = from_compas(assembly)
+    scene = scene_of(read.results[0]) if read.results else scene_of(read.assembly, read.contacts)
+    hidden = {
+        "interfaces": not interfaces,
+        "resultants": not (forces and resultant),
+        "network": not forces,
+        "pressure": not (forces and nodal),
+        "tension": not (forces and nodal),
+    }
+    stages = tuple(
+        replace(
+            stage,
+            motion=stage.motion if displacements else None,
+            layers=tuple(one for one in stage.layers if not hidden.get(one.key)),
+        )
+        for stage in scene.stages
+    )
+    show(replace(scene, stages=stages))
+
+
 def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:
     """Give blocks a density, by node.
 
@@ -231,10 +290,18 @@ def _solved(
     return read, result
 
 
+def __getattr__(name: str) -> Any:
+    """The class ``CRA_Assembly``, made when it is asked for: it needs compas_assembly."""
+    if name == "CRA_Assembly":
+        return assembly_class()
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
 __all__ = [
     "assembly_interfaces_numpy",
     "cra_penalty_solve",
     "cra_solve",
+    "cra_view",
     "density_setup",
     "rbe_solve",
 ]

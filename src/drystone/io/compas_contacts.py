@@ -12,6 +12,7 @@ from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry import polygon
 from drystone.geometry.frames import frames_from_normals
+from drystone.io.compas_forces import COMPONENTS, forces_of, solved
 from drystone.io.draft import Extras
 from drystone.io.jsontext import Field
 
@@ -26,7 +27,7 @@ def data_of(field: Field) -> Field:
 def reader(
     graph: Field, keys: Sequence[str], nodes: Sequence[str]
 ) -> Callable[[Assembly, float], Extras] | None:
-    """A function that makes the contacts of a graph's edges; ``None`` if it stores none.
+    """A function that makes the contacts and forces of a graph's edges; ``None`` without any.
 
     Parameters
     ----------
@@ -53,14 +54,18 @@ def reader(
         return None
 
     def finish(assembly: Assembly, scale: float) -> Extras:
-        return _contacts(stored, assembly, scale), (), ()
+        contacts, turned, backwards = _contacts(stored, assembly, scale)
+        given = [_forces(interface) for _, _, interface in stored]
+        found = forces_of(given, contacts, turned, backwards)
+        return contacts, (), solved(assembly, contacts, found)
 
     return finish
 
 
 def _contacts(
     stored: Sequence[tuple[int, int, Field]], assembly: Assembly, scale: float
-) -> Contacts:
+) -> tuple[Contacts, Bools, Bools]:
+    """The contacts, which frames were turned, and which loops of corners run backwards."""
     block_a = np.array([a for a, _, _ in stored], dtype=np.intp)
     block_b = np.array([b for _, b, _ in stored], dtype=np.intp)
     corners = [scale * _points(field) for _, _, field in stored]
@@ -72,7 +77,8 @@ def _contacts(
     side_b = ((assembly.centroid[block_b] - middle) * frame[:, 0]).sum(axis=1)
     turned = (side_a > 0.0) & (side_b < 0.0)  # with some writers the normal points from b to a
     frame[turned] *= np.array([-1.0, 1.0, -1.0])[:, None]
-    return joined(block_a, block_b, corners, frame)[0]
+    contacts, backwards = joined(block_a, block_b, corners, frame)
+    return contacts, turned, backwards
 
 
 def joined(
@@ -139,6 +145,18 @@ def _points(interface: Field) -> Floats:
     if not np.abs(corners).max() <= FARTHEST:
         raise interface.error("has a coordinate that is far too large")
     return corners
+
+
+def _forces(interface: Field) -> Floats | None:
+    """Components (c, 4) of the forces at the corners of an interface, if it has some."""
+    inside = data_of(interface)
+    if not inside.has("forces"):
+        return None
+    rows = [
+        [corner.get(name, 0.0).number() for name in COMPONENTS]
+        for corner in inside["forces"].elements()
+    ]
+    return np.array(rows).reshape(-1, len(COMPONENTS))
 
 
 def _frame(interface: Field, points: Floats) -> Floats:

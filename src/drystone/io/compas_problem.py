@@ -50,9 +50,12 @@ def with_problems(model: Draft, nodes: Sequence[str], problems: Sequence[Field])
         return replace(model, shapes=shapes, notes=(*model.notes, *notes))
 
     def finish(assembly: Assembly, scale: float) -> Extras:
-        contacts = model.finish(assembly, scale)[0] if model.finish else None
+        contacts, _, results = model.finish(assembly, scale) if model.finish else (None, (), ())
         if contacts is not None and friction is not None:
             contacts = contacts.with_friction(friction)
+            results = tuple(
+                replace(one, model=one.model.with_friction(friction)) for one in results
+            )
         cases = [
             case
             for number, one in enumerate(every)
@@ -60,7 +63,7 @@ def with_problems(model: Draft, nodes: Sequence[str], problems: Sequence[Field])
         ]
         if cases and cases[0].motion is not None:
             cases.insert(0, LoadCase.gravity(assembly))
-        return contacts, tuple(cases), ()
+        return contacts, tuple(cases), results
 
     return Draft(shapes, "m", finish, (*model.notes, *notes))
 

@@ -13,10 +13,13 @@ from drystone.answer import Role, Sentence, Statement
 from drystone.base.errors import InputError
 from drystone.base.files import PathLike
 from drystone.base.table import Table
-from drystone.reproduce import assembly_cases, equilibrium_cases, tilt_cases
+from drystone.reproduce import assembly_cases, equilibrium_cases, method_cases, tilt_cases
 from drystone.reproduce.published_case import Case, Line
 
 SECTIONS: dict[str, Callable[[], Case]] = {
+    "4.2": method_cases.equilibrium,
+    "4.3": method_cases.kerns,
+    "4.4": method_cases.resultants,
     "5.1.1": equilibrium_cases.pinched_blocks,
     "6.1.1": equilibrium_cases.stack,
     "6.1.2": equilibrium_cases.buttressed_arch,
@@ -35,6 +38,7 @@ SECTIONS: dict[str, Callable[[], Case]] = {
     "7.5.1": assembly_cases.vault,
     "7.5.2": assembly_cases.dome,
     "7.5.3": assembly_cases.freeform,
+    "8.4": method_cases.example,
     "8.5": assembly_cases.performance,
 }
 """Sections, and what computes each."""
@@ -69,7 +73,7 @@ def sections() -> Statement:
     Examples
     --------
     >>> str(sections().tables()[0]["section"][0])
-    '5.1.1'
+    '4.2'
     """
     about = [(inspect.getdoc(one) or "").splitlines()[0] for one in SECTIONS.values()]
     table = Table("sections", {"section": list(SECTIONS), "about": about})

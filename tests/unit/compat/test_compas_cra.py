@@ -1,11 +1,13 @@
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-from drystone import Assembly, find_contacts
-from drystone.compat import compas_cra
+from drystone import Assembly, Verdict, find_contacts
+from drystone.base.errors import MissingDependency
+from drystone.compat import compas_cra, cra_assembly, from_compas
 from drystone.models import box, h_model, tower, wedge
 from tests.unit.compat.stand_ins import CRAAssembly, Frame, Interface
 
@@ -136,3 +138,55 @@ def test_the_penalty_form_answers_with_tension() -> None:
 def test_nothing_to_solve_raises_a_value_error() -> None:
     with pytest.raises(ValueError, match="no contact interfaces"):
         compas_cra.rbe_solve(CRAAssembly(tower(2)))
+
+
+@pytest.mark.parametrize("solve", ["rbe_solve", "cra_solve"])
+def test_forces_of_a_solved_assembly_are_read_back(solve: str) -> None:
+    source = with_interfaces(tower(3))
+    assert from_compas(source).results == ()
+    getattr(compas_cra, solve)(source, density=2.0)
+    (result,) = from_compas(source).results
+    assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
+    assert result.resultants.normal == pytest.approx([4.0, 2.0])
+    assert (result.displacement is None) == (solve == "rbe_solve")
+    assert result.residuals is not None
+    assert result.residuals.equilibrium < 1e-6
+
+
+def test_tension_of_a_solved_assembly_is_read_back() -> None:
+    cubes = (box((1.0, 1.0, 1.0), name="a"), box((1.0, 1.0, 1.0), (0.75, 0.0, 1.0), name="b"))
+    source = with_interfaces(Assembly(cubes, np.array([True, False])))
+    compas_cra.rbe_solve(source, mu=0.9)
+    (result,) = from_compas(source).results
+    assert result.verdict is Verdict.UNDECIDED
+    assert result.tension is not None
+    assert result.tension.sum() == pytest.approx(1.0, rel=1e-3)
+
+
+def test_the_viewer_opens_a_page_with_the_forces_that_are_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda url: bool(opened.append(url)) or True)
+    source = with_interfaces(tower(2))
+    compas_cra.cra_view(source)
+    compas_cra.cra_solve(source)
+    compas_cra.cra_view(source, resultant=False, nodal=True, grid=True)
+    compas_cra.cra_view(source, nodal=False, displacements=False)
+    keys = []
+    for url in opened:
+        page = Path(url.removeprefix("file://")).read_text("utf-8")
+        keys.append({key for key in ("pressure", "resultants") if f'"key":"{key}"' in page})
+    assert keys == [set(), {"pressure"}, {"resultants"}]
+    for url in opened:
+        Path(url.removeprefix("file://")).unlink()
+
+
+def test_the_class_of_assemblies_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    cra_assembly.assembly_class.cache_clear()
+    monkeypatch.setitem(sys.modules, "compas_assembly", None)
+    monkeypatch.setitem(sys.modules, "compas_assembly.datastructures", None)
+    with pytest.raises(MissingDependency, match="compas_assembly"):
+        compas_cra.CRA_Assembly  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'cra_wiew'"):
+        compas_cra.cra_wiew  # type: ignore[attr-defined]  # noqa: B018

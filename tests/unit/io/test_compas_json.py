@@ -6,7 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Contacts, FormatError, LoadCase, Model, Result, Verdict, io
+from drystone import (
+    Assembly,
+    Block,
+    Contacts,
+    FormatError,
+    LoadCase,
+    Model,
+    Result,
+    Verdict,
+    check,
+    io,
+)
 from drystone.assembly import replace_block
 from drystone.models import arch, box, tower, vault
 
@@ -374,6 +385,34 @@ def test_forces_are_those_on_the_second_block_of_an_edge(tmp_path: Path, format:
     np.add.at(expected, result.contacts.block_b[result.contacts.interface], on_b)
     np.add.at(expected, result.contacts.block_a[result.contacts.interface], -on_b)
     assert world == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("format", ["compas-assembly", "compas-dem"])
+def test_forces_are_read_back(tmp_path: Path, format: str) -> None:
+    model = Model.of(tower(3), load=(1.0, 0.5, -9.81), friction=0.6)
+    force = check(model).force
+    assert force is not None
+    io.write(
+        Result("rbe", Verdict.UNDECIDED, model, force=force), tmp_path / "m.json", format=format
+    )
+    (again,) = io.read_file(tmp_path / "m.json").results
+    assert again.verdict is Verdict.EQUILIBRIUM_EXISTS
+    assert again.load.wrench == pytest.approx(model.load.wrench, rel=1e-9)
+    assert again.force == pytest.approx(force)
+
+
+def test_forces_of_an_interface_that_points_the_other_way_are_read_back(tmp_path: Path) -> None:
+    result = result_of_a_tower()
+    io.write(result, tmp_path / "model.json", format="compas-assembly")
+    (again,) = io.read_file(tmp_path / "model.json").results
+    assert again.verdict is Verdict.UNDECIDED
+    assert "do not balance" in again.message
+    total = np.zeros((2, 3, 3))
+    for side, one in zip(total, (result, again), strict=True):
+        contacts = one.contacts
+        np.add.at(side, contacts.block_b[contacts.interface], one.world_force())
+        np.add.at(side, contacts.block_a[contacts.interface], -one.world_force())
+    assert total[1] == pytest.approx(total[0])
 
 
 @pytest.mark.parametrize("format", ["compas-assembly", "compas-dem"])
