@@ -10,6 +10,7 @@ import os
 import shutil
 import tempfile
 import time
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
@@ -29,7 +30,8 @@ _LITTLE = 2**16
 """[bytes] of space that is left on a full disk at most."""
 _HIDDEN = ".drystone-"
 _LEFT_S = 3600.0
-"""[s] after which a hidden folder is one that was left; chosen: no file takes that long."""
+"""[s] after which a hidden folder of another machine is one that was left; chosen: no file takes
+that long."""
 
 
 def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
@@ -159,7 +161,8 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     """
     target = plain_target(path)
     try:
-        with _beside(target) as temporary:
+        with _hidden_in(target.parent) as folder:
+            temporary = folder / target.name
             with temporary.open("xb") as file:
                 fill(file)
             temporary.chmod(_mode(target))
@@ -183,7 +186,8 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
     """
     target = plain_target(path)
     try:
-        with _beside(target) as temporary:
+        with _hidden_in(target.parent) as folder:
+            temporary = folder / target.name
             if not save(str(temporary)):
                 if shutil.disk_usage(target.parent).free < _LITTLE:  # the library does not say why
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -194,7 +198,7 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
         raise unwritable(target, error) from error
 
 
-def write_together(jobs: Sequence[Job]) -> list[str]:
+def write_together(jobs: Sequence[Job], *, into: PathLike | None = None) -> list[str]:
     """Let every job write its file under a temporary name, then rename all of them.
 
     What goes wrong while they are written leaves the files of that name as they were, all of them.
@@ -204,6 +208,9 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
     jobs
         Each a path, and what writes one file to the path it is given: beside the other and with
         the same suffix.
+    into
+        A folder that is made for them where there is none. It goes again where they cannot be
+        written.
 
     Returns
     -------
@@ -215,14 +222,25 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
     FormatError
         A folder does not exist or cannot be written, or two jobs have one file.
     """
+    if into is not None and not as_path(into).exists():
+        folder = make_folder(into)
+        try:
+            return write_together(jobs)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+            raise
     done: list[tuple[Path, Path]] = []
+    hidden: dict[Path, Path] = {}
     with contextlib.ExitStack() as folders:
         for path, write in jobs:
             target = plain_target(path)
             if target in [other for other, _ in done]:
                 raise FormatError("is named twice", where=str(path), remedy="choose another name")
             try:
-                temporary = folders.enter_context(_beside(target))
+                if target.parent not in hidden:
+                    hidden[target.parent] = folders.enter_context(_hidden_in(target.parent))
+                temporary = hidden[target.parent] / target.name
                 write(temporary)
                 temporary.chmod(_mode(target))
             except FormatError as error:
@@ -238,6 +256,22 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
             except OSError as error:
                 raise unwritable(target, error) from error
     return [str(path) for path, _ in jobs]
+
+
+def make_folder(path: PathLike) -> Path:
+    """A folder to write into, made with those above it where there is none.
+
+    Raises
+    ------
+    FormatError
+        It cannot be made.
+    """
+    folder = as_path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise unwritable(folder, error) from error
+    return folder
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:
@@ -260,17 +294,34 @@ def utf8(text: str) -> bytes:
 
 
 @contextlib.contextmanager
-def _beside(target: Path) -> Iterator[Path]:
-    """A path of the same name in a hidden folder beside a file.
-
-    Folders that processes left which were killed are removed.
-    """
-    for left in target.parent.glob(f"{_HIDDEN}*"):
+def _hidden_in(folder: Path) -> Iterator[Path]:
+    """A hidden folder in another one. Those that killed processes left there are removed."""
+    for other in folder.glob(f"{_HIDDEN}*"):
         with contextlib.suppress(OSError):
-            if time.time() - left.stat().st_mtime > _LEFT_S:
-                shutil.rmtree(left, ignore_errors=True)
-    with tempfile.TemporaryDirectory(prefix=_HIDDEN, dir=target.parent) as folder:
-        yield Path(folder) / target.name
+            if _was_left(other):
+                shutil.rmtree(other, ignore_errors=True)
+    prefix = f"{_HIDDEN}{_machine()}-{os.getpid()}-"
+    with tempfile.TemporaryDirectory(prefix=prefix, dir=folder) as made:
+        yield Path(made)
+
+
+def _machine() -> str:
+    """The name of this machine in eight letters; none on Windows, which has no harmless signal."""
+    return f"{zlib.crc32(os.uname().nodename.encode()):08x}" if hasattr(os, "uname") else ""
+
+
+def _was_left(folder: Path) -> bool:
+    """Whether the process that made a hidden folder has ended, as far as can be known."""
+    machine, _, rest = folder.name.removeprefix(_HIDDEN).partition("-")
+    process = rest.partition("-")[0]
+    if machine and machine == _machine() and process.isdecimal():
+        try:
+            os.kill(int(process), 0)
+        except ProcessLookupError:
+            return True
+        except PermissionError:  # it is of somebody else
+            return False
+    return time.time() - folder.stat().st_mtime > _LEFT_S
 
 
 def _mode(target: Path) -> int:

@@ -29,7 +29,7 @@ def convert(
     *,
     source: Converted,
     target: Annotated[
-        str, Argument("TARGET", "File to write; its suffix determines the format.", kinds.FILE)
+        str, Argument("TARGET", "File to write; its suffix determines the format.", kinds.WRITTEN)
     ],
     contacts: Annotated[bool, Option("Find the contacts and write them too.", CONTACTS)] = False,
     to: Annotated[

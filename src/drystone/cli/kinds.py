@@ -29,14 +29,21 @@ class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since cl
         Converts the text, or raises an InputError.
     choices
         All values, if there are few.
+    written
+        What the names may end with, where it is a file or a folder that the command writes.
     """
 
     def __init__(
-        self, name: str, read: Callable[[str], Any], choices: Sequence[str] | None = None
+        self,
+        name: str,
+        read: Callable[[str], Any],
+        choices: Sequence[str] | None = None,
+        written: Sequence[str] = (),
     ) -> None:
         self.name = name
         self.read = read
         self.choices = choices
+        self.written = tuple(written)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ARG002
         """The value of a text; defaults are not converted."""
@@ -115,8 +122,8 @@ def one_of(choices: Iterable[str], what: str = "") -> OptionKind:
 
 
 def target(*suffixes: str) -> OptionKind:
-    """A file to write; its suffix and its folder are checked before any work."""
-    return OptionKind("FILE", lambda text: output_path(text, suffixes))
+    """A file to write, with one of the suffixes or any; it is looked at before any work."""
+    return OptionKind("FILE", lambda text: output_path(text, suffixes), written=suffixes or ("",))
 
 
 def output_path(text: str, suffixes: Sequence[str]) -> Path:
@@ -128,7 +135,7 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
         Another suffix, a folder that does not exist, or something of that name that is no file.
     """
     path = Path(text)
-    if path.suffix.lower() not in suffixes:
+    if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(
             f"'{text}' does not end in {_either(suffixes)}",
             remedy=f"write {path.stem or 'model'}{suffixes[0]}",
@@ -202,9 +209,10 @@ def of(one: Declared) -> OptionKind:
 
 
 TEXT = OptionKind("TEXT", str)
-FOLDER = OptionKind("FOLDER", _folder_path)
+FOLDER = OptionKind("FOLDER", _folder_path, written=("",))
 SECTION = OptionKind("AXIS[=METRES]", _section)
 FILE = OptionKind("FILE", str)
+WRITTEN = OptionKind("FILE", str, written=("",))
 POSITIVE = number(above=0.0)
 COEFFICIENT = OptionKind("NUMBER|ANGLE", units.coefficient)
 UNIT = one_of(units.UNITS, "unit '{}' is not known")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
+from drystone.base.files import make_folder
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
@@ -131,7 +132,7 @@ def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
     """The other files, and a page of each mend."""
     from drystone.view import save_page  # as above
 
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     jobs, notes = others()
     for number, one in enumerate(mends.mends, 1):
         jobs.append((folder / f"mend-{number:02d}.html", partial(save_page, one)))

@@ -132,7 +132,9 @@ def _one_family(values: dict[str, Any]) -> Answer:
 def demo(
     *,
     friction: options.Friction = None,
-    folder: Annotated[str, Option("Folder for the model, the page and the figure.", OUTPUT)] = ".",
+    folder: Annotated[
+        Path, Option("Folder for the model, the page and the figure.", OUTPUT, kind=kinds.FOLDER)
+    ] = Path(),
     waiting: Waiting,
 ) -> Told:
     """Check a built-in vault, and write its model, a page and a figure.
@@ -140,7 +142,7 @@ def demo(
     The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
     """
     model_path, page, figure = (
-        output_path(str(Path(folder) / f"{_DEMO}{suffix}"), (suffix,))
+        output_path(str(folder / f"{_DEMO}{suffix}"), (suffix,))
         for suffix in (".json", ".html", ".png")
     )
     from drystone import io  # the program starts fast: work is imported when there is some

@@ -180,8 +180,9 @@ def plan(
         Option("A running Dask scheduler to work on.", metavar="ADDRESS", expert=True),
     ] = None,
     checkpoint: Annotated[
-        str | None,
-        Option("File with which an interrupted search continues.", kind=kinds.FILE, expert=True),
+        Path | None,
+        Option("File with which an interrupted search continues.", kind=kinds.target(),
+               expert=True),
     ] = None,
     wanted: PlanFiles,
     waiting: Waiting,
@@ -195,14 +196,14 @@ def plan(
     chosen = _with_rules(chosen, order, before, reach, robot)
     chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
     executor = _executor(workers, dask)
-    waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
+    waiting.checkpoint = checkpoint
     model = subject.prepared(waiting)
     from drystone import sequence
 
     waiting.stage("plan", "planning")
     check = sequence.check_thoroughly if thorough else None
 
-    def plan_at(model: Model, saved: str | None = None) -> Plan:
+    def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(
             model, options=chosen, check=check, executor=executor, checkpoint=saved,
             progress=waiting, stop=lambda: waiting.interrupted,

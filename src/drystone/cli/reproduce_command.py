@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
+from drystone.base.files import make_folder
+from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.offered import OUTPUT, Argument, Option
 from drystone.cli.told import Told
@@ -25,9 +27,11 @@ def reproduce(
         ),
     ] = None,
     out: Annotated[
-        str | None,
+        Path | None,
         Option(
-            "Folder for the pages and figures, made where there is none; none without it.", OUTPUT
+            "Folder for the pages and figures, made where there is none; none without it.",
+            OUTPUT,
+            kind=kinds.FOLDER,
         ),
     ] = None,
     waiting: Waiting,
@@ -46,14 +50,7 @@ def reproduce(
     if section != "all" and section not in cases.SECTIONS:
         cases.reproduce(section)  # says which there are
     if out is not None:
-        try:
-            Path(out).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(
-                f"'{out}' cannot be a folder: {error.strerror}", where="--out",
-                remedy="name another folder",
-            ) from error  # fmt: skip
-
+        make_folder(out)
     found: list[Case] = []
     written: list[str] = []
     for name in cases.SECTIONS if section == "all" else [section]:

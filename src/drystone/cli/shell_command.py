@@ -67,8 +67,10 @@ def shell(
                kind=kinds.target(".svg", ".dxf"), expert=True),
     ] = None,
     block_files: Annotated[
-        str | None,
-        Option("Folder for a file per block in its own frame.", OUTPUT, expert=True),
+        Path | None,
+        Option(
+            "Folder for a file per block in its own frame.", OUTPUT, kind=kinds.FOLDER, expert=True
+        ),
     ] = None,
     block_format: Annotated[
         str | None,

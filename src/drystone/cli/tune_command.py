@@ -55,7 +55,11 @@ class SearchRequest:
     workers: options.Workers = 1
     store: Annotated[
         Path | None,
-        Option("File that keeps the trials: an interrupted search continues from it.", OUTPUT),
+        Option(
+            "File that keeps the trials: an interrupted search continues from it.",
+            OUTPUT,
+            kind=kinds.target(),
+        ),
     ] = None
 
     def refuse_without_vary(self) -> None:

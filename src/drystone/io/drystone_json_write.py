@@ -7,6 +7,7 @@ import enum
 import json
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
-from drystone.base.files import utf8, write_bytes
+from drystone.base.files import utf8, write_bytes, write_together
 from drystone.contacts import Contacts
 from drystone.io import npz
 from drystone.io.draft import Contents
@@ -49,8 +50,9 @@ def write_beside(model: Contents, path: Path) -> None:
     beside = path.with_suffix(".npz")
     content["arrays"] = {"file": beside.name, "sha256": npz.digest(data)}
     text = _text(content, path)
-    write_bytes(beside, data)
-    write_bytes(path, text)
+    write_together(
+        [(beside, partial(write_bytes, data=data)), (path, partial(write_bytes, data=text))]
+    )
 
 
 def _text(content: dict[str, Any], path: Path) -> bytes:

@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
-from drystone.base.files import Job, PathLike, write_together
+from drystone.base.files import Job, PathLike, write_text, write_together
 from drystone.io.draft import Contents
 from drystone.io.simulator_bodies import SimulatorBody, bodies, model_of
 from drystone.model import Model
@@ -47,14 +47,13 @@ def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[
         raise FormatError(
             f"there is no folder '{target.parent}'", where=str(target), remedy="make it first"
         )
-    folder.mkdir(exist_ok=True)
     jobs: list[Job] = []
     for body in found:
         for k, (point, triangle) in enumerate(body.pieces):
             text = _obj(point, triangle)
-            jobs.append((folder / f"{body.name}.{k}.obj", partial(_put, text=text)))
-    jobs.append((target, partial(_put, text=_urdf(found, folder.name, name, said))))
-    return write_together(jobs)
+            jobs.append((folder / f"{body.name}.{k}.obj", partial(write_text, text=text)))
+    jobs.append((target, partial(write_text, text=_urdf(found, folder.name, name, said))))
+    return write_together(jobs, into=folder)
 
 
 def _urdf(found: list[SimulatorBody], folder: str, name: str, said: str) -> str:
@@ -92,7 +91,3 @@ def _obj(point: Floats, triangle: Ints) -> str:
     corners = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in point.tolist()]
     faces = [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangle.tolist()]
     return "\n".join([*corners, *faces, ""])
-
-
-def _put(path: Path, *, text: str) -> None:
-    path.write_text(text, encoding="utf-8")

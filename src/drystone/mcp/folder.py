@@ -13,6 +13,7 @@ from typing import Any
 
 from drystone.base.declared import Declared, declared, refuse_unknown
 from drystone.base.errors import InputError
+from drystone.base.files import write_text
 from drystone.io import FORMATS, jsontext, read
 from drystone.model import Model
 from drystone.supports import require_supports
@@ -141,7 +142,7 @@ def opened(subject: Mapping[str, Any], folder: Folder) -> Iterator[Path]:
     text = json.dumps(content)
     folder.accept(len(text), "content")
     with tempfile.TemporaryDirectory() as place, contextlib.chdir(place):
-        Path("content.json").write_text(text, "utf-8")
+        write_text("content.json", text)
         yield Path("content.json")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,8 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.errors import FormatError, InputError
-from drystone.base.files import PathLike, write_text
+from drystone.base.errors import InputError
+from drystone.base.files import Job, PathLike, write_text, write_together
 from drystone.geometry import polygon
 from drystone.io import write
 from drystone.shells.materialise import cell_faces
@@ -67,21 +68,11 @@ def write_blocks(shell: Shell, folder: PathLike, *, suffix: str = ".obj") -> lis
         The format is not known or the folder cannot be written.
     """
     target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FormatError(
-            f"the folder cannot be made: {error.strerror}",
-            where=str(target),
-            remedy="choose a place that exists and that you may write to",
-        ) from error
-    paths = []
-    for i in shell.voussoirs.tolist():
-        block = own_frame(shell, i)
-        path = target / f"{block.name}{suffix}"
-        write(Assembly((block,)), path)
-        paths.append(path)
-    return paths
+    blocks = [own_frame(shell, i) for i in shell.voussoirs.tolist()]
+    jobs: list[Job] = [
+        (target / f"{block.name}{suffix}", partial(write, Assembly((block,)))) for block in blocks
+    ]
+    return [Path(path) for path in write_together(jobs, into=target)]
 
 
 def flat_faces(shell: Shell, block: int | str) -> tuple[FlatFace, ...]:

@@ -50,7 +50,8 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path, capsys: Capsys) -
     taken.write_text("a file")
     assert main([*DOME, "--block-files", str(taken / "blocks")]) == 2
     err = capsys.readouterr().err
-    assert "taken/blocks: the folder cannot be made: Not a directory" in err
+    assert "--block-files" in err
+    assert "taken' is no folder; name another folder" in err
     assert err.count("\n") == 1
 
 

@@ -1,6 +1,8 @@
 import errno
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -156,6 +158,56 @@ def test_what_a_killed_process_left_is_removed_by_the_next_that_writes(tmp_path:
     os.utime(left, (1e9, 1e9))
     files.write_bytes(tmp_path / "a.csv", b"1")
     assert sorted(one.name for one in tmp_path.iterdir()) == [".drystone-2", "a.csv"]
+
+
+@pytest.mark.skipif(not hasattr(os, "uname"), reason="ended processes are told apart on POSIX")
+def test_what_a_process_left_that_was_killed_just_now_is_removed_too(tmp_path: Path) -> None:
+    code = (
+        "import os, sys\n"
+        "from drystone.base.files import write_whole\n"
+        "write_whole(sys.argv[1], lambda file: (file.write(b'half'), os.kill(os.getpid(), 9)))"
+    )
+    page = tmp_path / "page.html"
+    assert subprocess.run([sys.executable, "-c", code, str(page)], check=False).returncode == -9
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".drystone-")
+    other = []
+
+    def while_it_works(file: BinaryIO) -> None:
+        files.write_bytes(tmp_path / "a.csv", b"1")
+        other.extend(one for one in tmp_path.iterdir() if one.is_dir())
+        file.write(b"whole")
+
+    files.write_whole(page, while_it_works)
+    assert len(other) == 1
+    assert left not in other
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["a.csv", "page.html"]
+
+
+@pytest.mark.parametrize("name", ["tower.urdf", "tower.json"])
+def test_a_model_of_several_files_is_written_whole_or_not_at_all(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / name
+    chosen = "drystone-npz" if name.endswith("json") else None
+    io.write(tower(2), target, format=chosen)
+    before = {one: one.read_bytes() for one in tmp_path.rglob("*.*") if one.is_file()}
+    written = files.write_whole
+
+    def full(path: Path, fill: Callable[[BinaryIO], None]) -> None:
+        if Path(path).name == name:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        written(path, fill)
+
+    monkeypatch.setattr(files, "write_whole", full)
+    for there in (True, False):
+        with pytest.raises(FormatError, match=rf"{name}: cannot be written: No space left"):
+            io.write(tower(3), target, format=chosen)
+        after = {one: one.read_bytes() for one in tmp_path.rglob("*.*") if one.is_file()}
+        assert after == (before if there else {})
+        shutil.rmtree(tmp_path)
+        tmp_path.mkdir()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_name_may_be_as_long_as_the_disk_allows(tmp_path: Path) -> None:
