@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any
 
@@ -107,6 +107,11 @@ class Question(OneLine):
         """Options and version, where no model is known."""
         chosen = differing(options) if dataclasses.is_dataclass(options) else {}
         return cls(options=chosen, version=version(), commit=commit(), made=made)
+
+    def without(self, *names: str) -> Question:
+        """The same without attributes that an analysis varies."""
+        empty = Question()
+        return replace(self, **{name: getattr(empty, name) for name in names})
 
     @classmethod
     def of_blocks(cls, assembly: Assembly, contacts: Contacts) -> Question:

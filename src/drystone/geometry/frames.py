@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from drystone.base.arrays import Floats, cross, frozen_floats, lengths, number
 from drystone.base.errors import InputError
 
+AXES = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+}
+"""Axes by name."""
 
-def unit(vector: Floats, what: str = "direction") -> Floats:
+
+def unit(vector: Floats | Sequence[float], what: str = "direction") -> Floats:
     """The unit vector along ``vector`` (3,).
 
     Raises
@@ -23,6 +34,33 @@ def unit(vector: Floats, what: str = "direction") -> Floats:
     array = array / largest  # squares of 1e-170 or 1e170 do not fit a float
     direction: Floats = array / np.linalg.norm(array)
     return direction
+
+
+def axis_vector(axis: Floats | Sequence[float] | str, called: str = "axis") -> Floats:
+    """An axis (3,) from a name or a vector.
+
+    Raises
+    ------
+    InputError
+        No such name, or a vector without a length.
+    """
+    if isinstance(axis, str):
+        if axis not in AXES:
+            raise InputError(f"no axis is called '{axis}'", remedy=f"{', '.join(AXES)} or X,Y,Z")
+        return np.array(AXES[axis])
+    return unit(axis, called)
+
+
+def axis_words(axis: Floats) -> str:
+    """An axis (3,) in words; what turns about a horizontal one leans at right angles to it."""
+    along = unit(axis, "axis")
+    for name, known in AXES.items():
+        if np.allclose(along, known, atol=1e-6):
+            return f"about {name}"
+    if abs(along[2]) > 1e-6:
+        return f"about ({', '.join(f'{one:.4g}' for one in along)})"
+    towards = np.rad2deg(np.arctan2(along[1], along[0])) - 90.0
+    return f"towards {towards % 360.0:.4g} degrees from x"
 
 
 def frames_from_normals(normal: Floats) -> Floats:

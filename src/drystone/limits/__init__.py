@@ -8,9 +8,18 @@ from drystone.limits.imperfections import (
     imperfections,
 )
 from drystone.limits.limit_checks import Check
-from drystone.limits.limit_families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
+from drystone.limits.limit_families import (
+    Family,
+    Friction,
+    LoadFactor,
+    Parametric,
+    Quantity,
+    Shrunk,
+    Tilt,
+)
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import (
+    LIMITS,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -21,6 +30,7 @@ from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
 
 __all__ = [
+    "LIMITS",
     "Bracket",
     "Check",
     "Evaluation",
@@ -31,6 +41,7 @@ __all__ = [
     "LimitOptions",
     "LoadFactor",
     "Parametric",
+    "Quantity",
     "Shrunk",
     "StandingShare",
     "ThrustBounds",

@@ -141,8 +141,7 @@ def searched(
     rest = found.get("rest")
     tried = {one.value: one for each in found.values() for one in each.evaluations}
     return Limit(
-        family.parameter,
-        family.unit,
+        family.quantity,
         start,
         end,
         outer,

@@ -12,19 +12,17 @@ import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
-from drystone.answer.question import UP
 from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
 from drystone.limits.brackets import Bracket, Evaluation, plain
-from drystone.limits.limit_families import Shrunk
+from drystone.limits.limit_families import Quantity
 from drystone.model import Model
 from drystone.results import Result, Verdict
 
 _MOST_DIGITS = 9
 """Of a value; closer brackets are told alike."""
-_NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 _LISTED = 12
 """Blocks that give way which are named."""
 _KINDS = {
@@ -41,8 +39,7 @@ _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.C
 class LimitAnswer(Answer):
     """The words, tables and pictures of a limit; its numbers are those of the class below."""
 
-    parameter: str
-    unit: str
+    quantity: Quantity
     start: float
     end: float
     equilibrium: Bracket
@@ -106,13 +103,10 @@ class LimitAnswer(Answer):
 
     @cached_property
     def asked(self) -> Question:
-        """What was asked, without load and friction where the limit is one of these."""
+        """What was asked, without what the limit varies."""
         if not self.states:
             return Question.of_nothing(self.options, self.when)
-        asked = super().asked
-        if self.parameter in ("tilt", "load factor"):
-            return replace(asked, load="", acceleration=(), loads=())
-        return replace(asked, friction=None) if "friction" in self.parameter else asked
+        return super().asked.without(*self.quantity.replaces)
 
     @property
     def _open(self) -> bool:
@@ -126,7 +120,7 @@ class LimitAnswer(Answer):
         if stands is None and self._open:
             return f"Not decided at {self._quantity(self.start)}"
         if stands is None:
-            return f"Stands at no {self._name} that was tried"
+            return f"Stands at no {self.quantity.words} that was tried"
         return f"{self._verb} {self._quantity(stands)}"
 
     def sentences(self) -> Sequence[Sentence]:
@@ -136,8 +130,8 @@ class LimitAnswer(Answer):
         if self._open and falling is not None:
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
         said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
-        if self.parameter == Shrunk.parameter and self.best.stands:
-            said.append(Sentence(f"geometric safety factor: {1.0 / self.best.stands:.4g}"))
+        if self.quantity.inverse and self.best.stands:
+            said.append(Sentence(f"{self.quantity.inverse}: {1.0 / self.best.stands:.4g}"))
         said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
         for low, high in self.islands:
             again = f"it stands again from {self._short(low)} to {self._short(high)}"
@@ -160,16 +154,17 @@ class LimitAnswer(Answer):
             "stands_at": [np.nan if one.stands is None else one.stands for one in found.values()],
             "gives_way_at": [np.nan if one.falls is None else one.falls for one in found.values()],
         }
-        unit = {"stands_at": self.unit, "gives_way_at": self.unit} if self.unit else {}
-        return [Table("limit", columns, unit)]
+        unit = self.quantity.unit
+        units = {"stands_at": unit, "gives_way_at": unit} if unit else {}
+        return [Table("limit", columns, units)]
 
     def numbers(self) -> Mapping[str, Any]:
         """Both sides of the limit by each definition, and the values that were tried."""
         falling, stands = self.best.falling, self.best.stands
-        shrunk = self.parameter == Shrunk.parameter and stands
+        inverse = self.quantity.inverse.replace(" ", "_")
         return {
-            "parameter": self.parameter,
-            "unit": self.unit,
+            "parameter": self.quantity.name,
+            "unit": self.quantity.unit,
             "range": [self.start, self.end],
             "stands": stands,
             "falls": self.best.falls,
@@ -182,7 +177,7 @@ class LimitAnswer(Answer):
             "undecided_between": self.undecided_between,
             "remarks": self.remarks,
             "stopped": self.stopped,
-            **({"geometric_safety_factor": 1.0 / stands} if shrunk and stands else {}),
+            **({inverse: 1.0 / stands} if inverse and stands else {}),
             "evaluations": list(self.table()),
             "time_s": self.time_s,
         }
@@ -197,7 +192,8 @@ class LimitAnswer(Answer):
             "stiffnesses_standing": [one.samples.standing for one in tried],
             "settled": ["" if one.settled is None else one.settled.value for one in tried],
         }
-        return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
+        unit = self.quantity.unit
+        return Table(self.quantity.name, columns, {"value": unit} if unit else {})
 
     def layers(self) -> Scene:
         """The last state that stands beside the first one that falls.
@@ -229,9 +225,10 @@ class LimitAnswer(Answer):
             marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad"))
         line = () if best.stands is None else ((best.stands, self._short(best.stands)),)
         return Chart(
-            "Values that were tried", tuple(marks), self._name, "share of stiffnesses that stand",
-            (self.unit, ""), "Discs stand, crosses fall; the height is the share of the contact "
-            "stiffnesses tried that stand.", line, top=1.0,
+            "Values that were tried", tuple(marks), self.quantity.words,
+            "share of stiffnesses that stand", (self.quantity.unit, ""),
+            "Discs stand, crosses fall; the height is the share of the contact stiffnesses tried "
+            "that stand.", line, top=1.0,
         )  # fmt: skip
 
     def _stage(self, state: Result, value: float, falls: bool) -> SceneStage:
@@ -261,19 +258,9 @@ class LimitAnswer(Answer):
         """The value up to which, or down to which, it stands."""
         return "Stands up to" if self.end >= self.start else "Stands down to"
 
-    @property
-    def _name(self) -> str:
-        """The parameter as a person writes it."""
-        return self.parameter.replace("_", " ")
-
     def _quantity(self, value: float) -> str:
-        """A value with its unit, and for a tilt its direction."""
-        if self.parameter == "tilt":
-            about = _about(self.states[-1][0]) if self.states else ""
-            return f"{self._digits(value, 3)} degrees{about}"
-        if self.parameter == Shrunk.parameter:
-            return f"{self._digits(value)} of the {self.parameter}"
-        return f"{self._name} {self._digits(value)}{f' {self.unit}' if self.unit else ''}"
+        """A value in words."""
+        return self.quantity.told(self._digits(value, 3 if self.quantity.unit == "deg" else 4))
 
     def _digits(self, value: float, digits: int = 4) -> str:
         """A value with so many digits, or with as many more as tell both sides apart."""
@@ -283,7 +270,8 @@ class LimitAnswer(Answer):
         return f"{value:.{digits}g}"
 
     def _short(self, value: float) -> str:
-        mark = "\N{DEGREE SIGN}" if self.unit == "deg" else f" {self.unit}" if self.unit else ""
+        unit = self.quantity.unit
+        mark = "\N{DEGREE SIGN}" if unit == "deg" else f" {unit}" if unit else ""
         return f"{self._digits(value)}{mark}"
 
 
@@ -293,21 +281,6 @@ def _same_shape(first: Result, second: Result) -> bool:
     if one is other or len(one) != len(other):
         return one is other
     return bool(np.array_equal(one.bounds, other.bounds))
-
-
-def _about(state: Result) -> str:
-    """The axis of the rotation of the model, from the direction of gravity."""
-    total = state.load.wrench[~state.assembly.fixed, :3].sum(axis=0)
-    axis = np.cross(-total, UP)
-    size = float(np.linalg.norm(axis))
-    if size < 1e-9 * float(np.linalg.norm(total)):
-        return ""
-    axis = axis / size
-    for name, along in _NAMED_AXES.items():
-        if np.allclose(axis, along, atol=1e-6):
-            return f" about {name}"
-    towards = float(np.rad2deg(np.arctan2(axis[1], axis[0]))) - 90.0
-    return f" towards {towards % 360.0:.4g} degrees from x"
 
 
 def _share(one: Evaluation) -> float:

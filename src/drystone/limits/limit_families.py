@@ -16,22 +16,53 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
-from drystone.geometry.frames import rotation_about, unit
+from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.virtual import shrink
 
 
+@dataclass(frozen=True)
+class Quantity(OneLine):
+    """What a limit varies, and how it is told.
+
+    Attributes
+    ----------
+    name
+    unit
+        Empty when it has none.
+    phrase
+        Words with ``{}`` for a value; when left out, the name, the value and the unit.
+    replaces
+        Attributes of :class:`drystone.answer.Question` that it decides.
+    inverse
+        What one divided by the limit is called; empty when it has no meaning.
+    """
+
+    name: str
+    unit: str = ""
+    phrase: str = ""
+    replaces: tuple[str, ...] = ()
+    inverse: str = ""
+
+    @property
+    def words(self) -> str:
+        """The name as a person writes it."""
+        return self.name.replace("_", " ")
+
+    def told(self, number: str) -> str:
+        """A value in words."""
+        if self.phrase:
+            return self.phrase.format(number)
+        return f"{self.words} {number}{f' {self.unit}' if self.unit else ''}"
+
+
 class Family(Protocol):
-    """A model for each value of a parameter."""
+    """A model for each value of a quantity."""
 
     @property
-    def parameter(self) -> str:
-        """Its name."""
-
-    @property
-    def unit(self) -> str:
-        """Its unit; empty when it has none."""
+    def quantity(self) -> Quantity:
+        """What differs between them."""
 
     def __call__(self, value: float) -> Model:
         """The model at a value."""
@@ -50,8 +81,12 @@ class Tilt(OneLine):
 
     model: Model
     axis: Floats
-    parameter: ClassVar[str] = "tilt"
-    unit: ClassVar[str] = "deg"
+
+    @property
+    def quantity(self) -> Quantity:
+        """The angle about that axis."""
+        phrase = f"{{}} degrees {axis_words(self.axis)}"
+        return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"))
 
     def __call__(self, value: float) -> Model:
         """The model at an angle [degrees]."""
@@ -84,12 +119,12 @@ class Friction(OneLine):
 
     model: Model
     scaled: bool = False
-    unit: ClassVar[str] = ""
 
     @property
-    def parameter(self) -> str:
-        """Its name."""
-        return "share of friction" if self.scaled else "friction"
+    def quantity(self) -> Quantity:
+        """The coefficient, or a share of the coefficients."""
+        name = "share of friction" if self.scaled else "friction"
+        return Quantity(name, replaces=("friction",))
 
     def __call__(self, value: float) -> Model:
         """The model at a coefficient, or at a share of the coefficients."""
@@ -103,8 +138,9 @@ class LoadFactor(OneLine):
 
     model: Model
     live: LoadCase
-    parameter: ClassVar[str] = "load factor"
-    unit: ClassVar[str] = ""
+    quantity: ClassVar[Quantity] = Quantity(
+        "load factor", replaces=("load", "acceleration", "loads")
+    )
 
     def __call__(self, value: float) -> Model:
         """The model at a factor."""
@@ -116,8 +152,11 @@ class Shrunk(OneLine):
     """All interfaces scaled about their centroids."""
 
     model: Model
-    parameter: ClassVar[str] = "size of the joints"
-    unit: ClassVar[str] = ""
+    quantity: ClassVar[Quantity] = Quantity(
+        "size of the joints",
+        phrase="{} of the size of the joints",
+        inverse="geometric safety factor",
+    )
 
     def __call__(self, value: float) -> Model:
         """The model at a share of the size of the joints, from 0 to 1."""
@@ -134,15 +173,12 @@ class Parametric(OneLine):
         Function from a value to an assembly.
     find
         Function that finds the contacts.
-    parameter
-        Name of the parameter.
-    unit
+    quantity
     """
 
     build: Callable[[float], Assembly]
     find: Callable[[Assembly], Contacts]
-    parameter: str = "thickness"
-    unit: str = ""
+    quantity: Quantity = Quantity("thickness")
 
     def __call__(self, value: float) -> Model:
         """The model at a value of the parameter."""

@@ -10,6 +10,7 @@ from drystone.base.settings import Options
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.limit_answer import LimitAnswer
+from drystone.limits.limit_families import Quantity
 from drystone.results import Verdict
 from drystone.settlement import FlushEnds, Outcome
 
@@ -57,7 +58,8 @@ class Limit(LimitAnswer):
 
     Attributes
     ----------
-    parameter, unit
+    quantity
+        What was varied.
     start, end
         Searched range, from a value at which it should stand.
     equilibrium
@@ -81,8 +83,7 @@ class Limit(LimitAnswer):
     options
     """
 
-    parameter: str
-    unit: str
+    quantity: Quantity
     start: float
     end: float
     equilibrium: Bracket
@@ -98,10 +99,10 @@ class Limit(LimitAnswer):
     def _summary(self) -> str:
         stands, falls = self._told(self.best.stands), self._told(self.best.falls)
         early = f", stopped: {self.stopped}" if self.stopped else ""
-        return f"{self.parameter}, stands at {stands}, falls at {falls}{early}"
+        return f"{self.quantity.name}, stands at {stands}, falls at {falls}{early}"
 
     def _told(self, value: float | None) -> str:
-        unit = f" {self.unit}" if self.unit else ""
+        unit = f" {self.quantity.unit}" if self.quantity.unit else ""
         return "none that was tried" if value is None else f"{value:.6g}{unit}"
 
     def _range(self, ends: tuple[float, float]) -> str:

@@ -7,11 +7,9 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, Unpack
-
-import numpy as np
+from typing import Unpack
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, number, of_type
@@ -19,7 +17,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
-from drystone.geometry.frames import unit
+from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
@@ -28,22 +26,13 @@ from drystone.limits.limit_families import (
     Friction,
     LoadFactor,
     Parametric,
+    Quantity,
     Shrunk,
     Tilt,
     found,
 )
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.loads import LoadCase
-
-AXES = {
-    "x": (1.0, 0.0, 0.0),
-    "y": (0.0, 1.0, 0.0),
-    "z": (0.0, 0.0, 1.0),
-    "-x": (-1.0, 0.0, 0.0),
-    "-y": (0.0, -1.0, 0.0),
-}
-"""Axes by name."""
-
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
@@ -270,22 +259,16 @@ def limit_thickness(
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")
     finder = find if find is not None else partial(found, friction)
-    family = Parametric(build, finder, parameter, unit)
+    family = Parametric(build, finder, Quantity(parameter, unit))
     width = 1e-5 * abs(first - last)
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, first, last, width, means)
 
 
-def axis_vector(axis: Any, called: str = "axis") -> Any:
-    """An axis (3,) from a name or a vector.
-
-    Raises
-    ------
-    InputError
-        No such name, or a vector without a length.
-    """
-    if isinstance(axis, str):
-        if axis not in AXES:
-            raise InputError(f"no axis is called '{axis}'", remedy=f"{', '.join(AXES)} or X,Y,Z")
-        return np.array(AXES[axis])
-    return unit(axis, called)
+LIMITS: Mapping[str, Callable[..., Limit]] = {
+    "tilt": limit_tilt,
+    "friction": limit_friction,
+    "load": limit_load,
+    "shrink": limit_shrink,
+}
+"""The limits of a model, by what the command line and other programs call them."""

@@ -16,8 +16,8 @@ from drystone.base.settings import checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
+from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, as_model
-from drystone.limits.limits import axis_vector
 from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Result

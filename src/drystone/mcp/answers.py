@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from inspect import Parameter
+from inspect import Parameter, getdoc, signature
 from typing import Any, Literal
 
 from drystone.answer import Answer
@@ -18,7 +18,7 @@ from drystone.io import inspect as inspect_file
 from drystone.io.inspection import usable
 from drystone.io.load_options import added
 from drystone.io.opening import tolerances
-from drystone.limits import LimitOptions, limit_friction, limit_load, limit_shrink, limit_tilt
+from drystone.limits import LIMITS, LimitOptions, limit_tilt
 from drystone.mcp.folder import Folder, how_of, model_of, opened
 from drystone.sequence import PlanOptions, plan
 from drystone.stability import check
@@ -171,21 +171,21 @@ def _limit(
     tool: Tool, subject: Mapping[str, Any], values: Mapping[str, Any], folder: Folder, end: float
 ) -> dict[str, Any]:
     model = model_of(subject, folder)
-    of, live = values.get("of"), values.get("load")
+    of = values.get("of")
     if of is None:
-        raise InputError("is missing", where="of", remedy="give tilt, friction, load or shrink")
-    if (of == "load") != bool(live):
-        what = "is missing, and the limit of load grows it" if of == "load" else "is not used"
-        raise InputError(what, where="load", remedy="give a load with 'of' = 'load', and only then")
-    common = {"stop": _late(end), "options": tool.chosen(values)}
-    if of == "tilt":
-        found = limit_tilt(model, values.get("axis", "x"), **common)
-    elif of == "friction":
-        found = limit_friction(model, **common)
-    elif of == "load":
-        found = limit_load(model, added(live, model.assembly), **common)
-    else:
-        found = limit_shrink(model, **common)
+        raise InputError("is missing", where="of", remedy=f"give {', '.join(LIMITS)}")
+    takes, more = signature(LIMITS[of]).parameters, {}
+    for name, keyword in (("axis", "axis"), ("load", "live")):
+        if name in values and keyword not in takes:
+            raise InputError(f"is not used by the limit of {of}", where=name, remedy="leave it out")
+        if name in values:
+            more[keyword] = values[name]
+    if "live" in more:
+        more["live"] = added(more["live"], model.assembly)
+    elif "live" in takes:
+        what = f"is missing, and the limit of {of} grows it"
+        raise InputError(what, where="load", remedy="give the load that grows")
+    found = LIMITS[of](model, **more, stop=_late(end), options=tool.chosen(values))
     return told(found, model.notes)
 
 
@@ -197,12 +197,17 @@ def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
     return {**said, "notes": list(notes)}
 
 
+def _first(function: Callable[..., Any]) -> str:
+    """The first sentence of its documentation, without what only Python needs."""
+    line = (getdoc(function) or "").partition("\n")[0].partition(";")[0].rstrip(".")
+    return f"{line[:1].lower()}{line[1:]}"
+
+
 _OF = Declared(
     "of",
-    Literal["tilt", "friction", "load", "shrink"],
+    Literal[tuple(LIMITS)],
     Parameter.empty,
-    "tilt: largest angle in degrees. friction: least coefficient. load: largest factor of 'load'. "
-    "shrink: least share of the size of all joints, whose inverse is a geometric safety factor.",
+    "; ".join(f"{name}: {_first(limit)}" for name, limit in LIMITS.items()) + ".",
 )
 TOOLS: Mapping[str, Tool] = {
     "files": Tool("List the model files in the folder of this server.", _files, of_model=False),

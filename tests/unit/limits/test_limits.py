@@ -19,6 +19,7 @@ from drystone.limits import (
     Limit,
     LimitOptions,
     LoadFactor,
+    Quantity,
     Tilt,
     imperfect,
     imperfections,
@@ -134,7 +135,7 @@ def test_friction_can_be_searched_as_a_share_of_each_joint() -> None:
     slope = incline(20.0)
     joints = touching_faces(slope, 0.8)
     limit = limit_friction(Model(slope, joints), scaled=True, options=LimitOptions(scan=1))
-    assert limit.parameter == "share of friction"
+    assert limit.quantity.name == "share of friction"
     assert limit.best.value == pytest.approx(np.tan(np.deg2rad(20.0)) / 0.8, abs=1e-3)
 
 
@@ -320,7 +321,7 @@ def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
         Evaluation(x, v) for x, v in ((1.0, Verdict.STABLE), (2.0, Verdict.UNDECIDED))
     )
     bracket = Bracket(stands=1.0)
-    limit = Limit("tilt", "deg", 0.0, 9.0, bracket, evaluations=(stable, unsure))
+    limit = Limit(Quantity("tilt", "deg"), 0.0, 9.0, bracket, evaluations=(stable, unsure))
     assert limit.remarks == ("at 2 deg it is undecided",)
 
 
@@ -494,3 +495,10 @@ def test_a_stopped_search_keeps_the_fall_that_was_followed() -> None:
     assert limit.rest.stands <= whole.rest.stands
     assert limit.rest.falls >= whole.rest.falls
     assert limit.rest.falls < limit.equilibrium.stands
+
+
+def test_a_tilt_is_told_about_its_own_axis() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    pushed = model.with_load(model.load + 0.1 * LoadCase.of(model.assembly, (9.81, 0.0, 0.0)))
+    assert limit_tilt(pushed, "x").title.endswith("degrees about x")
+    assert limit_tilt(model, (1.0, 1.0, 0.0)).title.endswith("towards 315 degrees from x")

@@ -272,6 +272,7 @@ def test_a_limit_of_load_needs_a_load(session: Session) -> None:
     push = [{"kind": "mass", "block": "block-2", "mass": 1.0}]
     assert "load: is not used" in session.refusal("limit", model=model, of="tilt", load=push)
     assert "of" in session.refusal("limit", model=model, of="thickness")
+    assert "axis: is not used" in session.refusal("limit", model=model, of="shrink", axis="x")
     assert "load: is 1e+30; give words" in session.refusal(
         "limit", model=model, of="load", load=1e30
     )

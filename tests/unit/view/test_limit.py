@@ -5,7 +5,7 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.limits import Bracket, Limit, limit_thickness, tilt_sweep
+from drystone.limits import Bracket, Limit, Quantity, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
 from drystone.view import State, scene_of
 from drystone.view.panels import panel
@@ -74,6 +74,6 @@ def test_a_sweep_shows_its_weakest_direction() -> None:
 
 
 def test_without_states_there_is_no_picture() -> None:
-    empty = Limit("tilt", "deg", 0.0, 90.0, Bracket())
+    empty = Limit(Quantity("tilt", "deg"), 0.0, 90.0, Bracket())
     with pytest.raises(InputError, match="no state is known"):
         scene_of(empty)

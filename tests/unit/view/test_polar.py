@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drystone import FormatError
-from drystone.limits import Bracket, Limit, TiltSweep
+from drystone.limits import Bracket, Limit, Quantity, TiltSweep
 from drystone.view import save_figure
 
 
 def sweep(*stands: float | None) -> TiltSweep:
     limits = tuple(
-        Limit("tilt", "deg", 0.0, 180.0, Bracket(20.0, 20.1), Bracket(angle, 20.1))
+        Limit(Quantity("tilt", "deg"), 0.0, 180.0, Bracket(20.0, 20.1), Bracket(angle, 20.1))
         for angle in stands
     )
     return TiltSweep(360.0 * np.arange(len(stands)) / len(stands), limits)
