@@ -33,6 +33,9 @@ class Sensitivity(enum.StrEnum):
     """How stiff they are along their faces, by their stiffness across."""
     ENDS = "the ends of the faces"
     """Which block carries them, where both faces end flush."""
+    WEIGHTS = "light blocks beside heavy ones"
+    """How stiff the joints of light ones are: beside what heavy ones move, uniform stiffness shows
+    neither that it holds them nor that it does not."""
 
 
 @dataclass(frozen=True)

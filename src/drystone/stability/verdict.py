@@ -24,6 +24,7 @@ from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics import law
+from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
@@ -177,7 +178,11 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
         return _falls(asked, asked.collapse, uniform)
     felt = None if uniform.stands else _by_what_blocks_feel(asked, uniform)
     if felt is not None:
-        return asked.stable(felt)
+        if not problem.statics.friction.any():  # equilibrium decides (static theorem)
+            return asked.stable(felt)
+        asked.depends_on(Sensitivity.WEIGHTS)
+        softer = "stands where joints of light blocks are softer, by what these blocks feel"
+        return asked.stable(felt, f"{softer}: {asked.sensitive}")
     follows = options.settle and problem.statics.dry
     spread: Model | None = None
     if uniform.stands:
@@ -349,7 +354,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         found = replace(found, message=message, stopped=clock.reason)
     asked.steps += sum(path.iterations for path in found.paths)
     if not uniform.stands:
-        asked.depends_on(Sensitivity.JOINTS)
+        light = uniform.falling is None and asked.problem.statics.load_size.min() < LIGHT
+        asked.depends_on(Sensitivity.WEIGHTS if light else Sensitivity.JOINTS)
     if found.outcome is Outcome.ENDS_DECIDE:
         asked.depends_on(Sensitivity.ENDS)
     held = "uniform contact stiffness would not hold it in place"

@@ -8,6 +8,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.models import box
 from drystone.programs import solve_cra, solve_cra_penalty, solve_rbe
+from drystone.results import Sensitivity
 
 X = (1.0, 0.0, 0.0)
 
@@ -128,9 +129,20 @@ def test_a_block_of_hardly_any_weight_stands_on_heavy_ones_that_turn(density, fr
         found = check(Model.of(on_ground(ground(), *blocks), friction=friction))
         assert found.verdict is Verdict.STABLE
         assert found.residuals.largest < 1e-8
+        # without friction every stiffness gives the same answer
+        assert set(found.sensitive_to) <= ({Sensitivity.WEIGHTS} if friction else set())
     falls = check(Model.of(on_ground(ground(), lower, upper, beyond), friction=friction))
     assert falls.verdict is Verdict.UNSTABLE
     assert falls.falling == (3,)
+
+
+def test_a_light_block_that_uniform_joints_do_not_show_to_stand_is_told():
+    lower, leaning = box((1, 1, 1), name="lower"), box((1, 1, 1), (0.2, 0, 1), name="leaning")
+    beside = box((0.5, 0.5, 0.5), (1, 0.1, 0), name="beside", density=1e-7)
+    found = check(Model.of(on_ground(ground(), lower, beside, leaning), friction=0.6))
+    assert found.stable
+    assert found.sensitive_to == (Sensitivity.WEIGHTS,)
+    assert "softer, by what these blocks feel" in found.message
 
 
 @pytest.mark.parametrize("density", [1e-3, 1e-10])

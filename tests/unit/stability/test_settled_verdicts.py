@@ -275,3 +275,6 @@ def test_blocks_whose_weights_span_eight_decades_are_decided(seed: int) -> None:
     assert found.settlement is not None
     assert found.settlement.path.residuals is not None
     assert found.settlement.path.residuals.largest < 1e-8
+    # not to the stiffness between joints: uniform springs show nothing beside such weights
+    assert found.sensitive_to == (Sensitivity.WEIGHTS,)
+    assert "sensitive to light blocks beside heavy ones" in found.message
