@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -24,11 +24,12 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen, unit
+from drystone.base.declared import refuse_unknown
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
 from drystone.geometry.solid import solid_angles
 from drystone.io.opening import Given
-from drystone.io.registry import files_at, read_file
+from drystone.io.registry import FileOptions, files_at, read_file
 from drystone.io.several import digest_of, is_paths, place_of
 from drystone.mesh_objects import assembly_of
 from drystone.model import Model, Origin
@@ -124,7 +125,9 @@ class Poses(Answer):
         return {"block": self.block.name, "transform": self.transform}
 
 
-def find_poses(given: Block | Given, *, block: int | str | None = None, **how: Any) -> Poses:
+def find_poses(
+    given: Block | Given, *, block: int | str | None = None, **how: Unpack[FileOptions]
+) -> Poses:
     """The poses on a plane in which one block stands.
 
     Parameters
@@ -134,12 +137,13 @@ def find_poses(given: Block | Given, *, block: int | str | None = None, **how: A
     block
         Which block of several, by name or position; the only free one when left out.
     how
-        Arguments of :func:`drystone.io.read_file` for a file.
+        Of a file only; see :class:`drystone.io.registry.FileOptions`.
 
     Raises
     ------
     InputError
-        There are several blocks and none is named, or the file cannot be read.
+        There are several blocks and none is named, the file cannot be read, or ``how`` is given
+        for what is no file.
 
     Examples
     --------
@@ -150,6 +154,9 @@ def find_poses(given: Block | Given, *, block: int | str | None = None, **how: A
     >>> round(float(found.share[0]), 3)
     0.218
     """
+    refuse_unknown(how, [*FileOptions.__annotations__])
+    if how and not is_paths(given):
+        raise InputError("is of files", where=next(iter(how)), remedy="leave it out")
     origin = Origin()
     if isinstance(given, Block):
         return _found(given, origin)

@@ -197,7 +197,8 @@ def refuse_unknown(given: Sequence[str] | Mapping[str, Any], known: Sequence[str
     """Raise InputError at the first name that is not known; the nearest one is told."""
     for name in given:
         if name not in known:
-            raise InputError(f"there is no argument '{name}'", remedy=meant(name, known))
+            remedy = meant(name, known) if known else "there are none"
+            raise InputError(f"there is no argument '{name}'", remedy=remedy)
 
 
 def kinds_of(hint: Any) -> list[Any]:

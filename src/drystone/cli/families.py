@@ -79,7 +79,7 @@ def shell_parameters() -> Parameters:
 def refuse_unknown(name: str, known: Parameters, where: str) -> None:
     """Raise InputError where a family has no such parameter."""
     if name not in known:
-        remedy = f"use {', '.join(known)}" if known else "it has none"
+        remedy = meant(name, known, f"use {', '.join(known)}" if known else "it has none")
         raise InputError(f"there is no parameter '{name}'", where=where, remedy=remedy)
 
 

@@ -13,6 +13,7 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
+from drystone.base.declared import refuse_unknown
 from drystone.base.errors import FormatError, MissingDependency
 from drystone.base.journal import Journal
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -22,6 +23,7 @@ from drystone.base.workers import WorkerPool
 from drystone.design.margin import DesignMargin
 from drystone.design.tune_goals import Outcome, outcome_of, refuse_goals
 from drystone.design.tuned_values import Parameter, Tuned, TuneTrial
+from drystone.io.opening import How
 
 FALLS = "falls"
 
@@ -93,7 +95,8 @@ def tune(
     Raises
     ------
     InputError
-        A goal is unknown, a parameter is given twice, or the store is of another search.
+        A goal or an option is unknown, a parameter is given twice, or the store is of another
+        search.
     MissingDependency
         Optuna is not installed.
 
@@ -108,6 +111,7 @@ def tune(
     chosen = TuneOptions.of(options)
     asked = tuple(goals)
     refuse_goals(asked, parameters)
+    refuse_unknown(how or {}, [*How.__annotations__])
     clock = Clock(time_limit_s, stop, progress)
     given = dict(how or {})
     evaluate = partial(outcome_of, build, given, asked, chosen.margin, chosen.props, clock=clock)

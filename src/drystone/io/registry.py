@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
+from drystone.base.declared import refuse_unknown
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors
 from drystone.base.files import PathLike, as_path, read_bytes
@@ -244,6 +245,7 @@ def read_file(
     >>> contents.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
+    refuse_unknown(how, [*FileOptions.__annotations__])
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
         place = place_of(path)
@@ -252,6 +254,7 @@ def read_file(
 
 def inspect(path: Paths, *, supports: str | None = None, **how: Unpack[FileOptions]) -> Built:
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
+    refuse_unknown(how, [*FileOptions.__annotations__])
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
         return try_blocks(draft, place_of(path), units, supports=supports, **rest)

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
+from drystone.base.declared import refuse_unknown
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
@@ -76,9 +77,9 @@ def check_many(
     Raises
     ------
     InputError
-        ``models`` is a single model; the file has answers about other models, of other options or
-        of another version, is damaged before its end, or cannot be written, as on a full disk; or
-        an executor died that cannot be started again.
+        ``models`` is a single model; there is no such option; the file has answers about other
+        models, of other options or of another version, is damaged before its end, or cannot be
+        written, as on a full disk; or an executor died that cannot be started again.
 
     Examples
     --------
@@ -92,6 +93,7 @@ def check_many(
     if one or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
+    refuse_unknown(how, [*How.__annotations__])
     clock = Clock(time_limit_s, stop)
     chosen = CheckOptions.of(options)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)

@@ -1,0 +1,140 @@
+"""No option is ignored: one that is not known is refused, and the nearest known one is named."""
+
+import copy
+import importlib
+import inspect
+import json
+import pkgutil
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import drystone
+from drystone import InputError, Model
+from drystone.design import Parameter, tune
+from drystone.limits import Imperfections
+from drystone.mcp.answers import TOOLS, answer
+from drystone.mcp.folder import MODEL, Folder
+from drystone.models import tower
+
+BESIDE: dict[str, tuple[Any, ...]] = {
+    "imperfections": (Imperfections(offset=0.01),),
+    "limit_load": (1.0,),
+    "move_supports": ({0: (0.0, 0.0, -1.0)},),
+    "shape": (list,),
+    "settle": ({0: (0.0, 0.0, -0.01)},),
+    "thrust_bounds": (0,),
+}
+"""What a function is given by position behind a model."""
+SEVERAL = {"check_many", "settle_many"}
+"""Functions of several models."""
+OTHERWISE = {
+    "interact": "each keyword is an argument of the function that it is given",
+    "replace_block": "each keyword is an argument of Block, which Python refuses",
+    "serve": "each keyword is an argument of Live, which Python refuses",
+}
+
+
+def public() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Every function that a room offers and that takes any keyword."""
+    rooms = [one.name for one in pkgutil.walk_packages(drystone.__path__, "drystone.")]
+    seen = set()
+    for name in ["drystone", *(one for one in rooms if "__main__" not in one)]:
+        room = importlib.import_module(name) if _offers(name) else None
+        for each in getattr(room, "__all__", ()):
+            one = getattr(room, each)
+            if inspect.isfunction(one) and one not in seen:
+                seen.add(one)
+                kinds = [param.kind for param in inspect.signature(one).parameters.values()]
+                if inspect.Parameter.VAR_KEYWORD in kinds:
+                    yield each, one
+
+
+def _offers(name: str) -> bool:
+    """Whether a module has a list of what it offers, without importing it."""
+    place = Path(drystone.__file__).parent.joinpath(*name.split(".")[1:])
+    file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+    return "__all__" in file.read_text(encoding="utf-8")
+
+
+FUNCTIONS = dict(public())
+
+
+def test_there_are_such_functions() -> None:
+    assert len(FUNCTIONS) > 30
+    assert set(OTHERWISE) <= FUNCTIONS.keys()
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS.keys() - OTHERWISE))
+def test_a_misspelt_option_of_a_function_is_refused(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "tower.json"
+    drystone.write(Model.of(tower(2)), file)
+    for given in (tower(2), Model.of(tower(2)), str(file)):
+        what = [given] if name in SEVERAL else given
+        for wrong, right in (("frction", "friction"), ("suports", "supports"), ("unts", "units")):
+            with pytest.raises(InputError, match=f"no argument '{wrong}'") as caught:
+                FUNCTIONS[name](what, *BESIDE.get(name, ()), **{wrong: 0.5})
+            known = inspect.signature(FUNCTIONS[name]).parameters["how"].annotation
+            if "FileOptions" not in str(known) or right == "units":
+                assert right in caught.value.remedy
+
+
+def test_a_misspelt_option_of_the_models_of_a_search_is_refused() -> None:
+    with pytest.raises(InputError, match="no argument 'frction'; did you mean friction"):
+        tune(partial(tower, 2), [Parameter("edge", 0.5, 1.0)], how={"frction": 0.5})
+
+
+@pytest.mark.parametrize("how", [{"units": "mm"}, {"layers": ["a"]}])
+def test_options_of_files_are_refused_where_poses_are_of_no_file(how: dict[str, Any]) -> None:
+    for given in (tower(1), tower(1).blocks[0]):
+        with pytest.raises(InputError, match="is of files"):
+            drystone.find_poses(given, **how)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("tool", sorted(TOOLS))
+def test_a_misspelt_argument_of_a_program_is_refused(tool: str, tmp_path: Path) -> None:
+    drystone.write(Model.of(tower(2)), tmp_path / "tower.json")
+    folder, of_model = Folder.of(tmp_path, 1.0), TOOLS[tool].of_model
+    model = {"file": "tower.json"}
+    for name in TOOLS[tool].arguments or ["axis"]:
+        wrong = f"{name}x"
+        said = answer(tool, {"model": model, wrong: 1} if of_model else {wrong: 1}, folder, 5.0)
+        assert said["what"] == f"there is no argument '{wrong}'"
+        assert name in said["remedy"] or not TOOLS[tool].arguments
+    for name in MODEL if of_model else ():
+        said = answer(tool, {"model": {**model, f"{name}x": 1}}, folder, 5.0)
+        assert (said["where"], name in said["remedy"]) == ("model", True)
+
+
+RECORDS = {"metadata", "options", "time_s"}
+"""Objects of a file whose names are free."""
+
+
+def objects(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The place of every object in a JSON value, but for those whose names are free."""
+    if isinstance(value, dict) and not RECORDS & {*place}:
+        yield place
+        for key, one in value.items():
+            yield from objects(one, (*place, key))
+    elif isinstance(value, list):
+        for number, one in enumerate(value[:2]):
+            yield from objects(one, (*place, number))
+
+
+def test_a_misspelt_name_anywhere_in_a_file_of_ours_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "tower.json"
+    drystone.write(drystone.check(tower(2), load="block-1:10,0,0"), file)
+    sound = json.loads(file.read_text(encoding="utf-8"))
+    places = [*objects(sound)]
+    assert len(places) > 6
+    for place in places:
+        wrong = at = copy.deepcopy(sound)
+        for key in place:
+            at = at[key]
+        at["frction"] = 0.5
+        file.write_text(json.dumps(wrong), encoding="utf-8")
+        with pytest.raises(InputError, match="unknown field 'frction'; known are"):
+            drystone.read(file)
