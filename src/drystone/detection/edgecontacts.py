@@ -18,7 +18,6 @@ from drystone.detection.interfaces import Interfaces
 from drystone.detection.patches import Patches
 from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polyhedron import edges_of
 
 INSIDE = 1e-6
 """A contact lies inside a face when it is farther than this share of the block size from the
@@ -36,7 +35,7 @@ _NEIGHBOURS = BATCH // 8
 
 @dataclass(frozen=True)
 class Wires:
-    """Vertices and edges of some blocks, relative to the patches' origin.
+    """All vertices, and the edges of some blocks, relative to the patches' origin.
 
     Attributes
     ----------
@@ -58,23 +57,23 @@ class Wires:
     @classmethod
     def of(cls, assembly: Assembly, origin: Floats, blocks: Ints) -> Wires:
         """The wires of some blocks (b,), ascending."""
-        points, edges, first = [np.zeros((0, 3))], [np.zeros((0, 2), dtype=np.intp)], 0
-        count = np.zeros(len(assembly), dtype=np.intp)
-        known: dict[int, Ints] = {}  # copies of one body share their face list
-        for i in blocks.tolist():
-            body = assembly.blocks[i]
-            if id(body.faces) not in known:
-                known[id(body.faces)] = edges_of(body.faces)
-            points.append(body.vertices - origin)
-            edges.append(known[id(body.faces)] + first)
-            count[i], first = len(edges[-1]), first + len(body.vertices)
-        point, edge = np.concatenate(points), np.concatenate(edges)
+        faces, count = assembly.faces, len(assembly)
+        asked = np.zeros(count, dtype=bool)
+        asked[blocks] = True
+        corners, row = faces.corners.take(asked[faces.owner])
+        loop, number = faces.loop[row], len(faces.point)
+        after = loop[corners.following]
+        ends = np.unique(np.minimum(loop, after) * number + np.maximum(loop, after))
+        edge = np.stack(np.divmod(ends, number), axis=1)
+        owner = Ragged.from_counts([len(b.vertices) for b in assembly.blocks]).owner
+        point = faces.point - origin
         mine, theirs = np.concatenate([edge, edge[:, ::-1]]).T
         order = np.lexsort((theirs, mine))
         beside = Ragged.from_owners(mine[order], len(point)), theirs[order]
         one, other = point[edge[:, 0]], point[edge[:, 1]]
         low, high = np.minimum(one, other), np.maximum(one, other)
-        return cls(point, edge, Ragged.from_counts(count), beside, low, high)
+        of_block = Ragged.from_owners(owner[edge[:, 0]], count)
+        return cls(point, edge, of_block, beside, low, high)
 
     def around(self, vertex: Ints) -> tuple[Ragged, Ints]:
         """Some vertices, each with its neighbours: rows by given vertex, and their vertices."""

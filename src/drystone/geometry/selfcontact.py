@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.geometry import boxes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
@@ -32,18 +34,61 @@ class _Surface:
     """Bodies scaled to size 1 and moved apart, so that only parts of one body are near each other.
 
     Letters: v vertices, e edges, f faces.
+
+    Attributes
+    ----------
+    faces
+    number : (f,) of each face in its body
+    vertex_body : (v,)
+    first_vertex : to number vertices like the caller, per body
     """
 
     faces: Faces
-    normal: Floats  # (f, 3)
-    middle: Floats  # (f, 3)
-    warp: Floats  # (f,) largest distance of a corner from the plane
-    axes: Floats  # (f, 2, 3) in-plane
-    outline: NDArray[Any]  # (f,) shapely polygons, in the plane
-    edge: Ints  # (e, 2) vertices
-    vertex_body: Ints  # (v,)
-    first_vertex: Ints  # (body,) to number vertices like the caller
-    first_face: Ints
+    number: Ints
+    vertex_body: Ints
+    first_vertex: Ints
+
+    def of_faces(self, keep: Bools) -> _Surface:
+        """Some of the faces (f,)."""
+        corners, row = self.faces.corners.take(keep)
+        faces = Faces(self.faces.point, self.faces.loop[row], corners.start, self.faces.owner[keep])
+        return replace(self, faces=faces, number=self.number[keep])
+
+    @cached_property
+    def _local(self) -> Floats:
+        """Corners (l, 3) about the middle of their face."""
+        faces = self.faces
+        return faces.point[faces.loop] - faces.corners.spread(faces.middles)
+
+    @cached_property
+    def warp(self) -> Floats:
+        """(f,) largest distance of a corner from the plane."""
+        corners = self.faces.corners
+        return corners.max(np.abs(dot(self._local, corners.spread(self.faces.normals))))
+
+    @cached_property
+    def axes(self) -> Floats:
+        """(f, 2, 3) in the plane."""
+        normal = self.faces.normals
+        u = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+        u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
+        return np.stack([u, np.cross(normal, u)], axis=1)
+
+    @cached_property
+    def outline(self) -> NDArray[Any]:
+        """(f,) shapely polygons, in the plane."""
+        face = self.faces.corners.owner
+        plane = np.einsum("lj,lij->li", self._local, self.axes[face])
+        return np.asarray(shapely.polygons(shapely.linearrings(plane, indices=face)))
+
+    @cached_property
+    def edge(self) -> Ints:
+        """(e, 2) vertices, each edge once."""
+        ends = self.faces.loop, self.faces.loop[self.faces.corners.following]
+        count = len(self.faces.point)
+        return np.stack(
+            np.divmod(np.unique(np.minimum(*ends) * count + np.maximum(*ends)), count), axis=1
+        )
 
     def ends(self) -> tuple[Floats, Floats]:
         """First and second end (e, 3) of every edge."""
@@ -51,12 +96,12 @@ class _Surface:
 
     def height(self, points: Floats, face: Ints) -> Floats:
         """Signed distance of each point from the plane of its face."""
-        out: Floats = ((points - self.middle[face]) * self.normal[face]).sum(axis=1)
+        out: Floats = dot(points - self.faces.middles[face], self.faces.normals[face])
         return out
 
     def in_plane(self, points: Floats, face: Ints) -> NDArray[Any]:
         """Each point in the plane of its face, as shapely points."""
-        flat = np.einsum("pj,pij->pi", points - self.middle[face], self.axes[face])
+        flat = np.einsum("pj,pij->pi", points - self.faces.middles[face], self.axes[face])
         return np.asarray(shapely.points(flat))
 
 
@@ -79,22 +124,22 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     -----
     A convex body cannot touch itself and is skipped. In other bodies the search looks for four
     faults: a face whose outline crosses itself; an edge that pierces a face; a vertex that lies on
-    a face of which it is no corner; two edges that cross away from their ends.
+    a face of which it is no corner; two edges that cross away from their ends. Faces that planes
+    keep apart from all others near them are not looked at again.
     """
     concave = np.flatnonzero(~convex_bodies(vertices, faces)).tolist()
     if not concave:
         return []
     surface = _surface([vertices[i] for i in concave], [faces[i] for i in concave])
-    searches: tuple[Callable[[_Surface], Iterator[_Finding]], ...] = (
-        _crossed_outlines,
-        _pierced_faces,
-        _touching_vertices,
-        _touching_edges,
-    )
+    near = surface.of_faces(_may_touch(surface))
     found: dict[int, str] = {}
-    for search in searches:
-        for body, what in search(surface):
-            found.setdefault(body, what)
+    for body, what in chain(
+        _crossed_outlines(surface),
+        _pierced_faces(near),
+        _touching_vertices(near),
+        _touching_edges(near),
+    ):
+        found.setdefault(body, what)
     return [(concave[body], what) for body, what in sorted(found.items())]
 
 
@@ -104,36 +149,95 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
         low, high = points.min(axis=0), points.max(axis=0)
         placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
     stacked = stack_faces(placed, faces)
-    normal, middle = stacked.normals, stacked.middles
-    face = stacked.corners.owner
-    local = stacked.point[stacked.loop] - middle[face]
-    height = np.abs((local * normal[face]).sum(axis=1))
-    u = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
-    u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
-    axes = np.stack([u, np.cross(normal, u)], axis=1)
-    plane = np.einsum("lj,lij->li", local, axes[face])
     of_body = Ragged.of(vertices)
-    after = stacked.loop[stacked.corners.following]
-    sides = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
-    return _Surface(
-        faces=stacked,
-        normal=normal,
-        middle=middle,
-        warp=stacked.corners.max(height),
-        axes=axes,
-        outline=shapely.polygons(shapely.linearrings(plane, indices=face)),
-        edge=np.unique(sides, axis=0),
-        vertex_body=of_body.owner,
-        first_vertex=of_body.first,
-        first_face=np.searchsorted(stacked.owner, np.arange(len(vertices))),
-    )
+    number = np.arange(stacked.count) - Ragged.of(faces).spread(Ragged.of(faces).first)
+    return _Surface(stacked, number, of_body.owner, of_body.first)
+
+
+def _may_touch(surface: _Surface) -> Bools:
+    """The faces (f,) that no plane keeps apart from each other face near them.
+
+    Nearly all facets of a fine mesh are kept apart from their neighbours, and from those on the
+    other side of a thin part. Only triangles and quadrangles are tried.
+    """
+    faces = surface.faces
+    count = faces.corners.counts
+    ring = faces.loop[faces.start[:-1, None] + np.minimum(np.arange(4), count[:, None] - 1)]
+    found = np.zeros(faces.count, dtype=bool)
+    around = _face_boxes(surface)
+    for one, other in _near(*around, around):
+        later = one < other
+        one, other = one[later], other[later]
+        left = np.ones(len(one), dtype=bool)
+        few = np.flatnonzero((count[one] <= 4) & (count[other] <= 4))
+        left[few] = ~_kept_apart(surface, ring, one[few], other[few])
+        found[one[left]] = found[other[left]] = True
+    return found
+
+
+def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
+    """Whether a plane between two faces (q,) meets both at most in a common corner or edge.
+
+    Tried are the plane across the way between their middles, through what they share, and those of
+    the faces themselves.
+
+    Parameters
+    ----------
+    ring : (f, c)
+        Corners of each face; the last one again where there are fewer.
+    """
+    point, middle = surface.faces.point, surface.faces.middles
+    mine, theirs = ring[one], ring[other]
+    same = mine[:, :, None] == theirs[:, None, :]
+    common, theirs_common = same.any(axis=2), same.any(axis=1)
+    shares = common.any(axis=1)
+    rows = np.arange(len(one))
+    first = mine[rows, common.argmax(axis=1)]
+    last = mine[rows, common.shape[1] - 1 - common[:, ::-1].argmax(axis=1)]
+    at = np.where(shares[:, None], point[first], 0.5 * (middle[one] + middle[other]))
+    edge = _unit(np.where(shares[:, None], point[last] - point[first], 0.0))
+    ways = []
+    for face in (one, other):
+        way = middle[face] - at
+        ways.append(_unit(way - dot(way, edge)[:, None] * edge))
+    apart, rounding = np.zeros(len(one), dtype=bool), 1e-3 * _TOUCH
+    for normal in (ways[1] - ways[0], surface.faces.normals[one], surface.faces.normals[other]):
+        left = np.flatnonzero(~apart)
+        axis = normal[left]
+        away = dot(middle[other[left]] - middle[one[left]], axis)
+        axis = np.where((away < 0.0)[:, None], -axis, axis)
+        low, high = (
+            np.einsum("qcj,qj->qc", point[corners[left]] - at[left, None], axis)
+            for corners in (mine, theirs)
+        )
+        level = np.where(shares[left], 0.0, low.max(axis=1))[:, None]
+        below = np.where(common[left], -np.inf, low - level).max(axis=1)
+        above = np.where(theirs_common[left], np.inf, high - level).min(axis=1)
+        onto = (low - level).max(axis=1) <= rounding
+        beneath = (high - level).min(axis=1) >= -rounding
+        apart[left] = (onto & (above > _TOUCH)) | (beneath & (below < -_TOUCH))
+    return apart
+
+
+def _unit(vector: Floats) -> Floats:
+    """Rows (q, 3) of length one; zero where they have none."""
+    length = np.sqrt(dot(vector, vector))
+    found: Floats = vector / np.where(length > 0.0, length, 1.0)[:, None]
+    return found
 
 
 def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
     """Faces whose outline crosses or touches itself."""
-    for face in np.flatnonzero(~shapely.is_valid(surface.outline)).tolist():
-        body = int(surface.faces.owner[face])
-        yield body, f"crosses itself in the outline of face {face - surface.first_face[body]}"
+    faces = surface.faces
+    square = dot(faces.area_vectors, faces.area_vectors)
+    span = faces.corners.max(dot(surface._local, surface._local))
+    thin = square <= (1e-12 * span) ** 2
+    some = surface.of_faces((faces.corners.counts > 3) | thin)
+    for face in np.flatnonzero(~shapely.is_valid(some.outline)).tolist():
+        yield (
+            int(some.faces.owner[face]),
+            (f"crosses itself in the outline of face {some.number[face]}"),
+        )
 
 
 def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
@@ -176,7 +280,7 @@ def _pierced_faces(surface: _Surface) -> Iterator[_Finding]:
             a, b = (surface.edge[e] - surface.first_vertex[body]).tolist()
             yield (
                 body,
-                (f"crosses itself: edge {a}-{b} goes through face {f - surface.first_face[body]}"),
+                (f"crosses itself: edge {a}-{b} goes through face {surface.number[f]}"),
             )
 
 
@@ -197,7 +301,9 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
     lengths = np.diff(surface.faces.start)
     corner = np.unique(surface.faces.loop * count + np.repeat(np.arange(count), lengths))
     joined = {tuple(pair) for pair in surface.edge.tolist()}
-    for vertex, face in _near(point, point, _face_boxes(surface)):
+    used = np.unique(surface.faces.loop)
+    for place, face in _near(point[used], point[used], _face_boxes(surface)):
+        vertex = used[place]
         on = (np.abs(surface.height(point[vertex], face)) <= _TOUCH) & (
             surface.warp[face] <= _TOUCH
         )
@@ -213,7 +319,7 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
                     body,
                     (
                         f"touches itself: vertex {v - surface.first_vertex[body]} lies on face"
-                        f" {f - surface.first_face[body]}"
+                        f" {surface.number[f]}"
                     ),
                 )
 
