@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import expand
-from drystone.detection.detection_options import DetectionOptions
+from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.patches import Patches
 from drystone.geometry import boxes
 
@@ -15,10 +15,12 @@ _MISSED_ANGLE = np.deg2rad(10.0)
 _WIDEST_ANGLE = np.deg2rad(50.0)
 """[rad] Patches with a larger angle between them never touch, however curved they are. Chosen:
 below the 60 degrees between the sides of a tetrahedral notch."""
-FARTHER = 3.0
-"""Gaps up to the option ``search`` times this are not reported, and no fall is proved by them.
-Chosen: drawings are off by a share of the length of a leg, which may be ten times as long as thick.
-A leg of 30 mm is near that is 5 mm short; two boards are not between which a third one lies."""
+NEAR = 0.25
+"""A gap up to this share of the size of a block may be an error of the drawing. Chosen: a cube of
+50 mm may hover 10 mm high."""
+NEAR_BESIDE = 0.15
+"""The same of blocks that touch elsewhere, and so are in place. Chosen: below the 0.2 of play that
+the lugs of a bayonet have beside the faces on which they rest."""
 MANY = 4096
 """Patch pairs of two blocks above which a grid finds the near ones."""
 
@@ -65,21 +67,45 @@ def granted_to(
     return distance, angle
 
 
-def reach(options: DetectionOptions, size: Floats, width: Floats | float = np.inf) -> Floats:
-    """Largest distance [m] in the search, of blocks of a size [m], of any shape.
+def reach(
+    patches: Patches,
+    blocks: Ints,
+    options: DetectionOptions,
+    width: Floats | float = np.inf,
+    near: float = NEAR,
+) -> Floats:
+    """Largest distance (q,) [m] in the search about some blocks (q,); of a pair, the smaller.
 
-    Facets narrower than the farthest gap are searched up to the option ``search`` only: a fine mesh
-    has very many of them within reach of each other.
+    It is ``near`` of their size, or a fiftieth of their length up to half of their size. Chosen:
+    drawings of thin legs are off by a share of their length. No facet is searched farther than it
+    is wide, unless the options say so: a fine mesh has very many facets within reach of each other.
     """
-    near = options.search * size
-    distance = np.where(width >= FARTHER * near, FARTHER * near, near)
-    return np.maximum(options.reach(size), distance)
+    size = patches.size[blocks]
+    told = np.maximum(options.reach(size), options.search * size)
+    farther = np.clip(0.02 * patches.length[blocks], near * size, LARGEST["gap"] * size)
+    return np.maximum(told, np.minimum(farther, width))
+
+
+def reach_of_pairs(patches: Patches, pairs: Pairs, options: DetectionOptions) -> Floats:
+    """Largest distance (q,) [m] in the search between the blocks of pairs."""
+    a, b = (reach(patches, block, options) for block in pairs)
+    return np.minimum(a, b)
+
+
+def reach_of_patches(
+    patches: Patches, f: Ints, g: Ints, options: DetectionOptions, near: float = NEAR
+) -> Floats:
+    """Largest distance (q,) [m] in the search between patches, less what warp and sag add."""
+    width = np.sqrt(np.minimum(patches.area[f], patches.area[g]))
+    a, b = (reach(patches, patches.owner[patch], options, width, near) for patch in (f, g))
+    return np.minimum(a, b)
 
 
 def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
     """Blocks (a < b) whose boxes come within reach of each other."""
     most = patches.of_block.max(most_slack(patches, options))
-    margin = (0.5 * reach(options, patches.size) + most)[:, None]
+    every = np.arange(len(patches.size))
+    margin = (0.5 * reach(patches, every, options) + most)[:, None]
     low, high = patches.boxes
     return boxes.overlapping(low - margin, high + margin)
 
@@ -90,7 +116,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     They face each other within the widest angle, and their boxes come within reach.
     """
     a, b = pairs
-    reach_of_pair = reach(options, np.minimum(patches.size[a], patches.size[b]))
+    reach_of_pair = reach_of_pairs(patches, pairs, options)
     granted = most_slack(patches, options)
     most = patches.of_block.max(granted)
     one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
@@ -101,13 +127,33 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     cosine = -dot(patches.normal[f], patches.normal[g])
     keep = cosine >= np.cos(np.minimum(limit, _WIDEST_ANGLE))
     f, g = f[keep], g[keep]
-    smaller = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
-    width = np.sqrt(np.minimum(patches.area[f], patches.area[g]))
-    margin = (reach(options, smaller, width) + granted[f] + granted[g])[:, None]
+    margin = (reach_of_patches(patches, f, g, options) + granted[f] + granted[g])[:, None]
     keep = boxes.touching(
         patches.low[f] - margin, patches.high[f] + margin, patches.low[g], patches.high[g]
     )
-    return f[keep], g[keep]
+    f, g = f[keep], g[keep]
+    beside = _beside(patches, f, g, margin[keep, 0])
+    return f[~beside], g[~beside]
+
+
+def _beside(patches: Patches, f: Ints, g: Ints, margin: Floats) -> Bools:
+    """Whether facing patches (q,) share no area in projection, as their rectangles show.
+
+    Of strips across a curved joint each is within reach of very many that it does not face.
+    """
+    axes, half, middle = patches.rectangles
+    halfway = 0.5 * (patches.normal[f] + patches.normal[g])  # as long as the sine of half the angle
+    astray = margin * np.sqrt(dot(halfway, halfway)) + patches.warp[f] + patches.warp[g]
+    between = middle[g] - middle[f]
+    beside = np.zeros(len(f), dtype=bool)
+    for one, other in ((f, g), (g, f)):
+        for k in (0, 1):
+            axis = axes[one, k]
+            reach = half[one, k] + astray
+            for j in (0, 1):
+                reach = reach + half[other, j] * np.abs(dot(axes[other, j], axis))
+            beside |= np.abs(dot(between, axis)) > reach
+    return beside
 
 
 def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) -> Pairs:
@@ -155,8 +201,9 @@ def _products(
     found_f, found_g = [f[small][source]], [g[place]]
     for pair in np.flatnonzero(large):
         mine, theirs = f[pair_f == pair], g[pair_g == pair]
-        size = np.minimum(patches.size[a[pair]], patches.size[b[pair]])
-        margin = reach(options, size, np.sqrt(patches.area[mine])) + granted[mine]
+        width = np.sqrt(patches.area[mine])
+        about = [reach(patches, block[pair], options, width) for block in (a, b)]
+        margin = np.minimum(*about) + granted[mine]
         margin = (margin + most[b[pair]])[:, None]
         i, j = boxes.between(
             patches.low[mine] - margin,

@@ -55,8 +55,8 @@ class ContactReport(Card):
     missed
         Near misses, and joints that are within tolerance on a part only.
     farther
-        Gaps up to three times as wide as those of near misses. They are not told of, but no fall is
-        proved by them.
+        Gaps wider than those of near misses that may be errors of the drawing all the same. They
+        are not told of, but no fall is proved by them.
     inexact
         Pairs that are joined although they are drawn beyond a tolerance.
     shortfalls

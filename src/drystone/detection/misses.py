@@ -10,7 +10,15 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
-from drystone.detection.candidates import FARTHER, MANY, Pairs, granted_to
+from drystone.detection.candidates import (
+    MANY,
+    NEAR,
+    NEAR_BESIDE,
+    Pairs,
+    granted_to,
+    reach_of_pairs,
+    reach_of_patches,
+)
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
@@ -114,7 +122,7 @@ def misses(
 ) -> list[Missed]:
     """Near misses: overlaps just beyond a tolerance, of faces without other contact.
 
-    Gaps that are not near are among them, see :data:`FARTHER`.
+    Wider gaps that may be errors of the drawing are among them.
     """
     refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
     if not refused.any():
@@ -128,14 +136,21 @@ def misses(
     away = gaps(planes, shared)
     apart = np.abs(away) - checked.slack[row]
     size = planes.size[row]
-    refused &= apart <= options.search * size * np.where(away > 0.0, FARTHER, 1.0)
-    chosen = shared.select(refused)
+    touch = np.isin(_pair_keys(patches, planes, shared), _pair_keys(patches, planes, found))
+    apart_only, beside = (
+        reach_of_patches(patches, planes.f, planes.g, options, near)[row]
+        for near in (NEAR, NEAR_BESIDE)
+    )
+    told = options.search * size
+    refused &= apart <= np.where(away > 0.0, np.where(touch, beside, apart_only), told)
+    chosen, touch = shared.select(refused), touch[refused]
     interfaces = from_pieces(patches, planes, chosen, checked.partial)
-    touch = np.isin(_pair_keys(patches, planes, chosen), _pair_keys(patches, planes, found))
     excess = np.rad2deg(checked.angle - checked.limit)[chosen.row] + options.angle
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
-        if checked.too_warped[piece]:
+        if apart[piece] > told[piece]:
+            reason, needed = Reason.GAP, float(apart[piece] / size[piece])
+        elif checked.too_warped[piece]:
             reason, needed = Reason.WARP, float("nan")
         elif checked.too_steep[piece]:
             far = checked.too_far[piece] or checked.too_deep[piece]
@@ -204,7 +219,8 @@ def edge_misses(
     left = ~np.isin(a * count + b, [*(found.block_a * count + found.block_b), *facing])
     left &= patches.of_block.counts[a] * patches.of_block.counts[b] <= MANY  # not of fine meshes
     others = a[left], b[left]
-    farther, _ = edge_contacts(assembly, patches, others, FARTHER * reach[left], options)
+    farthest = reach_of_pairs(patches, others, options)
+    farther, _ = edge_contacts(assembly, patches, others, farthest, options)
     found = joined([found, farther])
     return [_missed_edges(found, i, patches.origin) for i in range(found.count)], undirected
 

@@ -107,6 +107,34 @@ class Patches:
         """Lowest and highest corner (n, 3) of each block [m], relative to ``origin``."""
         return self.of_block.min(self.low), self.of_block.max(self.high)
 
+    @cached_property
+    def rectangles(self) -> tuple[Floats, Floats, Floats]:
+        """Rectangles around the patches, along their longest edges.
+
+        Their axes (p, 2, 3), half their lengths (p, 2) [m], and their middles (p, 3) [m].
+        """
+        along = self.corner[Ragged(self.ring_start).following] - self.corner
+        corners, square = Ragged(self.ring_start[self.first_ring]), dot(along, along)
+        longest = np.flatnonzero(square == corners.spread(corners.max(square)))
+        first = longest[np.unique(corners.owner[longest], return_index=True)[1]]
+        u = along[first] / np.sqrt(square[first])[:, None]
+        axes = np.stack([u, cross(self.normal, u)], axis=1)
+        local = self.corner - corners.spread(self.centre)
+        flat = np.stack([dot(local, corners.spread(axes[:, k])) for k in (0, 1)], axis=1)
+        low, high = corners.min(flat), corners.max(flat)
+        middle = self.centre + np.einsum("pk,pki->pi", 0.5 * (low + high), axes)
+        return axes, 0.5 * (high - low), middle
+
+    @cached_property
+    def length(self) -> Floats:
+        """Longest dimension (n,) [m] of each block: of a box, its diagonal."""
+        area = self.area[:, None]
+        middle = self.of_block.sum(area * self.centre) / self.of_block.sum(area)
+        corners = Ragged(self.ring_start[self.first_ring[self.first_patch]])
+        away = self.corner - corners.spread(middle)
+        longest: Floats = 2.0 * np.sqrt(corners.max(dot(away, away)))
+        return longest
+
 
 def patches_of(assembly: Assembly) -> Patches:
     """Patches of an assembly.

@@ -103,34 +103,73 @@ def test_a_block_that_is_drawn_into_the_floor_closes_no_gaps_of_others() -> None
         assert check(beside).verdict is Verdict.UNDECIDED
 
 
-@pytest.mark.parametrize("short", [3e-4, 1e-3, 3e-3, 5e-3])
-@pytest.mark.parametrize("thick", [0.03, 0.04, 0.06])
-def test_a_leg_that_is_drawn_too_short_is_no_proof_of_a_fall(thick: float, short: float) -> None:
+def table_with_a_leg(thick: float, short: float) -> Assembly:
+    """A table with legs of 0.45 m, one of them short."""
     far = 0.19 - thick
     legs = [
         box((thick, thick, 0.45 - low), (x, y, low), name=f"leg {x:g} {y:g}")
         for x, y, low in ((-0.19, -0.19, short), (-0.19, far, 0), (far, -0.19, 0), (far, far, 0))
     ]
     seat = box((0.4, 0.4, 0.03), (-0.2, -0.2, 0.45), name="seat")
-    found = check(Assembly((FLOOR, *legs, seat)).with_fixed(["floor"]))
+    return Assembly((FLOOR, *legs, seat)).with_fixed(["floor"])
+
+
+@pytest.mark.parametrize("short", [3e-4, 1e-3, 3e-3, 5e-3, 8e-3])
+@pytest.mark.parametrize("thick", [0.02, 0.03, 0.04, 0.06])
+def test_a_leg_that_is_drawn_too_short_is_no_proof_of_a_fall(thick: float, short: float) -> None:
+    model = table_with_a_leg(thick, short)
+    found = check(model)
     if found.verdict is not Verdict.STABLE:  # within tolerance
         assert found.verdict is Verdict.UNDECIDED
-        assert f"'floor' and '{legs[0].name}' are {1e3 * short:g} mm apart" in found.message
+        assert f"'floor' and '{model.names[1]}' are {1e3 * short:g} mm apart" in found.message
         assert "--gap" in found.message
 
 
-@pytest.mark.parametrize("low", [5e-4, 3e-3, 5e-3])
-@pytest.mark.parametrize("thick", [0.03, 0.06])
-def test_a_bearing_that_is_drawn_too_low_is_no_proof_of_a_fall(thick: float, low: float) -> None:
+def beam_on_bearings(thick: float, low: float) -> Assembly:
+    """A beam of a metre on two bearings, one of them low."""
     ends = (box((0.1, 0.1, 0.1), name="left"), box((0.1, 0.1, 0.1 - low), (0.9, 0, 0), "right"))
     beam = box((1.0, thick, thick), (0.0, 0.0, 0.1), name="beam")
-    found = check(Assembly((*ends, beam)).with_fixed(["left", "right"]))
+    return Assembly((*ends, beam)).with_fixed(["left", "right"])
+
+
+@pytest.mark.parametrize("low", [5e-4, 3e-3, 5e-3, 8e-3])
+@pytest.mark.parametrize("thick", [0.02, 0.03, 0.06])
+def test_a_bearing_that_is_drawn_too_low_is_no_proof_of_a_fall(thick: float, low: float) -> None:
+    found = check(beam_on_bearings(thick, low))
     assert found.verdict is Verdict.UNDECIDED
     assert f"'right' and 'beam' are {1e3 * low:g} mm apart; join them with --gap" in found.message
 
 
-def test_what_hovers_far_above_the_floor_falls() -> None:
-    assert check(cube(-0.07)).verdict is Verdict.UNSTABLE
+@pytest.mark.parametrize("size", [0.05, 0.2])
+def test_a_cube_hovers_a_quarter_of_its_edge_before_it_surely_falls(size: float) -> None:
+    for share, verdict in ((0.2, Verdict.UNDECIDED), (0.26, Verdict.UNSTABLE)):
+        hovering = box((size, size, size), (0.0, 0.0, share * size), name="cube")
+        assert check(Assembly((FLOOR, hovering)).with_fixed(["floor"])).verdict is verdict
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        table_with_a_leg(0.04, 0.015),
+        table_with_a_leg(0.02, 0.011),
+        beam_on_bearings(0.02, 0.02),
+        beam_on_bearings(0.06, 0.03),
+        cube(-1.0),
+    ],
+)
+def test_what_is_clearly_apart_falls(model: Assembly) -> None:
+    assert check(model).verdict is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize(("below", "verdict"), [(0.019, "undecided"), (0.022, "unstable")])
+def test_a_plank_that_hangs_over_falls_if_the_next_one_is_far_below(
+    below: float, verdict: str
+) -> None:
+    plank = (1.0, 0.1, 0.02)
+    low, spacer = box(plank, name="low"), box((0.1, 0.1, below), (0.0, 0.0, 0.02), "spacer")
+    upper = box(plank, (0.0, 0.0, 0.02 + below), "upper")
+    found = check(Assembly((low, spacer, upper)).with_fixed(["low"]))
+    assert found.verdict is Verdict(verdict)
 
 
 def test_a_wider_gap_is_kept_in_mind_and_not_reported() -> None:

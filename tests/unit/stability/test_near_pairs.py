@@ -69,7 +69,7 @@ def test_a_limit_that_is_open_at_its_start_has_a_picture(tmp_path: Path) -> None
     assert [stage.label for stage in limit.layers().stages] == ["not decided at 0°"]
     save_figure(limit, tmp_path / "open.png")
     with pytest.raises(InputError, match="no blocks touch"):
-        limits.limit_friction(above(0.2, 0.2))
+        limits.limit_friction(above(0.3, 0.3))
 
 
 def test_a_block_that_touches_nothing_at_first_settles_onto_what_is_near() -> None:
@@ -84,7 +84,7 @@ def test_the_option_that_is_named_joins_the_pair() -> None:
 
 
 def test_a_block_far_above_another_falls() -> None:
-    assert check(above(0.2)).falls
+    assert check(above(0.3)).falls
 
 
 def test_it_falls_where_touching_would_not_hold_it() -> None:
@@ -128,7 +128,7 @@ def test_equilibrium_is_not_denied_because_of_a_near_pair() -> None:
     found = solve_rbe(above(0.02))
     assert found.verdict is Verdict.UNDECIDED
     assert "--gap 0.021" in found.message
-    assert solve_rbe(above(0.2)).verdict is Verdict.UNSTABLE
+    assert solve_rbe(above(0.3)).verdict is Verdict.UNSTABLE
 
 
 def test_a_model_without_any_contact_has_no_equilibrium() -> None:
