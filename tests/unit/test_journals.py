@@ -140,3 +140,39 @@ def test_answers_of_other_options_and_of_other_processes_are_not_mixed(tmp_path)
     file.unlink()
     with pytest.raises(drystone.FormatError, match="changed by another process"):
         drystone.check_many([tower(1), tower(2)], out=file, executor=None, progress=meddle)
+
+
+@WORK
+def test_records_of_another_version_are_not_gone_on_from(work, tmp_path) -> None:
+    file = tmp_path / "kept"
+    work(file)
+    head, *records = file.read_bytes().splitlines(keepends=True)
+    about = json.loads(head.partition(b" ")[2])
+    text = json.dumps({**about, "version": "0.0.1"}).encode()
+    file.write_bytes(b"".join([b"%08x %s\n" % (zlib.crc32(text), text), *records]))
+    with pytest.raises(drystone.FormatError, match=r"kept.*is of other work: version differ"):
+        work(file)
+
+
+@pytest.mark.parametrize("form", ["drystone", "drystone-npz", "compas-assembly"])
+def test_a_stored_model_that_is_cut_or_damaged_is_read_or_refused_in_one_line(
+    form: str, tmp_path
+) -> None:
+    drystone.io.write(drystone.check(tower(2)), tmp_path / "model.json", format=form)
+    for file in sorted(tmp_path.iterdir()):
+        data = file.read_bytes()
+        cuts = [(data[:cut], True) for cut in range(0, len(data) - 2, 100)]
+        for place in range(0, len(data), 89):
+            damaged = bytearray(data)
+            damaged[place] ^= 1 << place % 8
+            cuts.append((bytes(damaged), file.suffix == ".npz"))  # its checksum is known
+        for content, is_lost in cuts:
+            file.write_bytes(content)
+            said = ""
+            try:
+                drystone.read(tmp_path / "model.json")
+            except drystone.InputError as error:
+                said = str(error)
+            assert file.name in said or (said == "" and not is_lost)
+            assert "\n" not in said
+        file.write_bytes(data)

@@ -223,7 +223,7 @@ def write_together(jobs: Sequence[Job], *, into: PathLike | None = None) -> list
         A folder does not exist or cannot be written, or two jobs have one file.
     """
     if into is not None and not as_path(into).exists():
-        folder = make_folder(into)
+        folder = _made_folder(into)
         try:
             return write_together(jobs)
         except BaseException:
@@ -258,7 +258,7 @@ def write_together(jobs: Sequence[Job], *, into: PathLike | None = None) -> list
     return [str(path) for path, _ in jobs]
 
 
-def make_folder(path: PathLike) -> Path:
+def _made_folder(path: PathLike) -> Path:
     """A folder to write into, made with those above it where there is none.
 
     Raises

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
-from drystone.base.files import make_folder
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
@@ -118,7 +117,7 @@ def mend(
             files=partial(changed_files, made_one, wanted, out),
         )  # fmt: skip
     if pages is not None:
-        told = replace(told, files=partial(_with_pages, told.files, mends, pages))
+        told = replace(told, files=partial(_with_pages, told.files, mends, pages), into=pages)
     return told
 
 
@@ -132,7 +131,6 @@ def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
     """The other files, and a page of each mend."""
     from drystone.view import save_page  # as above
 
-    make_folder(folder)
     jobs, notes = others()
     for number, one in enumerate(mends.mends, 1):
         jobs.append((folder / f"mend-{number:02d}.html", partial(save_page, one)))

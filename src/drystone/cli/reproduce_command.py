@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.base.files import make_folder
 from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.offered import OUTPUT, Argument, Option
@@ -49,8 +48,6 @@ def reproduce(
         return Told(cases.sections(), subject="sections of Kao 2023", everything=True)
     if section != "all" and section not in cases.SECTIONS:
         cases.reproduce(section)  # says which there are
-    if out is not None:
-        make_folder(out)
     found: list[Case] = []
     written: list[str] = []
     for name in cases.SECTIONS if section == "all" else [section]:

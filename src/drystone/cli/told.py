@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from drystone.base.errors import DrystoneError
@@ -48,6 +49,8 @@ class Told:
     files
         Makes the files. It is called when the answer is known, so that the answer survives Ctrl-C
         and a full disk.
+    into
+        A folder that is made for the files where there is none.
     written
         Names of files that are written already.
     everything
@@ -60,6 +63,7 @@ class Told:
     exit_code: int | None = None
     notes: Sequence[str] = ()
     files: Callable[[], Files] | None = None
+    into: Path | None = None
     written: Sequence[str] = ()
     everything: bool = False
 
@@ -121,7 +125,7 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
         waiting.stage("write", "writing")
         try:
             jobs, said = answer.files()
-            files += write_together(jobs)
+            files += write_together(jobs, into=answer.into)
             notes += said
         except KeyboardInterrupt:
             waiting.interrupted = True

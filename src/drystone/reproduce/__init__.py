@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from drystone.answer import Role, Sentence, Statement
 from drystone.base.errors import InputError
-from drystone.base.files import PathLike
+from drystone.base.files import Job, PathLike, write_together
 from drystone.base.table import Table
 from drystone.reproduce import assembly_cases, equilibrium_cases, method_cases, tilt_cases
 from drystone.reproduce.published_case import Case, Line
@@ -82,7 +83,7 @@ def sections() -> Statement:
 
 
 def save_case(case: Case, folder: PathLike) -> list[str]:
-    """Write the pages and figures of a case into a folder that exists.
+    """Write the pages and figures of a case into a folder, which is made where there is none.
 
     Parameters
     ----------
@@ -99,17 +100,13 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
     from drystone.view import save_figure, save_page
 
     target = Path(folder)
-    if not target.is_dir():
-        raise InputError("there is no such folder", where=str(target), remedy="make it first")
-    written = []
+    jobs: list[Job] = []
     for name, subject in case.pictures.items():
         if isinstance(subject, Plan) and not subject.steps:
             continue
         page, figure = (target / f"{case.section}-{name}{suffix}" for suffix in (".html", ".png"))
-        save_page(subject, page)
-        save_figure(subject, figure)
-        written += [str(page), str(figure)]
-    return written
+        jobs += [(page, partial(save_page, subject)), (figure, partial(save_figure, subject))]
+    return write_together(jobs, into=target)
 
 
 __all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case", "sections"]

@@ -1,0 +1,73 @@
+"""A full disk is told with the file, in one line, by every command that writes; nothing is left."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from benchmarks import interrupted
+from benchmarks.interrupted import Case
+from drystone.cli import main
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="a limit of the size of files")
+
+CASES = interrupted.cases(every_suffix=False)
+NEEDS = {"fall": "mujoco"}
+"""Packages without which a command refuses its work."""
+
+
+def name_of(case: Case) -> str:
+    """A command and what it writes."""
+    return f"{case.command} {case.option}"
+
+
+@pytest.fixture(scope="module")
+def work(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with the models that the commands are asked about."""
+    folder = tmp_path_factory.mktemp("work")
+    interrupted.models_in(folder)
+    before = Path.cwd()
+    os.chdir(folder)
+    yield folder
+    os.chdir(before)
+
+
+def test_every_command_that_writes_is_among_them() -> None:
+    writing = {
+        name for name, one in interrupted.commands().items() if interrupted.files_of(name, one)
+    }
+    assert {case.command for case in CASES} == writing
+    assert len(interrupted.cases()) > 90
+
+
+def test_the_help_calls_no_other_option_a_file() -> None:
+    for name, one in interrupted.commands().items():
+        known = {param.name for param, _ in interrupted.files_of(name, one)}
+        for param in one.params:
+            told = str(getattr(param, "help", "") or "")
+            writes = told.startswith(("Write ", "Draw ")) and not getattr(param, "is_flag", False)
+            assert not writes or param.name in known, f"{name} {param.name}: use kinds.target"
+
+
+@pytest.mark.parametrize("case", CASES, ids=name_of)
+def test_a_full_disk_is_told_with_the_file_and_nothing_is_left(
+    case: Case, work: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blank = Figure(figsize=(1, 1))  # what is drawn does not matter, and takes long
+    monkeypatch.setattr("drystone.view.figure.draw", lambda *_, **__: blank)
+    if case.command in NEEDS:
+        pytest.importorskip(NEEDS[case.command])
+    disk = work / "disk"
+    shutil.rmtree(disk, ignore_errors=True)
+    disk.mkdir()
+    if "." in case.name:
+        (disk / case.name).write_bytes(interrupted.OLD)
+    before = interrupted.tree(disk)
+    with interrupted.small_files(disk, 0):
+        code = main(case.words)
+    told = capsys.readouterr().err
+    assert interrupted.left_by(case, code, told, before, disk) == ""
+    assert code == 2
