@@ -66,7 +66,9 @@ class Server(object):  # noqa: UP004  # Python 2 needs it
             answer = self._opener.open(request, timeout=self._seconds)
             return json.loads(answer.read().decode("utf-8"))
         except HTTPError as error:
-            raise Refused(_in_words(error.read().decode("utf-8")))  # noqa: B904  # Python 2
+            text = error.read().decode("utf-8")
+            error.close()  # Python 3.14 warns of what is left open
+            raise Refused(_in_words(text))  # noqa: B904  # Python 2
         except TimeoutError:
             raise Refused("no answer within %g s" % self._seconds)  # noqa: B904, UP031
         except URLError as error:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from shutil import which
 from typing import Any
+from urllib.error import HTTPError
 
 import pytest
 
@@ -353,8 +354,10 @@ def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
     status, told = ask(live, "/v1/check", {"model": {"file": "../secret.json"}})
     assert (status, told["error"]["where"]) == (400, "../secret.json")
     assert "path relative" in told["error"]["remedy"]
-    with pytest.raises(client.Refused, match="path relative"):
+    with pytest.raises(client.Refused, match="path relative") as refused:
         server.check({"file": "../secret.json"})
+    assert isinstance(refused.value.__context__, HTTPError)
+    assert refused.value.__context__.closed  # or Python 3.14 warns
     with pytest.raises(client.Refused, match="no answer within"):
         client.Server(live.link, 0.001).check(tower_)
     with pytest.raises(client.Refused, match="token"):

@@ -319,13 +319,22 @@ def test_the_command_refuses_a_folder_that_is_not_there(
     assert "--time-limit: is 0" in capsys.readouterr().err
 
 
+def heeding() -> None:
+    """Heed the requests to end that the tests were started without, as by nohup."""
+    for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(one, signal.SIG_DFL)
+
+
 class Raw:
     """A server that is written to line by line."""
 
     def __init__(self, folder: Path) -> None:
         command = [sys.executable, "-m", "drystone", "mcp", str(folder)]
         pipe = subprocess.PIPE
-        self.run = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+        self.run = subprocess.Popen(
+            command, stdin=pipe, stdout=pipe, stderr=pipe, text=True,
+            preexec_fn=heeding if os.name == "posix" else None,
+        )  # fmt: skip
         about = {"protocolVersion": "2025-06-18", "capabilities": {}}
         about["clientInfo"] = {"name": "raw", "version": "1"}
         self.ask({"id": 0, "method": "initialize", "params": about})
