@@ -6,7 +6,11 @@ One to six random blocks: flat, thin, sharp, nearly without volume, twice in one
 other, with gaps and overlaps of all sizes, turned a little, far from the origin, of sizes that
 differ by up to a million, and whole assemblies at the ends of what a float holds. Friction and
 loads are as odd. Each assembly gets 10 CPU s, and 2 GiB are all that may be allocated. Warnings are
-errors. The forces of each one that stands are summed again, in extended precision.
+errors.
+
+Every answer is held against RBE by lines that share nothing with it
+(:mod:`benchmarks.any_forces`): the forces of what stands balance, press and stay in their cones, no
+velocities prove that there are none, and what RBE calls unstable has velocities that prove it.
 """
 
 from __future__ import annotations
@@ -21,19 +25,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from benchmarks.any_forces import fault_of_forces, proven_none, proves_none
 from benchmarks.fuzz import TooSlowError, _deadline, _limited_memory, _restore_memory
-from drystone import Assembly, LoadCase, Model, check
+from drystone import Assembly, LoadCase, Model, check, solve_rbe
 from drystone.assembly import Block
 from drystone.base.errors import InputError
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism, welded
-from drystone.results import Result
+from drystone.results import Result, Verdict
 
 LIMIT_S = 10.0
 MEMORY = 2 * 2**30
 """[bytes]"""
-UNBALANCED = 1e-6
-"""Largest sum of the forces on a block that stands, by the largest force on it."""
 TINY = (0.0, 0.0, 0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, -1e-9, -1e-6, -1e-4, -0.1)
 """Gaps between blocks, by their size; overlaps are below zero."""
 
@@ -46,6 +49,10 @@ class Tally:
     ----------
     outcomes
         Number by kind of outcome.
+    against
+        Number by verdict, verdict of RBE, and what the linear program found.
+    proofs
+        Number of mechanisms of RBE by whether they prove by themselves that there are no forces.
     failures
         Each the number of the assembly and what went wrong.
     slowest
@@ -53,6 +60,8 @@ class Tally:
     """
 
     outcomes: Counter[str] = field(default_factory=Counter)
+    against: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    proofs: Counter[bool] = field(default_factory=Counter)
     failures: list[tuple[int, str]] = field(default_factory=list)
     slowest: tuple[float, int] = (0.0, -1)
 
@@ -127,18 +136,28 @@ def odd_model(rng: random.Random) -> Model:
     return Model.of(assembly, friction=mu, load=(rng.choice((0.0, strength)), 0.0, -strength))
 
 
-def unbalanced(found: Result) -> float:
-    """The largest sum of forces on a free block, by the largest force on it; infinite if none."""
-    force = np.asarray(found.world_force(), dtype=np.longdouble)
-    contacts, load = found.model.contacts, found.model.load.wrench[:, :3].astype(np.longdouble)
-    total, most = load.copy(), np.abs(load).max(axis=1)
-    for block, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
-        of_corner = block[contacts.interface]
-        np.add.at(total, of_corner, sign * force)
-        np.maximum.at(most, of_corner, np.abs(force).max(axis=1))
-    free = found.model.assembly.free
-    share = np.abs(total[free]).max(axis=1) / np.where(most[free] > 0.0, most[free], 1.0)
-    return float(np.nan_to_num(share, nan=np.inf).max(initial=0.0))
+def against_rbe(found: Result, rbe: Result, tally: Tally) -> str:
+    """What speaks against a verdict, and count how it compares; empty where nothing does."""
+    none = proven_none(found.model)
+    proof = "not asked" if none is None else "no forces" if none else "forces not excluded"
+    tally.against[found.verdict.value, rbe.verdict.value, proof] += 1
+    if found.stable:
+        fault = fault_of_forces(found)
+        if fault:
+            return f"STABLE with forces, but {fault}"
+        if none:
+            return "STABLE, and no forces balance the loads"
+        if rbe.verdict is Verdict.UNSTABLE:
+            return "STABLE, and unstable by RBE"
+    if rbe.verdict is Verdict.EQUILIBRIUM_EXISTS:
+        fault = fault_of_forces(rbe)
+        if fault:
+            return f"forces of RBE, but {fault}"
+    if rbe.mechanism is not None:
+        velocity = rbe.mechanism.copy()
+        velocity[:, 3:] *= np.array([one.size for one in rbe.model.assembly.blocks])[:, None]
+        tally.proofs[proves_none(rbe.model, velocity.ravel())] += 1
+    return ""
 
 
 def one(number: int, seed: int, tally: Tally) -> None:
@@ -148,12 +167,12 @@ def one(number: int, seed: int, tally: Tally) -> None:
     wrong = ""
     try:
         with _deadline(LIMIT_S, busy=True):
-            found = check(odd_model(rng))
+            model = odd_model(rng)
+            found = check(model)
         outcome = found.verdict.value
-        if found.stable and unbalanced(found) > UNBALANCED:
-            wrong = f"STABLE with forces that do not balance: {unbalanced(found):.1e}"
         if found.falls and (found.mechanism is None or not np.isfinite(found.mechanism).all()):
             wrong = "UNSTABLE without a motion"
+        wrong = wrong or against_rbe(found, solve_rbe(model), tally)
     except InputError as error:
         outcome = "refused"
         if "\n" in str(error):
@@ -197,6 +216,11 @@ def main() -> int:
         print(f"{kind}: {count:,}")
     print(f"{sum(tally.outcomes.values()):,} assemblies in {spent:.0f} s, seed {chosen.seed}")
     print(f"the slowest took {tally.slowest[0]:.2f} CPU s (number {tally.slowest[1]})")
+    for (verdict, rbe, proof), count in sorted(tally.against.items()):
+        print(f"{verdict}, RBE {rbe}, {proof}: {count:,}")
+    print(
+        f"mechanisms of RBE that prove it: {tally.proofs[True]:,}, do not: {tally.proofs[False]:,}"
+    )
     for number, wrong in tally.failures[:20]:
         print(f"FAILED {number}: {wrong}")
     print(f"{len(tally.failures)} failures")
