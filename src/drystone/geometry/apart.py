@@ -68,9 +68,9 @@ def set_apart(
 ) -> tuple[list[ConvexPiece | None], float]:
     """The pieces, cut back where those of two bodies overlap, and the largest depth of that [m].
 
-    Each pair is cut by the plane in the middle of its overlap, along the face of one of them in
-    whose direction they overlap least. A piece of which nothing is left is ``None``, unless it is
-    the last of its body.
+    Each pair is cut by the plane in the middle of its overlap, in the direction in which they
+    overlap least: across a face of one of them, or across an edge of each. A piece of which nothing
+    is left is ``None``, unless it is the last of its body.
 
     Parameters
     ----------
@@ -100,16 +100,17 @@ def set_apart(
         one, other = made[i], made[j]
         if one is None or other is None:
             continue
-        normal = np.concatenate([one.normal, -other.normal])
-        top = (one.point @ normal.T).max(axis=0)
-        bottom = (other.point @ normal.T).min(axis=0)
-        least = int(np.argmin(top - bottom))
-        depth = float(top[least] - bottom[least])
-        if depth <= PLANE * min(size[i], size[j]):
+        touching = PLANE * min(size[i], size[j])
+        normal, middle, depth = _least_overlap(
+            one, other, np.concatenate([one.normal, -other.normal])
+        )
+        if depth > touching:  # they may cross with two edges
+            edges = _least_overlap(one, other, _across_edges(one, other))
+            normal, middle, depth = min((normal, middle, depth), edges, key=lambda cut: cut[2])
+        if depth <= touching:
             continue
         deepest = max(deepest, depth)
-        middle = 0.5 * (top[least] + bottom[least])
-        cut = _below(one, normal[least], middle), _below(other, -normal[least], -middle)
+        cut = _below(one, normal, middle), _below(other, -normal, -middle)
         gone = [k for k, part in zip((i, j), cut, strict=True) if part is None]
         if not gone:
             made[i], made[j] = cut
@@ -118,6 +119,40 @@ def set_apart(
                 made[k] = None
                 left[owner[k]] -= 1
     return made, deepest
+
+
+def _least_overlap(
+    one: ConvexPiece, other: ConvexPiece, normal: Floats
+) -> tuple[Floats, float, float]:
+    """Of some directions (d, 3) that in which a piece reaches least into another.
+
+    With the middle of that overlap [m] along it, and its depth [m].
+    """
+    top = (one.point @ normal.T).max(axis=0)
+    bottom = (other.point @ normal.T).min(axis=0)
+    least = int(np.argmin(top - bottom))
+    middle = 0.5 * float(top[least] + bottom[least])
+    return normal[least], middle, float(top[least] - bottom[least])
+
+
+def _across_edges(one: ConvexPiece, other: ConvexPiece) -> Floats:
+    """Directions (d, 3) across an edge of each piece, either way.
+
+    With those of their faces they are all that can part two convex bodies.
+    """
+    across = np.cross(_edges(one)[:, None], _edges(other)[None]).reshape(-1, 3)
+    size = np.linalg.norm(across, axis=1)
+    across = across[size > PLANE] / size[size > PLANE, None]
+    return np.concatenate([across, -across])
+
+
+def _edges(piece: ConvexPiece) -> Floats:
+    """Unit directions (e, 3) of the edges of a piece: of two corners that share two faces."""
+    height = np.abs(piece.point @ piece.normal.T - piece.offset)
+    at = (height <= PLANE * np.ptp(piece.point, axis=0).max()).astype(np.intp)
+    first, second = np.nonzero(np.triu(at @ at.T >= 2, 1))
+    along = piece.point[second] - piece.point[first]
+    return along / np.linalg.norm(along, axis=1, keepdims=True)
 
 
 def _below(piece: ConvexPiece, normal: Floats, offset: float) -> ConvexPiece | None:

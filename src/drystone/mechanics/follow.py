@@ -273,7 +273,9 @@ class Follower(Increments):
                 # nearly at rest: small steps are not needed
                 quick = longest < bodies.overlap and self.share < 1e-3
                 least = longest / (0.9 * self._longest())
-                self.drag *= 0.1 if quick else max(FASTER ** (self.bounds.pace * self.many), least)
+                ease = 0.1 if quick else max(FASTER ** (self.bounds.pace * self.many), least)
+                # what drifts without resistance would bring it to zero
+                self.drag = max(self.drag * ease, float(np.finfo(float).tiny))
 
     def _supports(self, motion: Floats) -> Ended:
         """Move the supports in small steps, with approximate rest after each."""

@@ -7,6 +7,7 @@ import manifold3d
 import numpy as np
 import pytest
 
+from benchmarks.leaning import reciprocal_frame
 from drystone import Assembly, Block, InputError, LoadCase, Model, io
 from drystone.io.mjcf import mjcf_text, write_mjcf
 from drystone.io.simulator_bodies import bodies
@@ -149,6 +150,16 @@ def test_legs_that_sink_into_the_floor_begin_on_it_in_a_simulator_and_it_is_said
     write_urdf(model, tmp_path / "sunk.urdf")
     for name in ("sunk.xml", "sunk.urdf"):
         assert "up to 3 mm inside each other are cut back" in (tmp_path / name).read_text("utf-8")
+
+
+def test_beams_that_cross_with_two_edges_are_not_cut_back():
+    frame = reciprocal_frame(3, 0.1)
+    found, said = bodies(Model.of(frame, friction=0.6))
+    assert said == ""
+    for body, block in zip(found, frame.blocks, strict=True):
+        ((corner, _),) = body.pieces
+        away = np.linalg.norm(corner[:, None] + body.place - block.vertices, axis=2)
+        assert away.min(axis=1).max() < 1e-9
 
 
 def test_blocks_that_begin_apart_in_a_simulator_are_told():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import drystone
+from benchmarks.leaning import card_house
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
 from drystone.mechanics import follow
@@ -307,3 +308,10 @@ def test_a_block_whose_volume_is_lost_in_rounding_has_a_radius_of_gyration():
     thin = [(a, b, c), (a, b, inside), (b, c, inside), (a, c, inside)]
     radius = gyration_radii(Assembly((welded(thin, "thin"),), np.array([True])))
     assert 0.0 < radius[0] < 4.9
+
+
+def test_what_drifts_without_resistance_is_followed_to_the_last_step():
+    """Cards of three storeys just below their least friction: the drag comes near zero."""
+    model = Model.of(card_house(3, 70.0, apart=0.0), friction=0.29452442423502606)
+    options = SettlementOptions(carrier="moving", step_limit=500)  # type: ignore[arg-type]
+    assert settle(model, options=options).outcome is Outcome.UNKNOWN
