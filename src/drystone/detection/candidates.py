@@ -132,6 +132,8 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
         patches.low[f] - margin, patches.high[f] + margin, patches.low[g], patches.high[g]
     )
     f, g = f[keep], g[keep]
+    if len(f) <= 4 * patches.count:  # few are beside each other
+        return f, g
     beside = _beside(patches, f, g, margin[keep, 0])
     return f[~beside], g[~beside]
 

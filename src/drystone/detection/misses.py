@@ -124,15 +124,15 @@ def misses(
 
     Wider gaps that may be errors of the drawing are among them.
     """
-    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
-    if not refused.any():
-        return []
+    row = shared.row
+    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[row])
     covered = np.zeros(patches.count)
     np.add.at(covered, planes.f[found.row], found.area)
     np.add.at(covered, planes.g[found.row], found.area)
     explained = covered >= EXPLAINED * patches.area
-    row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]
+    if not refused.any():
+        return []
     away = gaps(planes, shared)
     apart = np.abs(away) - checked.slack[row]
     size = planes.size[row]
