@@ -2,8 +2,8 @@
 
 Forces at the corners of a smaller polygon keep the centre of pressure inside it. Reduced joints
 describe other states of equilibrium: within the kern, at the extrados or the intrados, or with a
-margin all around. Where no such state exists, :func:`drystone.solve_rbe_penalty` shows the joints
-in which the thrust line leaves the polygon.
+margin all around. Where no such state exists, the penalised form of :func:`drystone.solve_rbe`
+shows the joints in which the thrust line leaves the polygon.
 """
 
 from __future__ import annotations

@@ -47,6 +47,7 @@ def answers() -> Iterator[Answer]:
     yield limits.limit_tilt(stack, options=coarse)
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
+    yield drystone.programs.find_forces(stack)
     yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))
     yield limits.imperfections(stack, limits.Imperfections(offset=0.01), draws=2)
     yield drystone.settle(tower(2))

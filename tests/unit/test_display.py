@@ -125,6 +125,7 @@ def values(folder: Path) -> Iterator[object]:
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))
     yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
+    yield drystone.programs.find_forces(stack, virtual=["kern"])
     yield limits.imperfections(stack, limits.Imperfections(), draws=2)
     push = LoadCase.seismic(stack.assembly, 1.0)
     yield limits.Tilt(stack, np.array([1.0, 0.0, 0.0]))

@@ -121,7 +121,7 @@ def test_what_disagrees_with_what_is_published_is_known(section):
 
 
 @pytest.mark.parametrize("cone", [FrictionCone.exact(), FrictionCone.octagon()])
-@pytest.mark.parametrize("objective", Objective)
+@pytest.mark.parametrize("objective", [Objective.QUADRATIC, Objective.LINEAR])
 def test_the_penalty_form_has_forces_wherever_a_block_overhangs(cone, objective):
     """Figure 6.2, and beyond: the tension is what the moment about the edge needs."""
     options = RBEOptions(cone=cone, objective=objective)
@@ -137,7 +137,7 @@ def test_the_penalty_form_has_forces_wherever_a_block_overhangs(cone, objective)
 
 
 @pytest.mark.parametrize("tilt", [32.5, 40.0])
-@pytest.mark.parametrize("objective", Objective)
+@pytest.mark.parametrize("objective", [Objective.QUADRATIC, Objective.LINEAR])
 def test_the_penalty_form_has_forces_for_the_dome_beyond_its_limit(tilt, objective):
     blocks = dome()
     model = Model.of(blocks, friction=0.6, load=LoadCase.tilt(blocks, (0.0, 1.0, 0.0), tilt))

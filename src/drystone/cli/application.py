@@ -116,6 +116,7 @@ app = _group(
         "cut": "shaping_commands",
         "demo": "models_command",
         "fall": "motion_commands",
+        "forces": "forces_command",
         "inspect": "file_commands",
         "interlock": "interlock_command",
         "limit": "application",

@@ -40,8 +40,10 @@ class Objective(enum.Enum):
     QUADRATIC = "quadratic"
     """Sum of weighted squares: unique, with forces spread evenly over corners."""
     LINEAR = "linear"
-    """Sum of weighted forces. Not unique: the interior point gives a solution from the middle of
-    the set of solutions, the simplex method a vertex of it."""
+    """Sum of weighted forces. Not unique: this is a solution from the middle of the set."""
+    VERTEX = "vertex"
+    """The same sum, and of its solutions one with as few forces as can be, by the simplex method:
+    it needs a friction pyramid."""
 
 
 @dataclass(frozen=True)
@@ -256,9 +258,12 @@ def solved(
     options: ConicOptions | None = None,
     *,
     stop: Callable[[], bool] | None = None,
+    vertex: bool = False,
 ) -> EquilibriumSolution:
-    """Solution of a program over corner forces."""
+    """Solution of a program over corner forces; with ``vertex`` one of its linear program's."""
     raw = program.solve(options, stop=stop)
+    if vertex and raw.status is ConicStatus.SOLVED:
+        raw = program.at_vertex(raw, ConicOptions.of(options).time_limit_s)
     force = raw.x[program.variables["force"]].reshape(-1, 3).copy()
     pull = np.zeros(len(force))
     if "tension" in program.variables:

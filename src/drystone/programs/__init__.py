@@ -3,6 +3,7 @@
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.programs.cra import CRAOptions, solve_cra
+from drystone.programs.force_states import Forces, find_forces
 from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
 from drystone.solvers.program import ConicProgram
@@ -10,6 +11,7 @@ from drystone.solvers.program import ConicProgram
 __all__ = [
     "CRAOptions",
     "ConicProgram",
+    "Forces",
     "FrictionCone",
     "FrictionRule",
     "Objective",
@@ -18,6 +20,7 @@ __all__ = [
     "Weights",
     "build_rbe",
     "build_rbe_penalty",
+    "find_forces",
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",

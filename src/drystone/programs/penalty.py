@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Unpack
@@ -47,15 +48,30 @@ class PenaltyOptions(Options):
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
     settle
         Whether a structure that comes to rest after settling needs no help.
+    gamma
+        Cost of tension by that of compression, one or more: springs that balance loads have the
+        least energy, in which a pull on glue of a stiffness counts by its inverse. As far as the
+        iteration follows, 1000 at most, when left out.
     """
 
     ground: float = 1e-8
     settle: bool = False
+    gamma: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 0.0 < self.ground < np.inf:
             raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
+        if self.gamma is not None and not 1.0 <= self.gamma < np.inf:
+            raise InputError(f"gamma is {self.gamma}", where="gamma", remedy="give 1 or more")
+
+    @property
+    def glue(self) -> tuple[float, ...]:
+        """Tensile stiffnesses that are tried one after another, the weakest last."""
+        if self.gamma is None:
+            return GLUE
+        steps = max(1, math.ceil(2.0 * math.log10(self.gamma)))
+        return tuple(self.gamma ** -(i / steps) for i in range(1, steps + 1))
 
 
 @checked_call
@@ -74,7 +90,7 @@ def solve_cra_penalty(
 
     ``prop`` is the wrench that would hold each falling block with dry joints. ``tension`` is the
     tension of the joints if they were glued: corners get a weak tensile spring, and friction is
-    bounded by compression (similar to eq. 5.8 of Kao et al. 2022). There is always a result.
+    bounded by compression. There is always a result.
 
     Parameters
     ----------
@@ -94,6 +110,11 @@ def solve_cra_penalty(
     ------
     InputError
         What was given cannot be made into a model.
+
+    Notes
+    -----
+    Source: Kao et al. 2022, eq. 5.8, with ``gamma``. There all pressed corners overlap by the same
+    length; here by as much as they carry.
     """
     chosen = PenaltyOptions.of(options)
     clock = Clock(time_limit_s, stop)
@@ -119,7 +140,7 @@ def solve_cra_penalty(
     if progress is not None:
         progress("glue", 0, 1)
     statics = problem.statics
-    glued = glued_state(problem, chosen.ground, clock.late)
+    glued = glued_state(problem, chosen, clock.late)
     leaning = find_rest(
         problem.statics, law.uniform(statics), replace(TO_REST, end=None), stop=clock.late
     )
@@ -166,22 +187,25 @@ def solve_cra_penalty(
 
 
 def glued_state(
-    problem: Problem, ground: float = PenaltyOptions.ground, stop: Callable[[], bool] | None = None
+    problem: Problem,
+    options: PenaltyOptions | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> RestState:
     """The rest state with the weakest glue that the iteration follows, see :data:`GLUE`.
 
     Parameters
     ----------
     problem
-    ground
-        Stiffness of the ground.
+    options
     stop
         Asked often; True ends the iteration with what is there.
     """
-    numerics = RestOptions(ground=ground, tolerance=1e-7)
+    chosen = PenaltyOptions.of(options)
+    numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
     statics = problem.statics
-    glued = find_rest(problem.statics, _glue(statics, GLUE[0]), numerics, stop=stop)
-    for glue in GLUE[1:]:
+    first, *rest = chosen.glue
+    glued = find_rest(problem.statics, _glue(statics, first), numerics, stop=stop)
+    for glue in rest:
         weaker = find_rest(problem.statics, _glue(statics, glue), numerics, start=glued, stop=stop)
         if not weaker.converged:
             break

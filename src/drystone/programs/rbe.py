@@ -7,6 +7,7 @@ from typing import Unpack
 
 import numpy as np
 
+from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
@@ -72,6 +73,15 @@ class RBEOptions(Options):
     tension: bool = True
     rule: FrictionRule = FrictionRule.PLUS
     conic: ConicOptions = field(default_factory=ConicOptions)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.objective is Objective.VERTEX and not self.cone.sides:
+            raise InputError(
+                "the exact cone is round, and a vertex is a corner",
+                where="objective",
+                remedy="give a friction pyramid: the cone octagon",
+            )
 
     @classmethod
     def feasibility(cls, cone: FrictionCone | None = None) -> RBEOptions:
@@ -239,6 +249,7 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
             _program(problem.statics, chosen, tension),
             replace(chosen.conic, time_limit_s=clock.left_s),
             stop=clock.late,
+            vertex=chosen.objective is Objective.VERTEX,
         )
 
     solution = run(False)

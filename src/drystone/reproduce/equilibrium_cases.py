@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import linprog
 
 from drystone import models
 from drystone.base.arrays import Floats
-from drystone.base.errors import SolverError
 from drystone.limits import Bracket, LimitOptions, limit_friction, limit_tilt
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.programs import (
+    Forces,
     FrictionCone,
     FrictionRule,
     Objective,
-    RBEOptions,
-    build_rbe,
-    solve_cra_penalty,
+    find_forces,
     solve_rbe,
 )
 from drystone.reproduce.published_case import Case, Line
-from drystone.results import Result, Verdict
+from drystone.results import Verdict
 from drystone.stability import check
-from drystone.virtual import to_kern
+
+if TYPE_CHECKING:
+    from drystone.reproduce.published_case import Picture
+
+_CROWN = ("voussoir-06", "voussoir-07")
+"""Blocks before the joints at mid-span of the arch of 15 voussoirs."""
 
 _PRESSES = 1e-6
 """Share of the largest normal force from which on a corner presses; below is rounding."""
@@ -52,71 +55,50 @@ def pinched_blocks() -> Case:
 def stack() -> Case:
     """Figures 6.1 to 6.3: two blocks, their joint level, overhanging and inclined."""
     level = Model.of(models.two_blocks_on_incline(0.0), friction=0.8)
-    spread, corners = solve_rbe(level), _vertex(level)
+    spread, corners = solve_rbe(level), find_forces(level, objective=Objective.VERTEX).result
     lines = [
         Line("level joint, quadratic: corners that press (6.1a)", "4",
              str(_pressing(spread.force)), _pressing(spread.force) == 4),
         Line("level joint, linear, by simplex: corners that press (6.1b)", "2",
-             str(_pressing(corners)), _pressing(corners) == 2,
+             str(_pressing(corners.force)), _pressing(corners.force) == 2,
              "the program has many solutions; which vertex is found depends on the solver"),
     ]  # fmt: skip
-    lines += [_overhang(share) for share in (0.25, 0.45, 0.6)]
+    shares = (0.25, 0.45, 0.6)
+    pushed = [find_forces(models.overhang([share]), friction=0.8) for share in shares]
+    lines += [_overhang(share, found) for share, found in zip(shares, pushed, strict=True)]
     inclined = Model.of(models.two_blocks_on_incline(23.6), friction=0.8)
     least = middle(limit_friction(inclined).equilibrium)
     lines.append(
         Line("inclined by 23.6 degrees: least friction", "0.44", f"{least:.3f}",
              abs(least - 0.44) <= 0.005)
     )  # fmt: skip
-    rough = solve_rbe(inclined)
-    needed = _needed(rough)
+    rough = find_forces(inclined, rule=FrictionRule.NET, threshold=0.6)
+    over = find_forces(inclined, rule=FrictionRule.NET, threshold=0.2)
+    needed = float(rough.friction.max())
+    told = " and ".join("beyond" if one.code else "within" for one in (rough, over))
     lines.append(
-        Line("friction 0.8: global friction that the joint uses (6.3a)", "below 0.6 and above 0.2",
-             f"{needed:.3f}", 0.2 < needed < 0.6)
+        Line("friction 0.8, friction-net, thresholds 0.6 and 0.2 (6.3a)", "within and beyond",
+             told, told == "within and beyond", f"the joint needs {needed:.3f}")
     )  # fmt: skip
     slippery = inclined.with_friction(0.2)
-    net = solve_rbe(slippery, options=RBEOptions(rule=FrictionRule.NET))
-    plus = solve_rbe(slippery, options=RBEOptions(rule=FrictionRule.PLUS))
-    glued = plus.tension is not None and bool((plus.tension > 0.0).any())
+    net = find_forces(slippery, rule=FrictionRule.NET).result
+    plus = find_forces(slippery, threshold=0.2)
+    glued = bool(plus.pull.any())
     lines += [
         Line("friction 0.2, friction-net", "no forces", "no forces" if net.force is None else
              "forces", net.force is None),
         Line("friction 0.2, friction+ (6.3b)", "forces with tension",
              "forces with tension" if glued else "no tension", glued),
     ]  # fmt: skip
-    return Case("6.1.1", "Two stacked blocks", tuple(lines), {"stack": rough})
+    pictures = {"stack": rough, "slippery": plus, "overhang": pushed[-1]}
+    return Case("6.1.1", "Two stacked blocks", tuple(lines), pictures)
 
 
-def _overhang(share: float) -> Line:
+def _overhang(share: float, found: Forces) -> Line:
     """Figure 6.2: the upper block pushed out by a share of its length."""
-    model = Model.of(models.overhang([share]), friction=0.8)
-    found = solve_rbe(model)
-    pulls = found.tension is not None and bool((found.tension > 0.0).any())
-    told = (
-        "no forces" if found.force is None else f"forces {'with' if pulls else 'without'} tension"
-    )
-    wanted = "forces with tension" if share > 0.5 else "forces without tension"
-    return Line(
-        f"upper block pushed out by {share:g} of its length (6.2)", wanted, told, told == wanted
-    )
-
-
-def _vertex(model: Model) -> Floats:
-    """Corner forces (k, 3) [N] of a linear program, in a vertex of the set of its solutions."""
-    chosen = RBEOptions(objective=Objective.LINEAR, cone=FrictionCone.octagon(), tension=False)
-    program = build_rbe(model, options=chosen)
-    equal, rest = slice(None, program.cones.zero), slice(program.cones.zero, None)
-    found = linprog(
-        program.linear,
-        A_ub=program.matrix[rest].toarray(),
-        b_ub=program.right[rest],
-        A_eq=program.matrix[equal].toarray(),
-        b_eq=program.right[equal],
-        bounds=[(None, None)] * len(program.linear),
-        method="highs-ds",
-    )
-    if found.x is None:
-        raise SolverError(f"the simplex method found no forces: {found.message}")
-    return program.value(found.x, "force").reshape(-1, 3)
+    wanted = "tension" if share > 0.5 else "compression alone"
+    told = "tension" if found.pull.any() else "compression alone" if found.code == 0 else "none"
+    return Line(f"block pushed out by {share:g} of its length (6.2)", wanted, told, told == wanted)
 
 
 def _pressing(force: Floats | None) -> int:
@@ -126,18 +108,14 @@ def _pressing(force: Floats | None) -> int:
     return int((force[:, 0] > _PRESSES * np.abs(force).max()).sum())
 
 
-def _needed(result: Result) -> float:
-    """The largest share of tangential to normal force of a joint."""
-    found = result.resultants
-    return float((found.tangential / found.normal).max())
-
-
 def buttressed_arch() -> Case:
     """Figures 6.4 to 6.6: an arch on buttresses."""
     model = Model.of(models.buttressed_arch(), friction=0.8)
     least = middle(limit_friction(model).equilibrium)
-    fitted = solve_rbe(model.with_contacts(to_kern(model.contacts)))
-    outside = fitted.verdict is Verdict.UNSTABLE
+    fitted = find_forces(model, virtual=["kern"])
+    worst = fitted.contacts.joints.block_a[int(np.argmax(fitted.pull))]
+    outside = bool(fitted.pull.any()) and model.assembly.names[worst] in _CROWN
+    level = find_forces(model, rule=FrictionRule.NET, threshold=0.6)
     wide = model.with_friction(0.6)
     tilt = middle(limit_tilt(wide, "y").equilibrium)
     lines = (
@@ -146,13 +124,14 @@ def buttressed_arch() -> Case:
         Line(
             "every joint shrunk to its kern (6.5b): the thrust",
             "is outside at mid-span",
-            "is outside" if outside else "fits",
+            f"pulls most at {model.assembly.names[worst]}" if fitted.pull.any() else "fits",
             outside,
         ),
-    )
-    return Case(
-        "6.1.2", "Semi-circular arch on buttresses", lines, {"buttressed-arch": check(wide)}
-    )
+        Line("friction threshold 0.6, friction-net and 0.8 at corners (6.4)", "not exceeded",
+             f"{float(level.friction.max()):.3f}", level.code == 0),
+    )  # fmt: skip
+    pictures: dict[str, Picture] = {"buttressed-arch": check(wide), "kern": fitted, "forces": level}
+    return Case("6.1.2", "Semi-circular arch on buttresses", lines, pictures)
 
 
 def dome() -> Case:
@@ -164,7 +143,9 @@ def dome() -> Case:
     options = LimitOptions(cone=FrictionCone.octagon(), equilibrium_only=True)
     tilt = middle(limit_tilt(model, "y", upper=60.0, options=options).equilibrium)
     beyond = model.with_load(LoadCase.tilt(model.assembly, (0.0, 1.0, 0.0), 35.0))
-    penalty = solve_rbe(beyond, options=RBEOptions(cone=FrictionCone.octagon()))
+    octagon = FrictionCone.octagon()
+    penalty = find_forces(beyond, cone=octagon)
+    fitted = find_forces(model.with_friction(0.8), virtual=["kern"], threshold=0.6)
     lines = (
         Line("blocks (6.7)", "140 blocks, 14 fixed", count, count == "140 blocks, 14 fixed"),
         Line("at rest, quadratic (6.8a)", "compression alone",
@@ -172,17 +153,20 @@ def dome() -> Case:
         Line("tilt, friction 0.6 (6.10)", "32", f"{tilt:.1f}", abs(tilt - 32.0) <= 0.5,
              "with the source's eight-sided pyramid"),
         Line("penalty form, tilted by 35 degrees", "",
-             "forces with tension" if penalty.force is not None else "no forces", None),
+             "forces with tension" if penalty.pull.any() else "none", None),
+        Line("every joint shrunk to its kern (6.9a)", "compression alone",
+             "compression alone" if fitted.code == 0 else fitted.title, fitted.code == 0),
     )  # fmt: skip
-    return Case("6.1.3", "Hemispherical dome", lines, {"dome": check(model)})
+    pictures: dict[str, Picture] = {"dome": check(model), "kern": fitted, "tilted": penalty}
+    return Case("6.1.3", "Hemispherical dome", lines, pictures)
 
 
 def shelf() -> Case:
     """Figure 6.12: the shelf, of which two pieces fall."""
     model = Model.of(models.shelf(), friction=0.9)
     balance, result = solve_rbe(model), check(model)
-    penalty = solve_cra_penalty(model)
-    pulled = () if penalty.tension is None else _pulled(penalty)
+    penalty = find_forces(model, form="penalty", gamma=1e6)
+    pulled = _pulled(penalty)
     wanted = "block-9, block-10"
     falls = ", ".join(result.falling_names) or "nothing"
     rest = model.without(["block-9", "block-10"])
@@ -194,17 +178,17 @@ def shelf() -> Case:
              "the joints between which a pull is shown have both of their pieces named"),
         Line("the others alone", "", word(check(rest).verdict), None),
     )  # fmt: skip
-    return Case("6.2.2", "The shelf model", lines, {"shelf": result, "shelf-penalty": penalty})
+    pictures: dict[str, Picture] = {"shelf": result, "shelf-penalty": penalty}
+    return Case("6.2.2", "The shelf model", lines, pictures)
 
 
-def _pulled(result: Result) -> tuple[str, ...]:
+def _pulled(found: Forces) -> tuple[str, ...]:
     """Names of the free pieces of joints that pull."""
-    contacts, tension = result.contacts, result.tension
-    assert tension is not None
-    joints = np.unique(contacts.interface[tension > 0.01 * tension.max()])
-    blocks = np.unique(np.concatenate([contacts.block_a[joints], contacts.block_b[joints]]))
-    names = result.assembly.names
-    return tuple(names[b] for b in blocks.tolist() if not result.assembly.fixed[b])
+    joints = found.contacts.joints
+    which = found.pull > 0.01 * found.pull.max()
+    blocks = np.unique(np.concatenate([joints.block_a[which], joints.block_b[which]]))
+    names = found.assembly.names
+    return tuple(names[b] for b in blocks.tolist() if not found.assembly.fixed[b])
 
 
 def middle(bracket: Bracket | None) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.base.display import OneLine
@@ -14,8 +14,11 @@ from drystone.base.table import Table
 from drystone.model import Model
 
 if TYPE_CHECKING:
+    from drystone.programs import Forces
     from drystone.results import Result
     from drystone.sequence import Plan
+
+    Picture: TypeAlias = Result | Plan | Forces
 
 
 @dataclass(frozen=True)
@@ -59,13 +62,13 @@ class Case(Answer):
         What it is about.
     lines
     pictures
-        By name, results and plans of which a page and a figure can be drawn.
+        By name, results, plans and forces of which a page and a figure can be drawn.
     """
 
     section: str
     name: str
     lines: tuple[Line, ...]
-    pictures: Mapping[str, Result | Plan]
+    pictures: Mapping[str, Picture]
 
     @property
     def agrees(self) -> bool:
@@ -73,7 +76,7 @@ class Case(Answer):
         return all(line.agrees is not False for line in self.lines)
 
     @property
-    def _first(self) -> Result | Plan:
+    def _first(self) -> Picture:
         if not self.pictures:
             raise InputError(f"there is no picture of section {self.section}")
         return next(iter(self.pictures.values()))

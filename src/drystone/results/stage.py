@@ -50,6 +50,8 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
         motion = _falling_motion(result)
         if motion is not None:
             layers += _fall_layers(result.model, motion)
+        known = {layer.key for layer in layers}  # the joints that move are marked already
+        layers += [one for one in force_layers(result) if one.key not in known]
         return replace(stage, motion=motion, plays=True, layers=tuple(layers))
     motion = result.mechanism
     if motion is None and result.displacement is not None:

@@ -6,15 +6,16 @@ minimise  1/2 x' diag(quadratic) x + linear' x   subject to   right - matrix x  
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, cast
 
 import numpy as np
 from scipy import sparse
+from scipy.optimize import linprog
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
-from drystone.base.errors import counted
+from drystone.base.errors import SolverError, counted
 from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, solve_conic
 
 
@@ -72,6 +73,36 @@ class ConicProgram(OneLine):
         return solve_conic(
             self.quadratic, self.linear, self.matrix, self.right, self.cones, options, stop=stop
         )
+
+    def at_vertex(self, solution: ConicSolution, time_limit_s: float = np.inf) -> ConicSolution:
+        """A vertex of the set of solutions, by the simplex method.
+
+        Parameters
+        ----------
+        solution
+            Of a linear program without second-order cones.
+        time_limit_s
+
+        Raises
+        ------
+        SolverError
+            The simplex method ended without one.
+        """
+        first = self.cones.zero
+        form: dict[str, Any] = {  # sparse, of which the types of linprog know nothing
+            "A_eq": self.matrix[:first],
+            "b_eq": self.right[:first],
+            "A_ub": self.matrix[first:],
+            "b_ub": self.right[first:],
+            "bounds": (None, None),
+            "method": "highs-ds",
+            "options": {} if np.isinf(time_limit_s) else {"time_limit": max(time_limit_s, 0.0)},
+        }
+        found = linprog(self.linear, **form)
+        if found.x is None:
+            raise SolverError(f"the simplex method found no vertex: {found.message}")
+        steps = solution.iterations + int(found.nit)
+        return replace(solution, x=found.x, iterations=steps, solver="HiGHS dual simplex")
 
     def value(self, x: Floats, name: str) -> Floats:
         """The part of a solution x that belongs to a variable, in its unit."""

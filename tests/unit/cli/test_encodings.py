@@ -26,6 +26,7 @@ GIVEN: dict[str, list[str]] = {
     "limit imperfections": [MODEL, "--offset", "0.01", "--draws", "2"],
     "limit load": [MODEL, f"{BLOCK}:1kN@0,0,1"],
     "limit shrink": [MODEL],
+    "forces": [MODEL],
     "limit thrust": [MODEL, NAMES[0]],
     "limit tilt": [MODEL],
     "live": [MODEL, "--client", "\u5ba2.py"],

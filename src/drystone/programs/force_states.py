@@ -1,0 +1,301 @@
+"""The forces of a form of the source: compression, tension, and friction against a threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal, Unpack
+
+import numpy as np
+
+from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Verdict
+from drystone.answer.drawing import areas, interface_layers
+from drystone.base.arrays import Bools, Floats, Ints, number
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress, Stop
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.contacts import Contacts
+from drystone.formulations.corner_forces import FrictionCone, FrictionRule
+from drystone.formulations.equilibrium import Objective, Weights
+from drystone.io.opening import Given, How, as_model
+from drystone.joints import by_joint
+from drystone.model import Model
+from drystone.programs.cra import solve_cra
+from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
+from drystone.programs.rbe import RBEOptions, solve_rbe
+from drystone.programs.virtual_words import virtual_contacts
+from drystone.results import Result
+
+_PULLS = 1e-5
+"""Share of the largest force from which on a pull is one: below is the rounding of interior points,
+which leave 7e-7 where tension costs a million times as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Forces(Answer):
+    """Forces in the joints, with tension where there is no other way.
+
+    Attributes
+    ----------
+    form
+        ``rbe``, ``cra`` or ``penalty``.
+    result
+        Its contacts are the virtual ones.
+    real
+        The contacts of the model before some were reduced.
+    threshold
+        Friction coefficient that the resultant of a joint is held against, if one was given.
+    """
+
+    form: str
+    result: Result
+    real: Contacts
+    threshold: float | None = None
+
+    @property
+    def model(self) -> Model:
+        """What was asked about."""
+        return self.result.model
+
+    def _summary(self) -> str:
+        return f"{self.form}, '{self.title}'"
+
+    @cached_property
+    def pull(self) -> Floats:
+        """Tension [N] of each joint."""
+        result, contacts = self.result, self.contacts
+        if result.tension is None or result.force is None:
+            return np.zeros(contacts.joints.count)
+        least = _PULLS * float(np.abs(result.force).max(initial=0.0))
+        some = np.where(result.tension > least, result.tension, 0.0)
+        owner = contacts.joint[contacts.interface]
+        return np.bincount(owner, some, contacts.joints.count).astype(np.float64)
+
+    @cached_property
+    def friction(self) -> Floats:
+        """Friction coefficient that the resultant of each joint needs; infinite where it pulls."""
+        result = self.result
+        found, _ = by_joint(self.contacts, result.resultants, result.utilisation)
+        normal = np.maximum(found.normal, 0.0)
+        small = _PULLS * float(np.abs(found.force).max(initial=0.0))
+        rubs = np.where(found.tangential > small, found.tangential, 0.0)
+        needed: Floats = np.divide(rubs, normal, out=np.where(rubs > 0.0, np.inf, 0.0),
+                                   where=normal > small)  # fmt: skip
+        return needed
+
+    @property
+    def _over(self) -> Ints:
+        """Joints whose friction exceeds the threshold."""
+        if self.threshold is None:
+            return np.zeros(0, dtype=np.intp)
+        return np.flatnonzero(self.friction > self.threshold * (1.0 + _PULLS))
+
+    @property
+    def title(self) -> str:
+        """Whether compression alone balances the loads."""
+        if self.result.force is None:
+            return "No forces fit a motion" if self.form == "cra" else "No forces balance the loads"
+        pulled = int((self.pull > 0.0).sum())
+        if pulled:
+            joints = counted(self.contacts.joints.count, "joint")
+            return f"Tension is needed: {self.pull.sum():.4g} N in {pulled} of {joints}"
+        told = "Compression alone balances the loads"
+        over = len(self._over)
+        if not over:
+            return told
+        return f"{told}, with more friction than {self.threshold:g} in {counted(over, 'joint')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether compression is enough, what the method said, and the friction."""
+        found = self.result.force is not None
+        good = found and not self.pull.any() and not len(self._over)
+        said = [
+            Sentence(self.title, Role.GOOD if good else Role.BAD),
+            Sentence(self.result.message),
+        ]
+        if self.form == "rbe":
+            said.append(Sentence("forces by equilibrium alone: check says whether it stands"))
+        if self.threshold is not None and found:
+            most = float(self.friction.max(initial=0.0))
+            told = f"{most:.4g} at most" if np.isfinite(most) else "more than any"
+            said.append(Sentence(f"friction that joints need: {told}, of {self.threshold:g}"))
+        return [one for one in said if one.text]
+
+    def tables(self) -> Sequence[Table]:
+        """The joints that pull, and those that need more friction than the threshold."""
+        made = [
+            self._table("tension", np.flatnonzero(self.pull > 0.0), self.pull),
+            self._table("friction", self._over, self.friction),
+        ]
+        return [one for one in made if len(one)]
+
+    def _table(self, name: str, which: Ints, value: Floats) -> Table:
+        """Joints by a value, the largest first."""
+        order = which[np.argsort(-value[which], kind="stable")]
+        names, joints = self.assembly.names, self.contacts.joints
+        columns = {
+            "joint": order,
+            "block_a": [names[i] for i in joints.block_a[order]],
+            "block_b": [names[i] for i in joints.block_b[order]],
+            name: value[order],
+        }
+        title = "joints that pull" if name == "tension" else "joints beyond the threshold"
+        return Table(title, columns, {name: "N" if name == "tension" else "1"})
+
+    def layers(self) -> Scene:
+        """The forces, the tension, and the joints coloured by the threshold."""
+        result = self.result
+        if self.form == "rbe":  # which knows nothing of motions
+            result = replace(result, verdict=Verdict.UNDECIDED, falling=(), mechanism=None)
+        stage = replace(
+            result.stage("forces"), headline=self.title, verdict=self.result.verdict, plays=False
+        )
+        instead = {"interfaces"}
+        if self.threshold is not None:
+            instead |= {"joint-force", "joint-pressure", "joint-use"}
+        own = tuple(one for one in stage.layers if one.key not in instead)
+        reduced = self.contacts is not self.real
+        shown = replace(
+            stage,
+            layers=(
+                *interface_layers(self.real),
+                *(self._coloured("virtual", "virtual interfaces", "kern", None) if reduced else ()),
+                *self._by_threshold(),
+                *own,
+            ),
+        )
+        title = f"drystone: {self.title.lower()}"
+        return Scene(self.assembly, self.contacts, (shown,), title, self.asked.facts())
+
+    def _by_threshold(self) -> tuple[Layer, ...]:
+        if self.threshold is None or self.result.force is None:
+            return ()
+        over = np.isin(self.contacts.joint, self._over)
+        told = f"friction {self.threshold:g}"
+        return (
+            *self._coloured("within", f"within {told}", "missed", ~over),
+            *self._coloured("beyond", f"beyond {told}", "help", over),
+        )
+
+    def _coloured(
+        self, key: str, label: str, colour: str, which: Bools | None
+    ) -> tuple[Layer, ...]:
+        part, interface = areas(self.contacts, which)
+        if part is None:
+            return ()
+        return (
+            Layer(
+                key, label, LayerKind.POLYGONS, colour, part.point, start=part.start,
+                interface=interface,
+            ),
+        )  # fmt: skip
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The form, tension and friction in all, and how well the conditions are met."""
+        most = float(self.friction.max(initial=0.0))
+        return {
+            "form": self.form,
+            "verdict": self.result.verdict,
+            "tension_in_all": float(self.pull.sum()),
+            "friction_needed": most,
+            "threshold": self.threshold,
+            "solver": self.result.solver,
+            "residuals": self.result.residuals,
+            "time_s": self.result.time_s,
+        }
+
+
+@checked_call
+def find_forces(
+    given: Given,
+    *,
+    form: Literal["rbe", "cra", "penalty"] = "rbe",
+    objective: Objective = Objective.QUADRATIC,
+    rule: FrictionRule = FrictionRule.PLUS,
+    cone: FrictionCone | None = None,
+    gamma: float | None = None,
+    threshold: float | None = None,
+    virtual: Sequence[str] = (),
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Forces:
+    """Forces in the joints by a form of the source, with tension where there is no other way.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    form
+        Equilibrium alone, forces with a motion that fits them (eq. 5.6), or these with tension
+        (eq. 5.8): rbe, cra, penalty.
+    objective
+        What is minimised by equilibrium alone: squares, the sum, or the sum in a vertex.
+    rule
+        Which normal force carries friction where there is tension: the positive part or the net
+        force.
+    cone
+        Friction cone of equilibrium alone: exact or octagon (exact, of a vertex octagon).
+    gamma : > 0
+        Cost of tension by that of compression (1e6; in the penalty form as far as it converges,
+        1000 at most).
+    threshold : coefficient >= 0
+        Friction that the resultant of a joint may use: joints are coloured by it, while friction
+        bounds the forces at corners.
+    virtual
+        Joints that are reduced: to their kern, to a share such as 0.5, or towards a side such as
+        -z=0.2; of all blocks or of those named behind an @.
+    progress
+    stop
+    time_limit_s
+
+    Returns
+    -------
+    Forces
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, or an option belongs to another form.
+
+    Notes
+    -----
+    Source: Kao 2023, sections 4.2, 5.3 and 6.1.
+
+    Examples
+    --------
+    >>> from drystone.models import overhang
+    >>> find_forces(overhang([0.75]), friction=0.8).title
+    'Tension is needed: 2943 N in 1 of 1 joint'
+    """
+    real = as_model(given, **how)
+    if form != "rbe":
+        odd = {"objective": objective, "rule": rule, "cone": cone}
+        usual = {"objective": Objective.QUADRATIC, "rule": FrictionRule.PLUS, "cone": None}
+        for name, one in odd.items():
+            if one != usual[name]:
+                raise InputError("is for form rbe", where=name, remedy="leave it out")
+    if form == "cra" and gamma is not None:
+        raise InputError("form cra has no tension", where="gamma", remedy="ask for form penalty")
+    if threshold is not None:
+        threshold = number(threshold, "threshold")
+    model = real.with_contacts(virtual_contacts(real, virtual)) if len(virtual) else real
+    common: dict[str, Any] = {"progress": progress, "stop": stop, "time_limit_s": time_limit_s}
+    if form == "rbe":
+        round_cone = objective is not Objective.VERTEX
+        usual_cone = FrictionCone.exact() if round_cone else FrictionCone.octagon()
+        options = RBEOptions(
+            cone=usual_cone if cone is None else cone,
+            objective=objective,
+            rule=rule,
+            weights=Weights() if gamma is None else Weights(tension=gamma),
+        )
+        result = solve_rbe(model, options=options, **common)
+    elif form == "cra":
+        result = solve_cra(model, **common)
+    else:
+        result = solve_cra_penalty(model, options=PenaltyOptions(gamma=gamma), **common)
+    return Forces(form, result, real.contacts, threshold)

@@ -1,0 +1,170 @@
+"""Forces by a form of the source, from Python and from the command line."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import InputError, Model
+from drystone.cli import main
+from drystone.models import arch, buttressed_arch, overhang, shelf, tower, two_blocks_on_incline
+from drystone.programs import FrictionCone, FrictionRule, Objective, RBEOptions, find_forces
+
+LEVEL = Model.of(two_blocks_on_incline(0.0), friction=0.8)
+INCLINED = Model.of(two_blocks_on_incline(23.6), friction=0.8)
+
+
+def pressing(found: drystone.programs.Forces) -> int:
+    force = found.result.force
+    assert force is not None
+    return int((force[:, 0] > 1e-6 * force.max()).sum())
+
+
+def test_squares_press_on_all_corners_and_a_vertex_on_two() -> None:
+    assert pressing(find_forces(LEVEL)) == 4
+    assert pressing(find_forces(LEVEL, objective=Objective.LINEAR)) == 4
+    vertex = find_forces(LEVEL, objective=Objective.VERTEX)
+    assert pressing(vertex) == 2
+    weight = -LEVEL.load.wrench[1, 2]
+    assert vertex.result.resultants.normal == pytest.approx([weight])
+    assert vertex.result.solver == "HiGHS dual simplex"
+
+
+def test_a_vertex_costs_as_little_as_the_middle_of_the_solutions() -> None:
+    model = Model.of(arch(0.2, 10), friction=0.7)
+    cone = FrictionCone.octagon()
+    middle, vertex = (
+        find_forces(model, objective=one, cone=cone).result.force[:, 0].sum()
+        for one in (Objective.LINEAR, Objective.VERTEX)
+    )
+    assert vertex == pytest.approx(middle, rel=1e-5)
+
+
+def test_a_vertex_of_the_penalised_form_has_the_least_tension_too() -> None:
+    found = find_forces(overhang([0.6]), friction=0.8, objective=Objective.VERTEX)
+    assert found.pull == pytest.approx(find_forces(overhang([0.6]), friction=0.8).pull, rel=1e-3)
+
+
+def test_a_round_cone_has_no_vertex() -> None:
+    with pytest.raises(InputError, match="the cone octagon"):
+        RBEOptions(objective=Objective.VERTEX)
+
+
+@pytest.mark.parametrize(("share", "pulls"), [(0.25, False), (0.49, False), (0.51, True)])
+def test_a_block_pulls_when_its_centre_is_beyond_the_edge(share: float, pulls: bool) -> None:
+    found = find_forces(overhang([share]), friction=0.8)
+    assert bool(found.pull.any()) is pulls
+    assert found.code == int(pulls)
+    lever = share - 0.5  # tension at the far edge, by the length of the joint 1 - share
+    weight = -found.model.load.wrench[1, 2]
+    assert found.pull[0] == pytest.approx(max(0.0, weight * lever / (1.0 - share)), rel=1e-3)
+
+
+def test_the_threshold_is_held_against_the_resultant_and_not_the_corners() -> None:
+    tangent = float(np.tan(np.radians(23.6)))
+    for threshold, code in ((0.6, 0), (0.44, 0), (0.43, 1), (0.2, 1)):
+        found = find_forces(INCLINED, rule=FrictionRule.NET, threshold=threshold)
+        assert found.friction[0] == pytest.approx(tangent, rel=1e-5)
+        assert found.code == code
+        keys = {layer.key for layer in found.layers().stages[0].layers}
+        assert ("within" in keys, "beyond" in keys) == (code == 0, code == 1)
+        assert "joint-force" not in keys
+
+
+def test_friction_net_has_no_forces_where_friction_plus_pulls() -> None:
+    slippery = INCLINED.with_friction(0.2)
+    net = find_forces(slippery, rule=FrictionRule.NET)
+    assert net.title == "No forces balance the loads"
+    assert find_forces(slippery).pull[0] > 0.0
+
+
+def test_joints_shrunk_to_their_kerns_pull_at_mid_span() -> None:
+    model = Model.of(buttressed_arch(), friction=0.8)
+    assert find_forces(model).code == 0
+    found = find_forces(model, virtual=["kern"])
+    names, joints = found.assembly.names, found.contacts.joints
+    worst = int(np.argmax(found.pull))
+    pair = names[joints.block_a[worst]], names[joints.block_b[worst]]
+    assert pair in (("voussoir-06", "voussoir-07"), ("voussoir-07", "voussoir-08"))
+    keys = [layer.key for layer in found.layers().stages[0].layers]
+    assert {"interfaces", "virtual", "tension"} <= set(keys)
+    assert len(set(keys)) == len(keys)
+
+
+def test_a_joint_compressed_to_its_edge_moves_the_thrust_there() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    found = find_forces(model, virtual=["x=0.2@block-0,block-1"])
+    assert sorted(found.contacts.point[:, 0]) == pytest.approx([0.8, 0.8, 1.0, 1.0])
+    weight = -model.load.wrench[1, 2]  # at 0.5, beyond the edge at 0.8
+    assert found.pull == pytest.approx([1.5 * weight], rel=1e-3)
+    same = find_forces(model, virtual=["1,0,0=0.2"])
+    assert same.contacts.point == pytest.approx(found.contacts.point)
+    assert find_forces(model, virtual=["-y"]).title == "No forces balance the loads"
+
+
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        ("kenr", "no virtual interface"),
+        ("x=much", "no virtual interface"),
+        ("2", "from 0 to 1"),
+        ("z", "normal to the interface"),
+        ("kern@block-0,block-2", "no joint of"),
+        ("kern@blok", "no block"),
+    ],
+)
+def test_words_that_mean_no_virtual_interface_are_refused(word: str, told: str) -> None:
+    with pytest.raises(InputError, match=told) as caught:
+        find_forces(tower(3), virtual=[word])
+    assert caught.value.where == "virtual"
+
+
+def test_options_of_another_form_are_refused() -> None:
+    with pytest.raises(InputError, match="is for form rbe"):
+        find_forces(tower(2), form="cra", objective=Objective.LINEAR)
+    with pytest.raises(InputError, match="no tension"):
+        find_forces(tower(2), form="cra", gamma=2.0)
+    with pytest.raises(InputError, match="1 or more"):
+        find_forces(tower(2), form="penalty", gamma=0.5)
+
+
+def test_the_penalty_form_pulls_less_the_more_tension_costs() -> None:
+    model = Model.of(shelf(), friction=0.9)
+    cheap, usual, steep = (
+        find_forces(model, form="penalty", gamma=gamma) for gamma in (10.0, 1e3, 1e6)
+    )
+    assert cheap.pull.sum() > usual.pull.sum() > steep.pull.sum() > 100.0
+    assert find_forces(model, form="penalty").pull.sum() == pytest.approx(usual.pull.sum())
+    for found in (cheap, usual, steep):
+        assert found.result.falling_names == ("block-9", "block-10")
+        assert found.result.residuals is not None
+        assert found.result.residuals.equilibrium < 1e-6
+        keys = [layer.key for layer in found.layers().stages[0].layers]
+        assert {"tension", "help", "network"} <= set(keys)
+        assert len(set(keys)) == len(keys)
+
+
+def test_coupled_analysis_has_forces_where_a_motion_fits_them() -> None:
+    assert find_forces(tower(2), form="cra").code == 0
+    none = find_forces(shelf(), form="cra", friction=0.9)
+    assert none.title == "No forces fit a motion"
+
+
+def test_the_command_prints_tension_and_writes_a_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "pushed.json"
+    drystone.write(overhang([0.75]), file)
+    table = tmp_path / "a.csv"
+    asked = ["forces", str(file), "--friction", "0.8", "--joints", str(table)]
+    assert main(asked) == 1
+    assert "Tension is needed: 2943 N in 1 of 1 joint" in capsys.readouterr().out
+    assert table.read_text("utf-8").count("\n") == 2
+    assert main([*asked[:4], "--form", "penalty", "--gamma", "1e4", "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["form"] == "penalty"
+    assert told["tension_in_all"] == pytest.approx(2943.0, rel=1e-3)
+    assert main([*asked[:4], "--objective", "vertex", "--cone", "exact"]) == 2
+    assert "--objective" in capsys.readouterr().err
