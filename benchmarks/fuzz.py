@@ -21,6 +21,7 @@ import io as text_io
 import json
 import os
 import random
+import re
 import runpy
 import select
 import signal
@@ -65,7 +66,7 @@ SHARES = {
     "npz": 0.08,
     "compas-assembly": 0.1,
     "compas-dem": 0.1,
-    "obj": 0.2,
+    "obj": 0.18,
     "stl": 0.1,
     "ply": 0.1,
     "glb": 0.018,
@@ -79,6 +80,7 @@ SHARES = {
     "usd": 0.004,
     "mjcf": 0.05,
     "urdf": 0.05,
+    "folder": 0.02,
 }
 """Of the inputs, by format."""
 AWKWARD = (
@@ -240,7 +242,7 @@ def samples() -> dict[str, list[bytes]]:
         for model in models:
             contacts = find_contacts(model).contacts
             full = Contents(model, contacts, (LoadCase.gravity(model),))
-            for name in SHARES.keys() - SMALL.keys():
+            for name in SHARES.keys() - SMALL.keys() - {"folder"}:
                 made[name] += _written(full, name, Path(folder))
     for name, package in OUTSIDE.items():
         if find_spec(package.partition(".")[0]) is None:
@@ -249,7 +251,10 @@ def samples() -> dict[str, list[bytes]]:
         layers = [("granite", "stone", 0.2), ("brick", "brick", 0.3)]
         made["ifc"].append(wall_of_layers(layers)[0].to_string().encode())
     made["stl"].append(_binary_stl(models[0]))
-    made["compas-dem"] += [_analysis(data) for data in made["compas-dem"]]
+    given = made["compas-dem"]
+    made["compas-dem"] = [*given, *map(_analysis, given), *map(_problem, given)]
+    made["compas-assembly"] += [one for data in made["compas-assembly"] for one in _untyped(data)]
+    made["folder"] = [_folder(models[2])]
     for name, files in SMALL.items():
         if name in made:
             made[name] += files
@@ -266,6 +271,39 @@ def _written(model: Contents, name: str, folder: Path) -> list[bytes]:
     except ImportError:
         return []
     return [path.read_bytes()]
+
+
+def _untyped(assembly: bytes) -> list[bytes]:
+    """An assembly of COMPAS as a network and as lists of lists of meshes."""
+    graph = json.loads(assembly)["data"]["graph"]["data"]
+    meshes = [node["block"] for node in graph["node"].values()]
+    return [json.dumps(one).encode() for one in (graph, [meshes[:1], [meshes[1:]]])]
+
+
+def _folder(model: Assembly) -> bytes:
+    """The files of a folder one after the other, each below a line with its name."""
+    with tempfile.TemporaryDirectory() as place:
+        files = [Path(place) / name for name in ("stone-9.obj", "stone-10.stl", "stone-11.json")]
+        for i, file in enumerate(files):
+            io.write(model.subset([i]), file)
+        return b"".join(b"=== %s\n%s\n" % (one.name.encode(), one.read_bytes()) for one in files)
+
+
+def _problem(model: bytes) -> bytes:
+    """A problem of compas_dem 0.5, which has its model and one set of conditions."""
+    push = {"block_index": 1, "force": [5.0, 0.0, 0.0], "moment": None, "point": [0.5, 0.5, 1.0]}
+    square = {"points": [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]]}
+    area = {"dtype": "a/Polygon", "data": square}
+    press = {"block_index": 1, "polygon": area, "magnitude": 2.0, "direction": None}
+    held = {"block_index": 0, "translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0]}
+    group = {"g": 9.81, "point_loads": [push], "surface_loads": [press], "displacements": [held]}
+    whole = {
+        "name": "Problem",
+        "model": json.loads(model),
+        "boundary_conditions": {"dtype": "a/BoundaryConditions", "data": group},
+        "contact_properties": {"contact_model": {"dtype": "a/MohrCoulomb", "data": {"mu": 0.3}}},
+    }
+    return json.dumps({"dtype": "a/Problem", "data": whole}).encode()
 
 
 def _analysis(model: bytes) -> bytes:
@@ -300,7 +338,7 @@ def damaged(name: str, files: list[bytes], rng: random.Random) -> bytes:
     if name in ("mjcf", "urdf", "dae") and rng.random() < 0.5:
         return _odd_xml(data, rng)
     kinds: list[Callable[[bytes, random.Random], bytes]] = [_flip, _cut, _repeat, _swap]
-    if name in WORDS or name.startswith(("drystone", "compas")):
+    if name in WORDS or name.startswith(("drystone", "compas", "folder")):
         kinds += [_number, _number]
     for _ in range(rng.choice((1, 1, 1, 2, 4, 16))):
         data = rng.choice(kinds)(data, rng)
@@ -525,9 +563,24 @@ def file_of(name: str, data: bytes, folder: Path) -> Path:
         path = folder / "model.json"
         path.write_text(json.dumps({"arrays": told, "blocks": [block]}), encoding="utf-8")
         return path
+    if name == "folder":
+        return _unpacked(data, folder / "parts")
     path = folder / f"model{io.format_of('x', name).suffixes[0]}"
     path.write_bytes(data)
     return path
+
+
+def _unpacked(data: bytes, folder: Path) -> Path:
+    """A folder with the files that follow each other in the data, and none besides."""
+    folder.mkdir(exist_ok=True)
+    for old in folder.iterdir():
+        old.unlink()
+    first, *others = re.split(rb"^=== ([\w. -]{1,60})\n", data, flags=re.MULTILINE)
+    for name, content in zip(others[::2], others[1::2], strict=True):
+        (folder / name.decode()).write_bytes(content)
+    if first:
+        (folder / "first.obj").write_bytes(first)
+    return folder
 
 
 def _one(

@@ -11,7 +11,7 @@ import drystone
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.io import Inspection
-from drystone.models import arch, box, shelf, tower
+from drystone.models import arch, box, curve_three_blocks, shelf, tower
 from drystone.results import Result
 from drystone.view import save_page
 from tests.page.browser import Tab
@@ -95,6 +95,30 @@ def test_a_click_on_a_joint_and_on_a_block_opens_its_card(opened, standing):
     assert tab.text("#card h2").startswith("Block ")
     tab.key("Escape")
     assert tab.run("document.querySelector('#card h2')") is None
+
+
+def test_a_curved_joint_is_one_joint_wherever_it_is_clicked(opened):
+    curved = drystone.check(curve_three_blocks(8), friction=0.7)
+    assert (curved.contacts.count, curved.contacts.joints.count) == (15, 2)
+    tab = opened(curved, size=(1000, 700))
+    tab.click("[data-preset=contacts]")
+    for joint, facets in {
+        "Joint 1: cradle – roller": [(300, 280), (340, 300), (420, 320), (360, 340)],
+        "Joint 0: base – cradle": [(260, 360), (300, 400), (340, 420), (340, 460)],
+    }.items():
+        for x, y in facets:
+            tab.press(x, y)
+            assert tab.text("#card h2") == joint
+    for mark in ("outline", "kern", "centre"):
+        assert tab.run(f"document.querySelectorAll('#card svg .{mark}').length") == 1
+    for table in tab.run(
+        "[...document.querySelectorAll('#worst details')].map((one) =>"
+        " [...one.querySelectorAll('button')].map((line) => line.textContent))"
+    ):
+        assert len(table) == len(set(table)) <= 2
+    tab.run("URL.createObjectURL = (blob) => { window.made = blob; return 'data:,'; };")
+    tab.click("#csv")
+    assert len(tab.run("window.made.text()").split("\r\n")) == 2 + 2
 
 
 def test_hovering_tells_what_lies_under_the_pointer(opened):

@@ -119,8 +119,8 @@ def _body(one: Field, world: Floats, moves: bool, path: Path) -> PlacedBody:
                     where=where,
                     remedy="scale it otherwise",
                 )
-            size = np.linalg.norm(pose[:3, :3], axis=0)
-            pose[:3, :3] /= size
+            pose[:3, :3] /= size  # squares of a tiny size would be zero
+            pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)
             planes.append(pose)
         else:
             parts.append(placed(_part(part, where), matrix))

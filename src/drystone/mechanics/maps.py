@@ -19,9 +19,10 @@ from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
 from drystone.solvers.refinement import Solve, refined
 
-FULL = 16
-"""Largest number of free blocks with full matrices. Measured: a check of 11 blocks takes 0.8 of the
-time that it takes with sparse ones, of 15 and 20 as long, of a wall of 22 blocks 1.6 times."""
+FULL = 12_000
+"""Corners, times the square of the number of free blocks, up to which matrices are full. Measured:
+an increment takes as long with sparse ones there; with full ones a third of that at 6 blocks of 32
+corners, and seven times as long at 16 blocks of 1,200 corners."""
 
 SINGLE_FROM = 200
 """Free blocks from which on factors have single precision: fewer gain no time."""
@@ -219,7 +220,7 @@ Maps = FullMaps | SparseMaps
 
 def maps_between(block_a: Ints, block_b: Ints, length: Floats, position: Floats) -> Maps:
     """Full matrices for few blocks, sparse ones for many; see :class:`SparseMaps`."""
-    if len(length) <= FULL:
+    if len(block_a) * len(length) ** 2 <= FULL:
         return FullMaps(block_a, block_b, len(length))
     return SparseMaps(block_a, block_b, length, position)
 

@@ -117,6 +117,14 @@ def test_what_is_no_ifc_file_is_refused_in_one_line(tmp_path: Path, content: str
     assert "\n" not in str(caught.value)
 
 
+def test_a_number_of_several_ifc_entities_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("ifcopenshell")
+    text = wall_of_layers([("granite", "stone", 0.2), ("brick", "brick", 0.3)])[0].to_string()
+    (wall,) = (line for line in text.splitlines() if "=IFCWALL(" in line)
+    with pytest.raises(FormatError, match="is no IFC file that can be read"):
+        read(tmp_path, text.replace(wall, "\n".join(3 * [wall])), ".ifc")
+
+
 @pytest.mark.parametrize(("suffix", "package"), [(".step", "cascadio"), (".ifc", "ifcopenshell")])
 def test_without_its_package_the_extra_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str, package: str

@@ -114,6 +114,13 @@ def test_a_plane_beyond_every_number_is_refused_in_words(tmp_path):
         io.read_file(written(tmp_path, TWO + stretched))
 
 
+def test_a_plane_in_a_tiny_unit_is_still_the_ground(tmp_path):
+    floor = 'def Plane "floor"\n{\n    uniform token axis = "Z"\n}\n'
+    found = io.read_file(written(tmp_path, floor, unit=1e-200))
+    assert found.assembly.names == ("floor",)
+    assert found.assembly.fixed.all()
+
+
 def test_archives_are_read_and_packed_ones_refused(tmp_path):
     stage = written(tmp_path, TWO).read_bytes()
     usdz = tmp_path / "stage.usdz"

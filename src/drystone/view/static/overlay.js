@@ -136,13 +136,46 @@ function drawMeasure(pen, points, view, size, colours) {
   drawLabels(pen, [{ ...middle, text }], colours);
 }
 
+// Edges [[p, q]] around a joint as it is drawn: of its pieces those that lie along no other piece.
+// Pieces of a curved joint are plane, so that their corners meet nearly, and not edge to edge.
+function edgesAround(data, stage, joint) {
+  const layer = stage.layers.find((one) => one.kind === "polygons" && one.interface?.includes(joint));
+  if (!layer) return [];
+  if (layer.around?.joint === joint) return layer.around.edges;
+  const first = starts(layer.corners);
+  const every = [];
+  for (let piece = 0; piece < layer.corners.length; piece++) {
+    if (layer.interface[piece] !== joint) continue;
+    let before = layer.position.subarray(3 * first[piece + 1] - 3, 3 * first[piece + 1]);
+    for (let i = first[piece]; i < first[piece + 1]; i++) {
+      const at = layer.position.subarray(3 * i, 3 * i + 3);
+      every.push({ piece, ends: [before, at] });
+      before = at;
+    }
+  }
+  const reach = 0.01 * data.blockSize;
+  const edges = every.filter(({ piece, ends: [p, q] }) => {
+    const middle = vec.scale(vec.add(p, q), 0.5);
+    return !every.some((other) => other.piece !== piece && distanceTo(middle, ...other.ends) < reach);
+  }).map((edge) => edge.ends);
+  layer.around = { joint, edges };
+  return edges;
+}
+
+// Of a point from a line between two others.
+function distanceTo(point, from, to) {
+  const [along, away] = [vec.sub(to, from), vec.sub(point, from)];
+  const share = Math.min(1, Math.max(0, vec.dot(away, along) / (vec.dot(along, along) || 1)));
+  return vec.length(vec.sub(away, vec.scale(along, share)));
+}
+
 // Kern, resultant and corner forces of the selected joint.
 function drawJoint(pen, data, stage, joint, view, size, colours) {
   const { contacts } = data;
   const { a, b } = contacts;
   const away = awayOf(data, view, a[joint], b[joint]);
   const on = (p) => projected(view.projection, vec.add(p, away), size.width, size.height);
-  const outline = (points, first, last) => {
+  const loop = (points, first, last) => {
     pen.beginPath();
     for (let i = first; i < last; i++) {
       const p = on(points.subarray(3 * i, 3 * i + 3));
@@ -154,11 +187,18 @@ function drawJoint(pen, data, stage, joint, view, size, colours) {
   const [first, last] = [contacts.first[joint], contacts.first[joint + 1]];
   pen.lineWidth = 2;
   pen.strokeStyle = colours.ink;
-  outline(contacts.point, first, last);
+  pen.beginPath();
+  for (const edge of edgesAround(data, stage, joint)) {
+    const [p, q] = edge.map(on);
+    if (!p || !q) continue;
+    pen.moveTo(p.x, p.y);
+    pen.lineTo(q.x, q.y);
+  }
+  pen.stroke();
   if (contacts.kern) {
     pen.strokeStyle = colours.kern;
     pen.setLineDash([4, 3]);
-    outline(contacts.kern, contacts.firstKern[joint], contacts.firstKern[joint + 1]);
+    loop(contacts.kern, contacts.firstKern[joint], contacts.firstKern[joint + 1]);
     pen.setLineDash([]);
   }
   if (!stage.force) return;
