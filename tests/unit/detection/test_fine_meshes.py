@@ -10,7 +10,7 @@ import pytest
 
 from drystone.assembly import Assembly, Block
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.models import box
+from drystone.models import box, curve_three_blocks
 
 PLAY = 0.002
 """[m] between the peg and its sleeve."""
@@ -80,8 +80,17 @@ def peak(work: Callable[[], object]) -> int:
     return most
 
 
-@pytest.mark.parametrize("edges", ["isolated", "always", "never"])
-@pytest.mark.parametrize("play", [PLAY, 0.0006, 0.0, -0.0005])
+@pytest.mark.parametrize(
+    ("edges", "play"),
+    [
+        ("isolated", PLAY),
+        ("always", PLAY),
+        ("never", PLAY),
+        ("isolated", 0.0006),
+        ("always", 0.0),
+        ("isolated", -0.0005),
+    ],
+)
 def test_memory_of_a_peg_in_a_sleeve_grows_with_its_faces(edges: str, play: float) -> None:
     options = DetectionOptions(edges=edges)
     coarse, fine = (peg_in_sleeve(grade, play) for grade in (3, 6))
@@ -96,6 +105,13 @@ def test_memory_of_deep_pegs_grows_with_their_faces() -> None:
     find_contacts(coarse)
     few, many = (peak(lambda m=m: find_contacts(m)) for m in (coarse, fine))
     assert many < max(1.6 * 4.0 * few, BATCH)
+
+
+def test_memory_of_strips_across_a_joint_grows_with_their_number() -> None:
+    coarse, fine = curve_three_blocks(600), curve_three_blocks(1200)
+    find_contacts(coarse)
+    few, many = (peak(lambda m=m: find_contacts(m)) for m in (coarse, fine))
+    assert many < max(1.5 * 2.0 * few, BATCH)
 
 
 @pytest.mark.parametrize("grade", [1, 4])
