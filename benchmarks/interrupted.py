@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import faulthandler
 import json
 import os
 import random
@@ -95,13 +96,15 @@ NEEDED = {
 """What some files need besides."""
 INSTEAD = {("settle", "joints"), ("settle", "cad")}
 """Files of the motion by small steps only: without its last option."""
+LIST = {("mend", "pages")}
+"""Files of the list of mends, which is not there where one is made."""
 JOURNALS = {"checkpoint", "store"}
 SERVERS = {"live", "mcp"}
 SLOW = {"png", "client"}
 """Files that are left out when commands are killed: drawing takes longer than the work."""
 OLD = b"what was there before\n"
 ASKED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-PATIENCE_S = 60.0
+PATIENCE_S = 30.0
 """[s] after which a run hangs."""
 PAGE = 4096
 """[bytes] of a block of the disk."""
@@ -276,6 +279,7 @@ def forked(work: Callable[[], int], folder: Path, after_s: float = -1.0, number:
             sys.stdout, sys.stderr = (path.open("w", encoding="utf-8") for path in (out, err))
             for place, descriptor in enumerate((silent, sys.stdout.fileno(), sys.stderr.fileno())):
                 os.dup2(descriptor, place)
+            faulthandler.register(signal.SIGUSR1, all_threads=True)  # says where it hangs
             os.write(told, b".")
             signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKED)
             code = work()
@@ -319,12 +323,14 @@ def _ended(child: int, out: Path, err: Path, after_s: float, number: int) -> End
     status = _waited(child, PATIENCE_S)
     wall_s = time.monotonic() - begin
     if status is None:
+        os.kill(child, signal.SIGUSR1)
+        time.sleep(1.0)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-        return Ended(70, "", "hangs", wall_s)
+        return Ended(70, "", f"hangs: {err.read_text(encoding='utf-8')}", wall_s)
     code = os.waitstatus_to_exitcode(status)
     strays = _session(child)
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + PATIENCE_S
     while strays and time.monotonic() < end:
         time.sleep(0.05)
         strays = _session(child)
@@ -412,7 +418,7 @@ def kill_cases(only: str = "") -> list[Case]:
         for param, suffixes in files_of(name, one):
             option = str(param.name)
             needed = shlex.split(NEEDED.get((name, option), ""))
-            if option in SLOW or (name, option) in INSTEAD or not {*needed[:1]} <= {*words}:
+            if option in SLOW or (name, option) in INSTEAD | LIST or not {*needed[:1]} <= {*words}:
                 continue
             target = "disk" if option == "folder" else f"disk/{option}{suffixes[0]}"
             flag = [] if isinstance(param, click.Argument) else [max(param.opts, key=len)]
@@ -450,7 +456,7 @@ def kills(
                 continue
             counts, wrong = found[case.command] = _killed(case, folder, times, seed, fresh)
             told = ", ".join(f"{key} {count}" for key, count in counts.items())
-            print(f"{case.command}: {told} {'; '.join(wrong)[:2000]}", flush=True)
+            print(f"{case.command}: {told} {'; '.join(wrong)[:9000]}", flush=True)
     return found
 
 
@@ -493,7 +499,7 @@ def _killed(
             may = number == signal.SIGKILL or fresh or case.command in CALLS
             usual = {130, 0 if whole is None else whole.code, *([-number] if may else [])}
             if ended.code not in usual:
-                wrong.append(f"{when}: {ended.code} {ended.told[-300:]}")
+                wrong.append(f"{when}: {ended.code} {ended.told[-2000:]}")
             wrong += [f"{when}: {one}" for one in _left(ended, number, disk, made)]
             if ended.code == 130 and whole is not None and not _is_json(ended.out):
                 wrong.append(f"{when}: half an answer")
@@ -503,8 +509,9 @@ def _killed(
             counts["again"] += 1
             if rest := [name for name in tree(disk) if ".drystone-" in name]:
                 wrong.append(f"{when}, again: left {rest}")
-            if again.code != whole.code or answered(again.out) != answered(whole.out):
-                wrong.append(f"{when}, again: another answer, {again.code} {again.told}")
+            differs = different(answered(again.out), answered(whole.out))
+            if again.code != whole.code or differs:
+                wrong.append(f"{when}, again: {again.code} {again.told}{differs}")
     return counts, wrong
 
 
@@ -550,6 +557,18 @@ def answered(text: str) -> Any:
         return _rounded(json.loads(text))
     except ValueError:
         return text
+
+
+def different(one: Any, other: Any, place: str = "answer") -> str:
+    """Where two answers differ first, and how; empty where they do not."""
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        parts = [different(one[key], other[key], f"{place}.{key}") for key in one]
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        pairs = enumerate(zip(one, other, strict=True))
+        parts = [different(*pair, f"{place}[{number}]") for number, pair in pairs]
+    else:
+        parts = [f"{place} is {str(one)[:60]}, not {str(other)[:60]}"] if one != other else []
+    return next(filter(None, parts), "")
 
 
 def _rounded(value: Any) -> Any:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from drystone.base.errors import DrystoneError
+from drystone.base.errors import DrystoneError, FormatError
 from drystone.base.files import Job, write_together
 from drystone.cli import output
 from drystone.cli.output import LISTED, Screen, grouped
@@ -131,7 +131,10 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
             waiting.interrupted = True
             notes.append(f"interrupted: {NOTHING}")
         except (DrystoneError, OSError) as error:
-            failed = error
+            if waiting.interrupted and not isinstance(error, FormatError | OSError):
+                notes.append(f"interrupted: {NOTHING}: {error}")  # of half an answer
+            else:
+                failed = error
     waiting.wrote = files
     data = {**answer.data, "notes": notes, "files": files}
 

@@ -163,6 +163,25 @@ def test_a_limit_tells_the_bracket_so_far(tmp_path: Path) -> None:
 
 
 @posix
+def test_a_limit_of_which_nothing_is_known_yet_has_no_picture_and_says_so(tmp_path: Path) -> None:
+    model, page = tmp_path / "tower.json", tmp_path / "page.html"
+    io.write(tower(2), model)
+    code = (
+        "from drystone.limits import inside\n"
+        "one = inside.one_stiffness\n"
+        "def slow(*model, stop, **more):\n"
+        "    tell('first'); wait(stop); return one(*model, stop=stop, **more)\n"
+        "inside.one_stiffness = slow"
+    )
+    run = child(code, "limit", "load", str(model), "block-1:1kN", "--json", "--html", str(page))
+    exit_code, out, err = interrupt(run, "first")
+    told = json.loads(out)
+    assert (exit_code, err, told["files"]) == (130, "", [])
+    assert "interrupted: nothing was written: there is no picture" in told["notes"][-1]
+    assert not page.exists()
+
+
+@posix
 def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
