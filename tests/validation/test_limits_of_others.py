@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.field import lact3
+from benchmarks.field.ferris import WALLS
 from drystone import Assembly, Block, CheckOptions, LoadCase, Model, check, io, solve_rbe
 from drystone.models import prism
 from drystone.programs import RBEOptions
@@ -54,7 +55,7 @@ def test_a_slope_of_sixteen_blocks_topples_below_a_friction_of_38_15_degrees(
     )
 
 
-@pytest.mark.parametrize("name", ["portal", "arch"])
+@pytest.mark.parametrize("name", ["portal", "wall", "arch"])
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_tilting_tables_of_lact3(name: str, share: float) -> None:
     """Hua and others 2025, LACT3 1.0: the tilt at which no forces balance the loads any more."""
@@ -67,3 +68,24 @@ def test_tilting_tables_of_lact3(name: str, share: float) -> None:
     )
     found = solve_rbe(model, options=RBEOptions.feasibility())
     assert found.falls is (share > 1.0)
+
+
+@pytest.mark.parametrize("number", [3, 4, 5])
+@pytest.mark.parametrize("share", [0.999, 1.001])
+def test_walls_of_ferris_and_tin_loi_with_openings(number: int, share: float) -> None:
+    """Ferris and Tin-Loi 2001, as programs that cite it quote them: associated load factors."""
+    blocks = io.read(FIELD / f"ferris-{number}.json").assembly
+    push = LoadCase.gravity(blocks) + share * WALLS[number].associated * LoadCase.seismic(
+        blocks, 1.0
+    )
+    model = Model.of(blocks, friction=0.65, load=push)
+    assert solve_rbe(model, options=RBEOptions.feasibility()).falls is (share > 1.0)
+
+
+@pytest.mark.parametrize("share", [0.35, 0.38])
+def test_the_arch_of_oppenheim_under_a_horizontal_acceleration(share: float) -> None:
+    """Oppenheim 1992: four hinges at 0.37 g."""
+    blocks = io.read(FIELD / "oppenheim.json").assembly
+    push = LoadCase.gravity(blocks) + LoadCase.seismic(blocks, share)
+    found = check(Model.of(blocks, friction=2.0, load=push))
+    assert found.stable is (share < 0.37)
