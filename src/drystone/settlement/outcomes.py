@@ -19,10 +19,11 @@ def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome
     first = paths[0]
     for one in paths:
         if one.outcome is Outcome.UNKNOWN:
-            left, of = one.share, "the load"
-            if one.residuals is not None:  # at rest but for a block
-                left, of = one.residuals.largest, "what a block feels"
-            why = clock.reason or f"not at rest, {left:.1e} of {of} is not carried"
+            why = f"not at rest, {one.share:.1e} of the load is not carried"
+            if one.residuals is not None:
+                left = one.residuals.largest
+                why = f"at rest but for a block that is left with {left:.1e} of what it feels"
+            why = clock.reason or why
             return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):

@@ -12,7 +12,13 @@ from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
 from drystone.loads import LoadCase
-from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
+from drystone.mechanics.bodies import (
+    LIGHT,
+    Bodies,
+    build_bodies,
+    numbered_axes,
+    numbered_forces,
+)
 from drystone.mechanics.both_carriers import beyond_flush_ends, ends_alike
 from drystone.mechanics.corners import Carrier, flush_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
@@ -139,6 +145,7 @@ def path_of(
     overlap = chosen.overlap if overlap is None else overlap
     far: tuple[Bodies, Track] | None = None
     felt: Floats | None = None
+    almost: tuple[Bodies, Track] | None = None
     while True:
         follower = case.follower(carrier, overlap, tell, felt)
         if case.left_at < np.inf and overlap < chosen.overlap:
@@ -155,23 +162,28 @@ def path_of(
         elif motion is None and far is None and _rests_far(bodies, track, chosen):
             far = bodies, track
             overlap *= STIFFER
-        elif felt is None and _light_ones_left(case, carrier, bodies, track):
+        elif felt is None and (left := _left_by_light_ones(case, carrier, bodies, track)) > PROVEN:
             felt = track.response.force
+            almost = (bodies, track) if left < LIGHT else None
         else:
             break
     if far is not None and not _rests_nearer(track, far[1]):
         bodies, track = far
+    if almost is not None and track.ended is not Ended.RESTS:
+        bodies, track = almost  # neither shown to rest nor to fall
     if progress is not None:
         progress(stage, 100, 100)
     return _path_after(case, carrier, first, bodies, track)
 
 
-def _light_ones_left(case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track) -> bool:
-    """Whether it rests but for light blocks, which are left with much of what they feel."""
+def _left_by_light_ones(
+    case: FollowedCase, carrier: Carrier, bodies: Bodies, track: Track
+) -> float:
+    """Share of what a block feels that is not carried where all but light blocks rest; else 0."""
     if track.ended is not Ended.RESTS or not bodies.with_felt(track.response.force).light:
-        return False
+        return 0.0
     path = _physical(case, carrier, bodies, track)
-    return rest_residuals(path.moved_model(), path.force, path.gap).largest > PROVEN
+    return rest_residuals(path.moved_model(), path.force, path.gap).largest
 
 
 def _rests_far(bodies: Bodies, track: Track, chosen: SettlementOptions) -> bool:

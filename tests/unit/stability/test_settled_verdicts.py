@@ -10,7 +10,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, se
 from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_checks import every_stiffness
-from drystone.models import concave, cube_curve, h_model, random_pack, wedge
+from drystone.models import box, concave, cube_curve, h_model, random_pack, wedge
 from drystone.models.solids import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
@@ -261,6 +261,30 @@ def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
         assert found.verdict is not Verdict.UNSTABLE
     assert Verdict.UNDECIDED in verdicts
     assert check(model, options=MOVING).stable
+
+
+def beside_heavy_ones() -> Assembly:
+    """Two light blocks, which lean on a stack of 67 and 12 t and would tip without its friction."""
+    boxes = {
+        "ground": (2e3, (-0.5, -0.25, -0.3), (4.0, 1.5, 0.3)),
+        "heavy": (1.57e5, (1.11, 0.07, 0.0), (0.91, 0.83, 0.57)),
+        "upper": (4.79e4, (1.11, 0.2, 0.57), (0.91, 0.54, 0.51)),
+        "foot": (7.07, (2.02, 0.36, 0.0), (0.76, 0.49, 0.41)),
+        "light": (26.5, (2.02, 0.05, 0.41), (0.76, 0.77, 0.38)),
+    }
+    blocks = [box(size, at, name=name, density=d) for name, (d, at, size) in boxes.items()]
+    return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
+
+
+def test_light_blocks_that_fall_on_softer_joints_only_are_not_said_to_fall() -> None:
+    """Softer joints of light blocks are there to tell rest from rounding; they prove no fall."""
+    model, axis = beside_heavy_ones(), (3.0**0.5, 1.0, 0.0)
+    assert check(tilted(model, axis, 15.0, 0.6)).stable
+    for tilt in (21.5, 22.0, 24.0):
+        found = check(tilted(model, axis, tilt, 0.6))
+        assert not found.falls, tilt
+        assert "left with" not in found.message or Sensitivity.WEIGHTS in found.sensitive_to
+    assert check(tilted(model, axis, 28.0, 0.6)).falls
 
 
 @pytest.mark.parametrize("seed", [0, 5, 9, 13])
