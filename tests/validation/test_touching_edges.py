@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import pytest
 
+from benchmarks.leaning import card_house as leaning_cards
+from benchmarks.leaning import reciprocal_frame
 from drystone import (
     Assembly,
     Block,
@@ -252,3 +255,24 @@ def test_edges_of_four_blocks_that_meet_in_a_line_hold_nothing() -> None:
     further = further_contacts(shell, model.contacts, DetectionOptions())
     assert not len(further.parallel)
     assert check(model).falls
+
+
+@pytest.mark.parametrize(
+    ("build", "least"),
+    [
+        (partial(reciprocal_frame, 3, 0.1), 0.394),
+        (partial(reciprocal_frame, 4, 0.1), 0.500),
+        (partial(reciprocal_frame, 5, 0.12), 0.477),
+        (partial(reciprocal_frame, 6, 0.12), 0.578),
+        (partial(leaning_cards, 2, 60.0), 0.432),
+        (partial(leaning_cards, 3, 70.0), 0.295),
+    ],
+)
+@pytest.mark.parametrize("share", [0.97, 1.03])
+def test_reciprocal_frames_and_card_houses_need_the_friction_that_a_simulator_confirms(
+    build: Callable[[], Assembly], least: float, share: float
+) -> None:
+    """Source: simulation by MuJoCo at 0.9 and 1.1 of it, ``python -m benchmarks.leaning``."""
+    found = check(build(), friction=share * least)
+    assert found.stable is (share > 1.0)
+    assert found.falls is (share < 1.0)
