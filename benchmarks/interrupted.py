@@ -207,7 +207,9 @@ def left_by(case: Case, code: int, told: str, before: dict[str, bytes], disk: Pa
         return f"ended with {code}: {told}"
     if told.count("\n") != 1 or "Traceback" in told:
         return f"told in {told.count(chr(10))} lines: {told}"
-    if case.name not in told or not ("No space left" in told or "File too large" in told):
+    if Path(case.name).stem not in told or not (
+        "No space left" in told or "File too large" in told
+    ):
         return f"does not name the file, or the disk: {told}"
     if case.is_journal:
         kept = after.pop(case.name, b"")
@@ -589,6 +591,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--fresh", action="store_true")
     chosen = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may let it be ignored
     if chosen.what == "disks":
         told = disks(chosen.only)
         wrong = [(case, one) for case, one in told if one]

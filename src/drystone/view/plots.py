@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import warnings
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError
-from drystone.base.files import PathLike, write_whole
+from drystone.base.files import PathLike, write_bytes
 from drystone.view.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -131,11 +132,10 @@ def save_plot(
 
     drawing = draw()
 
-    def fill(file: BinaryIO) -> None:
-        with warnings.catch_warnings(), rc_context({"svg.hashsalt": "drystone"}):
-            # Characters that the font does not have are drawn as boxes; the figure is still valid.
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            drawing.savefig(file, format=kind, dpi=dpi, metadata=_UNDATED[kind])
-
-    write_whole(path, fill)
+    made = BytesIO()  # a PDF on a full disk would end with an error of zlib
+    with warnings.catch_warnings(), rc_context({"svg.hashsalt": "drystone"}):
+        # Characters that the font does not have are drawn as boxes; the figure is still valid.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        drawing.savefig(made, format=kind, dpi=dpi, metadata=_UNDATED[kind])
+    write_bytes(path, made.getvalue())
     return drawing

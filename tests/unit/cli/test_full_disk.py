@@ -10,7 +10,10 @@ from matplotlib.figure import Figure
 
 from benchmarks import interrupted
 from benchmarks.interrupted import Case
+from drystone import FormatError
 from drystone.cli import main
+from drystone.models import tower
+from drystone.view import save_figure
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a limit of the size of files")
 
@@ -50,6 +53,16 @@ def test_the_help_calls_no_other_option_a_file() -> None:
             told = str(getattr(param, "help", "") or "")
             writes = told.startswith(("Write ", "Draw ")) and not getattr(param, "is_flag", False)
             assert not writes or param.name in known, f"{name} {param.name}: use kinds.target"
+
+
+def test_a_disk_that_is_full_in_the_middle_of_a_pdf_is_told_as_one(tmp_path: Path) -> None:
+    figure = tmp_path / "tower.pdf"
+    with (
+        interrupted.small_files(tmp_path, interrupted.PAGE),
+        pytest.raises(FormatError, match=r"tower\.pdf: cannot be written: File too large"),
+    ):
+        save_figure(tower(2), figure, size=(3, 2))
+    assert [*tmp_path.iterdir()] == []
 
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)

@@ -19,7 +19,7 @@ OTHERS = {
     ("mcp/folder.py", "TemporaryDirectory"): "the same",
     ("view/notebook.py", "NamedTemporaryFile"): "a name for a page that the browser opens",
     ("view/notebook.py", "TemporaryDirectory"): "read again at once, by the one writer",
-    ("view/plots.py", "savefig"): "into the file of the one writer",
+    ("view/plots.py", "savefig"): "into memory",
     ("view/instructions.py", "savefig"): "into memory",
     ("io/npz.py", "savez_compressed"): "into memory",
 }
