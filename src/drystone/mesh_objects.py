@@ -1,21 +1,27 @@
-"""Blocks of the mesh objects of other packages: trimesh, pyvista and COMPAS.
+"""Blocks from and to the mesh objects of other packages: trimesh, pyvista and COMPAS.
 
-They are recognised by the attributes that their packages document; none of them is imported.
+Given ones are recognised by the attributes that their packages document; no package is imported
+before its objects are made.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, MissingDependency
 from drystone.geometry.halfedge import merge_coplanar
+from drystone.geometry.triangulate import triangulate
 from drystone.repair import mended_block
+
+if TYPE_CHECKING:
+    import pyvista
+    import trimesh
 
 _PLANE = 1e-6
 """Neighbours whose corners are nearer to one plane than this share of a block become one polygon.
@@ -61,6 +67,54 @@ def assembly_of(given: Any) -> Assembly:
     if not blocks:
         raise InputError("holds no mesh", where=type(given).__name__, remedy="give closed meshes")
     return Assembly(tuple(blocks), np.zeros(len(blocks), dtype=bool))
+
+
+def to_trimesh(assembly: Assembly) -> trimesh.Scene:
+    """A scene of trimesh with a mesh of triangles [m] for each block, by its name.
+
+    Raises
+    ------
+    MissingDependency
+        trimesh is not installed.
+    """
+    try:
+        import trimesh  # optional: only for those who ask for it
+    except ImportError as error:
+        raise MissingDependency("trimesh", extra="meshes", purpose="a scene of trimesh") from error
+    scene = trimesh.Scene()
+    for block, triangle in _triangles(assembly):
+        mesh = trimesh.Trimesh(block.vertices, triangle, process=False)
+        scene.add_geometry(mesh, node_name=block.name, geom_name=block.name)
+    return scene
+
+
+def to_pyvista(assembly: Assembly) -> pyvista.MultiBlock:
+    """A ``MultiBlock`` of pyvista with a mesh of triangles [m] for each block, by its name.
+
+    Raises
+    ------
+    MissingDependency
+        pyvista is not installed.
+    """
+    try:
+        import pyvista  # as above
+    except ImportError as error:
+        raise MissingDependency("pyvista", extra="meshes", purpose="meshes of pyvista") from error
+    meshes = pyvista.MultiBlock()
+    for block, triangle in _triangles(assembly):
+        loops: Any = triangle  # one of the types of its own arrays
+        meshes[block.name] = pyvista.PolyData.from_regular_faces(np.array(block.vertices), loops)
+    return meshes
+
+
+def _triangles(assembly: Assembly) -> Iterator[tuple[Block, Ints]]:
+    """Each block with triangles (t, 3) of its vertices."""
+    faces = assembly.faces
+    triangle, face = triangulate(faces.point[faces.loop], faces.start)
+    first = np.cumsum([0, *(len(block.vertices) for block in assembly.blocks)])
+    owner = faces.owner[face]
+    for i, block in enumerate(assembly.blocks):
+        yield block, faces.loop[triangle[owner == i]] - first[i]
 
 
 def _meshes(given: Any, name: str) -> Iterator[tuple[str, Floats, list[Sequence[int]]]]:

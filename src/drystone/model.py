@@ -22,11 +22,13 @@ from drystone.detection.resample import resampled_lines
 from drystone.detection.unjoined import among
 from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
-from drystone.mesh_objects import assembly_of
+from drystone.mesh_objects import assembly_of, to_pyvista, to_trimesh
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
 
 if TYPE_CHECKING:
     import networkx
+    import pyvista
+    import trimesh
 
 _REPRESENTED = (1e-100, 1e100)
 """[N, N m], and by mass [m/s2], chosen: far from anything that is built, and products of forces, or
@@ -219,6 +221,14 @@ class Model(Card):
                 frame=contacts.frame[i],
             )  # fmt: skip
         return graph
+
+    def to_trimesh(self) -> trimesh.Scene:
+        """Its blocks for trimesh; see :func:`drystone.mesh_objects.to_trimesh`."""
+        return to_trimesh(self.assembly)
+
+    def to_pyvista(self) -> pyvista.MultiBlock:
+        """Its blocks for pyvista; see :func:`drystone.mesh_objects.to_pyvista`."""
+        return to_pyvista(self.assembly)
 
     @classmethod
     def of(

@@ -1,13 +1,14 @@
 """Meshes of other packages are blocks, by their attributes."""
 
+import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, check
+from drystone import InputError, MissingDependency, Model, check
 from drystone.mesh_objects import assembly_of
-from drystone.models import box
+from drystone.models import box, concave
 
 BELOW, ABOVE = box((1.0, 1.0, 1.0)), box((1.0, 1.0, 1.0), (0.3, 0.0, 1.0))
 
@@ -78,3 +79,21 @@ def test_an_open_mesh_is_refused_with_its_name():
     mesh = SimpleNamespace(vertices=BELOW.vertices, faces=BELOW.faces[1:])
     with pytest.raises(InputError, match="block 'block-0'"):
         Model.of([mesh])
+
+
+@pytest.mark.parametrize("package", ["trimesh", "pyvista"])
+def test_blocks_go_to_other_packages_and_come_back(package):
+    pytest.importorskip(package)
+    model = Model.of(concave("short"), friction=0.3)
+    meshes = getattr(model, f"to_{package}")()
+    again = Model.of(meshes, supports=["slab"], friction=0.3)
+    assert again.assembly.names == model.assembly.names
+    assert again.assembly.volume == pytest.approx(model.assembly.volume)
+    assert again.contacts.count == model.contacts.count
+
+
+@pytest.mark.parametrize("package", ["trimesh", "pyvista"])
+def test_a_package_that_is_missing_is_named(package, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(MissingDependency, match=rf"{package}; pip install 'drystone\[meshes\]'"):
+        getattr(Model.of(concave("short")), f"to_{package}")()

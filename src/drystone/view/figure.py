@@ -38,6 +38,7 @@ from drystone.view.sheet import Sheet, draw_labels, draw_shadow
 from drystone.view.subjects import Subject, scene_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 AXES = (0.02, 0.11, 0.96, 0.73)
@@ -61,6 +62,7 @@ def save_figure(
     explode: float = 0.0,
     section: str | None = None,
     dark: bool = False,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw the model, with what is known of it, in parallel projection.
 
@@ -103,6 +105,9 @@ def save_figure(
         What lies between the plane and the eye is not drawn.
     dark
         Draw on a dark ground.
+    ax
+        Axes of matplotlib to draw in, with the headline as their title and without a legend. Their
+        size counts, not ``size``.
 
     Returns
     -------
@@ -113,7 +118,7 @@ def save_figure(
     ------
     InputError
         A suffix, size, direction, preset, layer or stage that does not exist, a section beside the
-        model, or contacts of another model.
+        model, contacts of another model, or axes for a chart.
 
     Examples
     --------
@@ -132,6 +137,9 @@ def save_figure(
     if isinstance(subject, Answer):
         shown = subject.figure()
         if isinstance(shown, Chart):
+            if ax is not None:
+                what = f"'{subject.title}' is drawn as a chart, which makes axes of its own"
+                raise InputError(what, where="ax", remedy="leave it out")
             return save_chart(shown, path, title=Path(subject.asked.file).stem)
         scene = replace(shown, made=with_version(subject.when))
     else:
@@ -153,6 +161,7 @@ def save_figure(
             stage=stage,
             names=names,
             theme="dark" if dark else "light",
+            inside=ax,
         )
 
     return save_plot(path, drawing, dpi, "figure")
@@ -170,8 +179,9 @@ def draw(
     stage: int | None = None,
     names: bool = False,
     theme: str = "light",
+    inside: Any = None,
 ) -> Figure:
-    """The matplotlib figure of one stage; no state of pyplot is touched."""
+    """The matplotlib figure of one stage, or of given axes; no state of pyplot is touched."""
     from matplotlib.figure import Figure  # heavy, and only figures need it
 
     stage = scene.still if stage is None else stage
@@ -181,12 +191,17 @@ def draw(
     chosen = _chosen(shown, layers, key)
     if opacity is None:
         opacity = PRESETS[key].opacity if layers is None else 1.0
-    figure = Figure(figsize=size, facecolor=ROLE_COLOUR[theme]["background"])
-    axes = figure.add_axes(AXES)
+    if inside is None:
+        figure = Figure(figsize=size, facecolor=ROLE_COLOUR[theme]["background"])
+        axes = figure.add_axes(AXES)
+        width, height = AXES[2] * size[0], AXES[3] * size[1]
+    else:
+        axes, figure = inside, inside.figure
+        box = axes.get_window_extent()
+        width, height = box.width / figure.dpi, box.height / figure.dpi
     axes.set_aspect("equal", adjustable="datalim")
     axes.axis("off")
     eye = scene.toward if toward is None else toward
-    width, height = AXES[2] * size[0], AXES[3] * size[1]
     sheet = Sheet(axes, scene, shown, eye, width, height, opacity, theme)
     left = chosen if sheet.plane is None else seen_behind(chosen, sheet.plane, scene.block_size)
     draw_shadow(sheet)
@@ -198,6 +213,9 @@ def draw(
     axes.autoscale_view()
     axes.margins(0.03)
     draw_scale_bar(sheet)
+    if inside is not None:
+        axes.set_title(shown.headline, fontsize=9, color=sheet.colours["edge"], parse_math=False)
+        return figure
     draw_gravity(figure, sheet)
     write_title(figure, scene, shown, size, theme)
     write_legend(figure, sheet, chosen)

@@ -191,3 +191,17 @@ def test_the_figure_of_a_limit_shows_the_falling_state_as_solid():
     limit = drystone.limit_tilt(tower(2), "y", friction=0.3)
     scene = scene_of(limit)
     assert (first_preset(scene), first_preset(scene, -1)) == ("forces", "solid")
+
+
+def test_a_figure_is_drawn_in_axes_beside_others() -> None:
+    from matplotlib.figure import Figure
+
+    mine = Figure()
+    left, right = mine.subplots(1, 2)
+    result = drystone.check(tower(3), friction=0.6)
+    assert drystone.save_figure(result, ax=left) is mine
+    assert left.get_title() == result.stage.headline
+    assert left.collections
+    assert not right.collections
+    with pytest.raises(InputError, match=r"ax: .* drawn as a chart"):
+        drystone.save_figure(drystone.limits.tilt_sweep(drystone.Model.of(tower(2)), 2), ax=left)
