@@ -37,15 +37,12 @@ def stacked(heights: list[float], rectangle: tuple[float, float, float, float]) 
 
 
 def falling_tower(names: tuple[str, ...] = ("foot", "middle", "top")) -> Result:
-    """Three unit cubes; the top one falls; one corner pulls."""
+    """Three unit cubes; the top one falls, so there are no forces."""
     assembly = Assembly(
         tuple(b.renamed(n) for b, n in zip(tower(3).blocks, names, strict=True)),
         np.array([True, False, False]),
     )
     contacts = stacked([1.0, 2.0], (0.0, 0.0, 1.0, 1.0))
-    force = np.zeros((8, 3))
-    force[:, 0] = [3000.0, 3000.0, 3000.0, 3000.0, 2000.0, 2000.0, 2000.0, -500.0]
-    force[0, 1] = 400.0
     motion = np.zeros((3, 6))
     motion[2] = [0.5, 0.0, -0.2, 0.0, 0.4, 0.0]
     model = Model(assembly, contacts)
@@ -54,7 +51,6 @@ def falling_tower(names: tuple[str, ...] = ("foot", "middle", "top")) -> Result:
         Verdict.UNSTABLE,
         model,
         "The top falls.",
-        force=force,
         mechanism=motion,
         falling=(2,),
     )
@@ -62,7 +58,10 @@ def falling_tower(names: tuple[str, ...] = ("foot", "middle", "top")) -> Result:
 
 def pulled_tower() -> Result:
     """The same tower as a result that has forces, one of them a pull."""
-    return replace(falling_tower(), verdict=Verdict.STABLE, falling=(), mechanism=None)
+    force = np.zeros((8, 3))
+    force[:, 0] = [3000.0, 3000.0, 3000.0, 3000.0, 2000.0, 2000.0, 2000.0, -500.0]
+    force[0, 1] = 400.0
+    return replace(falling_tower(), verdict=Verdict.STABLE, falling=(), mechanism=None, force=force)
 
 
 def l_block(name: str = "L") -> Block:

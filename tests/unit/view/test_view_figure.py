@@ -200,7 +200,7 @@ def test_a_figure_is_drawn_in_axes_beside_others() -> None:
     left, right = mine.subplots(1, 2)
     result = drystone.check(tower(3), friction=0.6)
     assert drystone.save_figure(result, ax=left) is mine
-    assert left.get_title() == result.stage.headline
+    assert left.get_title() == "Stands"
     assert left.collections
     assert not right.collections
     with pytest.raises(InputError, match=r"ax: .* drawn as a chart"):
