@@ -64,6 +64,8 @@ def block_overlaps(
     parted = np.zeros(len(a), dtype=bool)
     parted[joined] = True
     near &= ~(parted & patches.block_convex[a] & patches.block_convex[b])
+    if not near.any():
+        return ()
     a, b = a[near], b[near]
     faces = replace(assembly.faces, point=assembly.faces.point - patches.origin)
     found = shared_volumes(faces, a, b, tolerance[near], patches.block_convex)
