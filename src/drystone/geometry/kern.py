@@ -170,7 +170,22 @@ def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
     Parameters as for :func:`kern_ratio`.
     """
     out = np.zeros(len(start) - 1)
-    for i in range(len(out)):
+    if not len(out):
+        return out
+    loops = Ragged(start)
+    edge = corners[loops.following] - corners
+    normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+    reach = ((corners - loops.spread(made.centroid)) * normal).sum(axis=1)
+    inwards = (normal * edge[loops.following]).sum(axis=1)
+    square = (edge * edge).sum(axis=1)
+    rounding = 1e-12 * loops.max(square)
+    # the hull of a convex loop is the loop, unless corners are the same but for rounding
+    convex = (loops.max(inwards) <= rounding) & (loops.min(square) > rounding)
+    convex &= loops.min(reach) > 0.0
+    share = (normal * loops.spread(position - made.centroid)).sum(axis=1)
+    far = loops.max(share / np.where(reach > 0.0, reach, 1.0))
+    out[convex] = np.maximum(0.0, far[convex])
+    for i in np.flatnonzero(~convex).tolist():
         hull = convex_hull(corners[start[i] : start[i + 1]])
         away = position[i] - made.centroid[i]
         if len(hull) < 3:

@@ -40,6 +40,7 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,7 @@ from numpy.typing import NDArray
 
 from drystone.answer.question import asked_line
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import sharp_edges
@@ -259,6 +260,14 @@ def _local_triangles(faces: Faces) -> Ints:
     return local
 
 
+@lru_cache(maxsize=4)
+def _triangles_of(position: bytes, start: bytes) -> Ints:
+    """Triangles of polygons by their own corners: layers, and load cases of a page, share them."""
+    first = np.frombuffer(start, dtype=np.intp)
+    triangle, polygon = triangulate(np.frombuffer(position).reshape(-1, 3), first)
+    return frozen(triangle - first[polygon][:, None])
+
+
 def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     origin = scene.centre
     data: dict[str, Any] = {
@@ -325,7 +334,8 @@ def _layer(layer: Layer, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     if layer.block is not None:
         data["block"] = blobs.counts(layer.block)
     if layer.kind is LayerKind.POLYGONS and layer.start is not None:
-        triangle, polygon = triangulate(layer.position, layer.start)
         data["corners"] = blobs.counts(np.diff(layer.start))
-        data["triangle"] = blobs.counts(triangle - layer.start[polygon][:, None])
+        data["triangle"] = blobs.counts(
+            _triangles_of(layer.position.tobytes(), layer.start.tobytes())
+        )
     return data

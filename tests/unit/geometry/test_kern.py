@@ -111,6 +111,17 @@ def test_ratios_are_zero_at_the_centroid_and_one_on_kern_and_rim() -> None:
         assert edge_ratio(made, *one(RECTANGLE), at)[0] == pytest.approx(outer)
 
 
+@pytest.mark.parametrize("more", [[3.0, 0.0], [6.0, 1e-15], [6.0, 0.0], [3.0, 1e-14]])
+def test_edge_ratio_is_that_of_the_outline_whatever_corners_are_on_it(more: list[float]) -> None:
+    """On a straight edge, twice, or off by rounding."""
+    corners = np.insert(RECTANGLE, 1, more, axis=0)
+    made = sections(*one(corners))
+    for x, y in ((0.0, 1.5), (6.5, 1.5), (3.0, 0.0), (4.0, 2.0)):
+        at = np.array([[x, y]])
+        expected = max(abs(x - 3.0) / 3.0, abs(y - 1.5) / 1.5)
+        assert edge_ratio(made, *one(corners), at)[0] == pytest.approx(expected)
+
+
 def test_edge_ratio_of_a_concave_section_is_that_of_its_hull() -> None:
     made = sections(*one(L_SHAPE))
     notch = np.array([[2.0, 1.5]])  # half way between the corners (3, 1) and (1, 2)
