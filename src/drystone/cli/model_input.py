@@ -37,6 +37,7 @@ HOW = partial(
         "gap": "LENGTH|SHARE",
         "only": "NAMES",
         "without": "NAMES",
+        "isolate": "NAMES",
         "layers": "NAME",
         "thickness": "LENGTH",
     },

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Ints, of_type
+from drystone.base.arrays import Bools, Ints, of_type
 from drystone.base.declared import refuse_unknown
 from drystone.base.display import differing, shortened
 from drystone.base.errors import InputError, counted
@@ -64,6 +64,7 @@ class How(FileOptions, total=False):
     anyway: bool
     only: str | Sequence[str]
     without: str | Sequence[str]
+    isolate: str | Sequence[str]
     up: Literal["z", "y"]
     search: bool
     skip_defects: bool
@@ -94,6 +95,7 @@ def read(
     anyway: bool = False,
     only: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
+    isolate: str | Sequence[str] = (),
     units: Unit | None = None,
     up: Literal["z", "y"] = "z",
     split: bool = False,
@@ -157,6 +159,9 @@ def read(
         Blocks that are kept, by names and patterns separated by commas; the others are left out.
     without
         Blocks that are left out, by names and patterns separated by commas.
+    isolate
+        Blocks that are looked at alone, by names and patterns separated by commas: all others are
+        fixed.
     units
         Unit of length of the file (the file's, else m).
     up
@@ -207,7 +212,7 @@ def read(
     asked: dict[str, Any] = {
         "supports": supports, "friction": friction, "density": density,
         "joint_capacity": joint_capacity, "anyway": anyway, "only": only, "without": without,
-        "search": search,
+        "isolate": isolate, "search": search,
     }  # fmt: skip
     of_file: FileOptions = {
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
@@ -265,6 +270,7 @@ def _model_of(
     search: bool = False,
     only: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
+    isolate: str | Sequence[str] = (),
     progress: Progress | None = None,
 ) -> Model:
     """The model of what was read, or of an assembly; see :func:`read`."""
@@ -294,6 +300,7 @@ def _model_of(
             detection=detection,
             anyway=anyway,
         )
+    model = _isolated(model, isolate)
     notes += model.notes
     total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
     model = replace(model, load=total, notes=(*notes, *said), cases=contents.loads)
@@ -397,18 +404,40 @@ def kept_of(
         A name or pattern fits no block, or no block is left.
     """
     kept = np.ones(len(assembly), dtype=bool)
-    for name, given in (("only", only), ("without", without)):
-        texts = [given] if isinstance(given, str) else list(given)
-        if not texts:
-            continue
-        try:
-            chosen = np.any([select(assembly, text).fixed for text in texts], axis=0)
-        except InputError as error:
-            raise error.located(name) from error
-        kept &= chosen if name == "only" else ~chosen
+    if len(only):
+        kept &= _named(assembly, only, "only")
+    if len(without):
+        kept &= ~_named(assembly, without, "without")
     if not kept.any():
         raise InputError("no block is left", where="without", remedy="leave fewer blocks out")
     return np.flatnonzero(kept)
+
+
+def _named(assembly: Assembly, given: str | Sequence[str], option: str) -> Bools:
+    """The blocks (n,) that names and patterns mean."""
+    try:
+        chosen = [
+            select(assembly, text).fixed for text in ([given] if isinstance(given, str) else given)
+        ]
+    except InputError as error:
+        raise error.located(option) from error
+    return np.any(chosen, axis=0)
+
+
+def _isolated(model: Model, blocks: str | Sequence[str]) -> Model:
+    """The model with all blocks fixed but these.
+
+    Source: Kao 2023, section 6.3.2, an unstable block with its neighbours as supports.
+    """
+    if not len(blocks):
+        return model
+    fixed = model.assembly.fixed | ~_named(model.assembly, blocks, "isolate")
+    if fixed.all():
+        raise InputError("it is a support", where="isolate", remedy="name a block that is free")
+    free = [name for name, still in zip(model.assembly.names, fixed, strict=True) if not still]
+    note = f"all blocks are fixed but {shortened(', '.join(free), 60)}"
+    assembly = model.assembly.with_fixed(np.flatnonzero(fixed).tolist())
+    return replace(model, assembly=assembly, notes=(*model.notes, note))
 
 
 def _with_one_more(case: LoadCase) -> LoadCase:
@@ -458,12 +487,14 @@ def _changed(
     joint_capacity: str | None = None,
     only: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
+    isolate: str | Sequence[str] = (),
 ) -> Model:
     """A model with other supports, friction or loads."""
     if only or without:
         model = model.subset(kept_of(model.assembly, only, without))
     if supports is not None:
         model = model.with_supports(supports, up_of_load(loads.acceleration))  # type: ignore[arg-type]
+    model = _isolated(model, isolate)
     if friction is not None:
         model = model.with_friction(_coefficient(friction))  # type: ignore[arg-type]
     if loads != Loads():
