@@ -103,6 +103,7 @@ def each_needed(
     close: float,
     late: Stop,
     tell: Callable[[int, int], None] | None = None,
+    smallest: float = 0.0,
 ) -> tuple[Floats, bool]:
     """Values lowered one by one, the smallest first, until each one that is left is needed.
 
@@ -122,12 +123,14 @@ def each_needed(
         Whether it is time to stop.
     tell
         Called with the number of values that are known to be needed, and of all that are not zero.
+    smallest
+        A value that is not zero stays at least as large.
 
     Returns
     -------
     (j,), bool
-        The values, and whether each is needed: with any one of them zero, or smaller by ``close``,
-        ``stands`` was False. That is so unless it was stopped.
+        The values, and whether each is needed: with any one of them zero, or smaller by ``close``
+        as far as that is allowed, ``stands`` was False. That is so unless it was stopped.
     """
 
     def put(k: int, value: float) -> Floats:
@@ -137,6 +140,12 @@ def each_needed(
 
     def holds(k: int, value: float) -> bool:
         return stands(put(k, value))
+
+    def small(k: int, high: float) -> float:
+        """A value with which it stands, from one with which it stands."""
+        if smallest and (high <= smallest or holds(k, smallest)):
+            return min(high, smallest)
+        return bracket(partial(holds, k), smallest, high, 0.5 * close, late)[1]
 
     for steps in ((np.inf,), (np.inf, close)):
         needed: set[int] = set()
@@ -148,10 +157,12 @@ def each_needed(
             for step in steps:
                 while values[k] > 0.0 and not late():
                     less = max(float(values[k]) - step, 0.0)
+                    if 0.0 < less < smallest:
+                        less = smallest if values[k] > smallest else 0.0
                     if not holds(k, less):
                         break
                     if less > 0.0:
-                        less = bracket(partial(holds, k), 0.0, less, 0.5 * close, late)[1]
+                        less = small(k, less)
                     values = put(k, less)
                     needed.clear()
             if late():

@@ -44,6 +44,8 @@ class SharpenOptions(Options):
         By which joints with tension are sharpened in each round.
     most : [degrees] > 0
         Largest sharpness of a wedge.
+    least : [degrees] >= 0
+        Least sharpness of a wedge: one that would be flatter is made plane or as sharp as this.
     close : [degrees] > 0
         Accuracy of each sharpness: with any joint less sharp by so much, it no longer stands.
     keep
@@ -53,6 +55,7 @@ class SharpenOptions(Options):
     margin: DesignMargin = field(default_factory=DesignMargin)
     step: float = 10.0
     most: float = 60.0
+    least: float = 5.0
     close: float = 0.5
     keep: tuple[int | str, ...] = ()
 
@@ -67,6 +70,11 @@ class SharpenOptions(Options):
             raise InputError(
                 f"the step is {self.step:g} degrees",
                 remedy="give more than 0, and no more than the largest sharpness",
+            )
+        if not 0.0 <= self.least <= self.most:
+            raise InputError(
+                f"the least sharpness is {self.least:g} degrees",
+                remedy="give 0 up to the largest sharpness",
             )
         if not 0.01 <= self.close <= self.step:
             raise InputError(
@@ -154,7 +162,12 @@ class _Sharpening:
             )  # fmt: skip
             tell = partial(self.clock.tell, "taking each wedge back")
             lowered = np.minimum(sharpness, high)
-            sharpness, known = each_needed(lowered, self.holds, close=close, late=late, tell=tell)
+            buildable = np.where(lowered > 0.0, np.maximum(lowered, self.options.least), 0.0)
+            if np.array_equal(buildable, lowered) or self.holds(buildable):
+                lowered = buildable
+            sharpness, known = each_needed(
+                lowered, self.holds, close=close, late=late, tell=tell, smallest=self.options.least
+            )
             message = f"stands with {_some(sharpness)} sharpened, by up to {sharpness.max():.2f} "
             message += "degrees"
             if not known:

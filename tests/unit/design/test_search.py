@@ -40,6 +40,22 @@ def test_each_wedge_that_is_left_is_needed(stands: Callable[[Floats], bool]) -> 
             assert not stands(less)
 
 
+def barely(sharpness: Floats) -> bool:
+    """The first wedge, and a trace of the second; the third is not needed."""
+    return bool(sharpness[0] > 45.0 and sharpness[1] > 0.1)
+
+
+def test_no_wedge_is_flatter_than_the_smallest_that_is_built() -> None:
+    given, late = np.array([50.0, 50.0, 0.2]), bool
+    trace, _ = each_needed(given, barely, close=CLOSE, late=late)
+    assert 0.0 < trace[1] <= CLOSE
+    assert trace[2] == 0.0
+    built, known = each_needed(given, barely, close=CLOSE, late=late, smallest=5.0)
+    assert known
+    assert built[1:].tolist() == [5.0, 0.0]
+    assert built[0] == pytest.approx(45.0, abs=CLOSE)
+
+
 def test_the_given_sharpness_is_left_as_it_is() -> None:
     given = np.full(3, 50.0)
     each_needed(given, one_for_two, close=CLOSE, late=lambda: False)

@@ -111,7 +111,15 @@ def test_blocks_to_keep_keep_their_joints() -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [{"step": 0.0}, {"most": 85.0}, {"step": 70.0}, {"close": 0.0}, {"close": float("nan")}],
+    [
+        {"step": 0.0},
+        {"most": 85.0},
+        {"step": 70.0},
+        {"close": 0.0},
+        {"least": -1.0},
+        {"least": 61.0},
+        {"close": float("nan")},
+    ],
 )
 def test_options_that_make_no_sense_are_refused(given: dict[str, float]) -> None:
     with pytest.raises(InputError):
