@@ -101,11 +101,12 @@ def test_combinations_add_with_their_factors_and_leave_the_parts_alone() -> None
 
 
 def test_a_load_in_the_notch_of_a_face_is_off_the_block() -> None:
-    """It lies in the plane of the face, and between corners of it."""
+    """It lies in the plane of the face, and between corners of it; so does the centroid."""
     angle = prism([(3, 1), (1, 1), (1, 3), (0, 3), (0, 0), (3, 0)], (0.0, 1.0), name="L")
     assembly = Assembly((angle,), np.array([False]))
     load = LoadCase.point_load(assembly, "L", (0.0, 0.0, -1.0), (1.8, 1.0, 1.8))
     assert load.notes == ("the point 1.8, 1, 1.8 is 0.8 m off block 'L'",)
+    assert LoadCase.extra_mass(assembly, "L", 2.0).notes == ()  # no point was given
 
 
 def test_a_load_leaves_the_assembly_alone() -> None:

@@ -190,7 +190,7 @@ class LoadCase(OneLine):
         return cls(
             wrench_at(assembly, i, vector[None], point[None]),
             f"{_listed(vector)} N on '{assembly.names[i]}'{place}",
-            off_block(assembly.blocks[i], point),
+            () if at is None else off_block(assembly.blocks[i], point),
         )
 
     @classmethod
