@@ -273,11 +273,7 @@ def find_forces(
     """
     real = as_model(given, **how)
     if form != "rbe":
-        odd = {"objective": objective, "rule": rule, "cone": cone}
-        usual = {"objective": Objective.QUADRATIC, "rule": FrictionRule.PLUS, "cone": None}
-        for name, one in odd.items():
-            if one != usual[name]:
-                raise InputError("is for form rbe", where=name, remedy="leave it out")
+        _refuse_of_rbe(objective=objective, rule=rule, cone=cone)
     if form == "cra" and gamma is not None:
         raise InputError("form cra has no tension", where="gamma", remedy="ask for form penalty")
     if threshold is not None:
@@ -285,17 +281,29 @@ def find_forces(
     model = real.with_contacts(virtual_contacts(real, virtual)) if len(virtual) else real
     common: dict[str, Any] = {"progress": progress, "stop": stop, "time_limit_s": time_limit_s}
     if form == "rbe":
-        round_cone = objective is not Objective.VERTEX
-        usual_cone = FrictionCone.exact() if round_cone else FrictionCone.octagon()
-        options = RBEOptions(
-            cone=usual_cone if cone is None else cone,
-            objective=objective,
-            rule=rule,
-            weights=Weights() if gamma is None else Weights(tension=gamma),
-        )
+        options = _of_rbe(objective, rule, cone, gamma)
         result = solve_rbe(model, options=options, **common)
     elif form == "cra":
         result = solve_cra(model, **common)
     else:
         result = solve_cra_penalty(model, options=PenaltyOptions(gamma=gamma), **common)
     return Forces(form, result, real.contacts, threshold)
+
+
+def _refuse_of_rbe(**given: Any) -> None:
+    """Raise InputError where an option of equilibrium alone is given to another form."""
+    usual = {"objective": Objective.QUADRATIC, "rule": FrictionRule.PLUS, "cone": None}
+    for name, one in given.items():
+        if one != usual[name]:
+            raise InputError("is for form rbe", where=name, remedy="leave it out")
+
+
+def _of_rbe(
+    objective: Objective, rule: FrictionRule, cone: FrictionCone | None, gamma: float | None
+) -> RBEOptions:
+    """The options of equilibrium alone."""
+    if cone is None:
+        vertex = objective is Objective.VERTEX
+        cone = FrictionCone.octagon() if vertex else FrictionCone.exact()
+    weights = Weights() if gamma is None else Weights(tension=gamma)
+    return RBEOptions(cone=cone, objective=objective, rule=rule, weights=weights)

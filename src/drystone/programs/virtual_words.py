@@ -11,7 +11,6 @@ from drystone.base.arrays import Bools
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.model import Model
-from drystone.supports import UP
 
 _WHERE = "virtual"
 
@@ -66,18 +65,21 @@ def _joints(model: Model, blocks: str) -> Bools:
 def _reduced(contacts: Contacts, what: str, which: Bools) -> Contacts:
     if what == "kern":
         return virtual.to_kern(contacts, which)
-    direction, equals, share = what.partition("=")
-    axes = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": UP}
-    sign = -1.0 if direction.startswith("-") else 1.0
-    axis = axes.get(direction.lstrip("+-"))
+    direction, _, share = what.partition("=")
     try:
-        share_alone = axis is None and "," not in direction and not equals
-        size = float(direction) if share_alone else float(share) if equals else 0.0
-        given = [] if share_alone or axis else [float(one) for one in direction.split(",")]
+        towards = _direction(direction)
+        size = float(what) if towards is None else float(share or 0.0)
     except ValueError as error:
         remedy = "write kern, a share such as 0.5, or a direction such as -z=0.2"
         raise InputError(f"'{what}' is no virtual interface", remedy=remedy) from error
-    if share_alone:
+    if towards is None:
         return virtual.shrink(contacts, size, which)
-    towards = given if axis is None else sign * np.asarray(axis)
     return virtual.shift(contacts, towards, size, which)
+
+
+def _direction(text: str) -> list[float] | None:
+    """The vector (3,) of a text such as ``-z`` or ``1,0,1``; None where it is no direction."""
+    if text.lstrip("+-") in ("x", "y", "z"):
+        sign = -1.0 if text.startswith("-") else 1.0
+        return [sign * (text[-1] == axis) for axis in "xyz"]
+    return [float(one) for one in text.split(",")] if "," in text else None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from drystone import models
@@ -14,9 +16,6 @@ from drystone.model import Model
 from drystone.programs import FrictionCone, RBEOptions, build_rbe, solve_rbe
 from drystone.reproduce.published_case import Case, Line
 from drystone.stability import check
-
-_ROUNDING = 1e-9
-"""Largest relative difference of two numbers that a formula makes equal."""
 
 
 def equilibrium() -> Case:
@@ -54,14 +53,14 @@ def kerns() -> Case:
         reach = np.abs(kern(shape)[:, 0] - 0.5 * width).max() / width
         lines.append(
             Line(f"{name}: reach of the kern from the centroid, by its side", "1/6",
-                 f"{reach:.6f}", bool(abs(reach - wanted) < _ROUNDING),
+                 f"{reach:.6f}", math.isclose(reach, wanted),
                  "what equation 4.16 gives for it")
         )  # fmt: skip
     triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.5, 1.0]])
     share = float(np.sqrt(_area(kern(triangle)) / _area(triangle)))
     lines.append(
         Line("triangle: side of the kern by that of the triangle", "1/4", f"{share:.6f}",
-             abs(share - 0.25) < _ROUNDING, "what equation 4.16 gives for it")
+             math.isclose(share, 0.25), "what equation 4.16 gives for it")
     )  # fmt: skip
     arch = solve_rbe(Model.of(models.buttressed_arch(), friction=0.6))
     return Case("4.3", "Kern of a polygonal interface", tuple(lines), {"arch": arch})
