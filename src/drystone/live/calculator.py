@@ -13,6 +13,7 @@ import signal
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from functools import partial
 from multiprocessing.connection import Connection
@@ -56,7 +57,8 @@ class Calculator:
         self.jobs = jobs
         self.models: dict[int, Model] = {}
         self.starts: OrderedDict[Any, dict[int, Floats]] = OrderedDict()
-        self.dragged: OrderedDict[Any, CoarseSteps] = OrderedDict()
+        self.dragged: OrderedDict[Any, Future[CoarseSteps]] = OrderedDict()
+        self.beside = ThreadPoolExecutor(1)
         self.mends: tuple[str, list[Changed]] = ("", [])
         self.job = 0
         self._reported = 0.0
@@ -125,6 +127,17 @@ class Calculator:
             self.starts.popitem(last=False)
         return states
 
+    def rest_of(self, load_case: Any, model: Model) -> Future[CoarseSteps]:
+        """The rest from which supports move.
+
+        It is sought beside the wishes: each of those that are dragged would end it.
+        """
+        if load_case not in self.dragged:
+            self.dragged[load_case] = self.beside.submit(CoarseSteps, model)
+        while len(self.dragged) > _DRAGGED:
+            self.dragged.popitem(last=False)[1].cancel()
+        return self.dragged[load_case]
+
     def keep(self, model: Model, number: int, **more: Any) -> None:
         """Keep a model under a number, and hand it over with its picture."""
         self.models[number] = model
@@ -175,14 +188,19 @@ def _first_of_moved(
     before = self.known(message, wish, FOLLOWED).get(0)
     if len(made.part) <= MOST_AT_ONCE:
         return at_once(made.moving, None, before)
-    key = message["window"], message["model"], replace(wish, moves=())
-    steps = self.dragged.pop(key, None)  # where it is interrupted it is not kept
-    steps = CoarseSteps(made.part, self.stop) if steps is None else steps
-    found = at_once(made.moving, steps, before)
-    self.dragged[key] = steps
-    while len(self.dragged) > _DRAGGED:
-        self.dragged.popitem(last=False)
+    load_case = _load_case(message, wish)
+    sought = self.rest_of(load_case, made.part)
+    if not wait([sought], 0.05).done:
+        return at_once(made.moving, None, before)
+    del self.dragged[load_case]  # where it is interrupted it is not kept
+    found = at_once(made.moving, sought.result(), before)
+    self.dragged[load_case] = sought
     return found
+
+
+def _load_case(message: Mapping[str, Any], wish: Wish) -> Any:
+    """A window's model with all of a wish but its moves."""
+    return message["window"], message["model"], replace(wish, moves=())
 
 
 def _at_rest(self: Calculator, made: WishedModel, message: Mapping[str, Any], wish: Wish) -> Found:
@@ -209,6 +227,10 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
         _show(self, "following", wish, made, found, began)
 
     if made.motion is not None:
+        if len(made.part) > MOST_AT_ONCE:  # what it finds is needed here too
+            sought = self.rest_of(_load_case(message, wish), made.part)
+            while not wait([sought], 0.05).done:
+                self.require()
         found = verdict_of(made, watch=watch, **limits)
         if found.moved and found.result.displacement is not None:
             self.known(message, wish, FOLLOWED)[0] = found.result.displacement

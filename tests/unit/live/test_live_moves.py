@@ -1,7 +1,9 @@
 """Supports that are moved on the live page: at once to first order, then by finite steps."""
 
 import base64
+import concurrent.futures
 import json
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
+from drystone.live import calculator
 from drystone.live.moved_mends import AfterMoving, moved_model
 from drystone.live.moved_supports import CoarseSteps, at_once, verdict_of
 from drystone.live.python_lines import python_lines
@@ -230,6 +233,35 @@ def test_of_many_blocks_coarse_steps_give_the_forces_at_once() -> None:
     fine = move_supports(model, {FOOT: (1e-4, 0.0, 0.0)}).states[-1].resultants.normal
     assert np.linalg.norm(fine - normal[0]) > 0.01 * np.linalg.norm(fine)
     assert np.linalg.norm(fine - normal[-1]) < 0.002 * np.linalg.norm(fine)
+
+
+def test_supports_of_many_blocks_are_shown_moved_before_their_rest_is_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = threading.Event()
+
+    def late(model: drystone.Model) -> CoarseSteps:
+        known.wait(60.0)
+        return CoarseSteps(model)
+
+    class Told:
+        cancelled = False
+        headlines: list[str] = []  # noqa: RUF012
+
+        def send(self, event: dict) -> None:
+            self.headlines.append(event["answer"]["headline"])
+
+    monkeypatch.setattr(calculator, "CoarseSteps", late)
+    asked_for = calculator.Calculator(Told())
+    asked_for.models[1] = drystone.Model.of(arch(0.2, 50), friction=0.9)
+    message = {"window": "a", "model": 1, "wish": {"moves": MOVE}}
+    calculator.DO["quick"](asked_for, message)
+    known.set()
+    concurrent.futures.wait(asked_for.dragged.values())
+    calculator.DO["quick"](asked_for, message)
+    first, second = Told.headlines
+    assert first == "Supports moved by 20 mm: the blocks are being followed"
+    assert "in coarse steps" in second
 
 
 def test_where_no_coarse_step_is_found_blocks_are_shown_as_they_followed_before() -> None:
