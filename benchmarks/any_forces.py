@@ -61,10 +61,22 @@ def proves_none(model: Model, velocity: Floats) -> bool:
 
 
 def fault_of_forces(found: Result) -> str:
-    """What is wrong with the forces of a result that stands; empty where nothing is."""
+    """What is wrong with the forces of a result that stands; empty where nothing is.
+
+    Where it stands after settling they are those on the blocks where they came to rest.
+    """
     if found.force is None:
         return "it has none"
-    model, local = found.model, np.asarray(found.force, dtype=np.longdouble)
+    paths = () if found.settlement is None else found.settlement.paths
+    rested = [path for path in paths if path.residuals is not None]
+    if not rested:
+        return _fault(found.model, found.force)
+    return "".join(_fault(path.moved_model(), path.force) for path in rested)
+
+
+def _fault(model: Model, force: Floats) -> str:
+    """What is wrong with corner forces (k, 3) of a model."""
+    local = np.asarray(force, dtype=np.longdouble)
     contacts, assembly = model.contacts, model.assembly
     world = np.einsum("ki,kij->kj", local, contacts.frame[contacts.interface])
     size = np.array([one.size for one in assembly.blocks])

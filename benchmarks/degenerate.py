@@ -141,22 +141,22 @@ def against_rbe(found: Result, rbe: Result, tally: Tally) -> str:
     none = proven_none(found.model)
     proof = "not asked" if none is None else "no forces" if none else "forces not excluded"
     tally.against[found.verdict.value, rbe.verdict.value, proof] += 1
+    falls = False
+    if rbe.mechanism is not None:
+        velocity = rbe.mechanism.copy()
+        velocity[:, 3:] *= np.array([one.size for one in rbe.model.assembly.blocks])[:, None]
+        falls = proves_none(rbe.model, velocity.ravel())
+        tally.proofs[falls] += 1
     if found.stable:
         fault = fault_of_forces(found)
         if fault:
             return f"STABLE with forces, but {fault}"
-        if none:
+        if none or falls:
             return "STABLE, and no forces balance the loads"
-        if rbe.verdict is Verdict.UNSTABLE:
-            return "STABLE, and unstable by RBE"
     if rbe.verdict is Verdict.EQUILIBRIUM_EXISTS:
         fault = fault_of_forces(rbe)
-        if fault:
-            return f"forces of RBE, but {fault}"
-    if rbe.mechanism is not None:
-        velocity = rbe.mechanism.copy()
-        velocity[:, 3:] *= np.array([one.size for one in rbe.model.assembly.blocks])[:, None]
-        tally.proofs[proves_none(rbe.model, velocity.ravel())] += 1
+        if fault or none:
+            return f"forces of RBE, but {fault or 'none balance the loads'}"
     return ""
 
 

@@ -30,8 +30,9 @@ def among(unjoined: Iterable[Missed], blocks: Ints) -> tuple[Missed, ...]:
 def contacts_if_joined(unjoined: Sequence[Missed], bounds: Floats, friction: float) -> Contacts:
     """The interfaces that the pairs would have.
 
-    Where blocks overlap without faces that face each other, nobody can say which faces are meant.
-    They are held in every direction, by the sides of the box that both are in.
+    Where blocks overlap without faces that face each other, nobody can say which faces are meant,
+    nor which way edges press that meet without a gap. They are held in every direction, by the
+    sides of the box that both are in.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def contacts_if_joined(unjoined: Sequence[Missed], bounds: Floats, friction: flo
     rows = [
         (miss, point, normal)
         for miss in unjoined
-        for point, normal in (_sides(miss, bounds) if len(miss.polygon) == 0 else [_face(miss)])
+        for point, normal in ([_face(miss)] if _has_normal(miss) else _sides(miss, bounds))
     ]
     corner = [point for _, point, _ in rows]
     start = Ragged.of(corner).start
@@ -59,6 +60,12 @@ def contacts_if_joined(unjoined: Sequence[Missed], bounds: Floats, friction: flo
         np.concatenate(corner),
         np.repeat(np.arange(len(rows), dtype=np.intp), count),
     )
+
+
+def _has_normal(miss: Missed) -> bool:
+    """Whether it is known which way the two blocks would press."""
+    across = len(miss.polygon) > 0 and miss.gap != 0.0 and (miss.polygon[-1] != miss.polygon[0])
+    return miss.area > 0.0 or bool(np.any(across))
 
 
 def _face(miss: Missed) -> tuple[Floats, Floats]:
