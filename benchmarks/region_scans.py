@@ -17,6 +17,19 @@ STEEP = float(np.tan(np.deg2rad(43.0)))
 DECADES = (-3.0, 3.0)
 """Powers of ten of the densities of what is heavy on light."""
 
+STRIPS = (
+    "two meridian strips on the lower side hinge outwards; they are held by friction on the joints"
+    " beside them, and how much these press is left to the path"
+)
+EXPLAINED = {
+    "cap 7 x 2, 1": STRIPS,
+    "cap 7 x 2, 2 from 48": STRIPS,
+    "cap 5 x 2, 2 from 30": STRIPS,
+    "pile 5": "upright the two upper blocks overhang; tilted back they are above their base",
+    "shelf y": "blocks 9 and 10 slide off slanted pieces, which the tilt makes flatter",
+}
+"""Scans along which the verdict changes more than once, and the mechanism."""
+
 Built = Callable[[], Assembly]
 
 

@@ -6,8 +6,9 @@ first to the last, and 12 more where the verdict is not one of the two ends any 
 
 A line for each scan: S stands, s is sensitive, ? is undecided, F falls, and its CPU seconds. Below
 a scan that breaks the rule, or whose undecided values lie in more than one place, is every run of
-equal verdicts with the message of its first value. With ``--csv`` each verdict is kept as soon as
-it is known, and the same command goes on where it ended. Exit code 1 where a scan breaks the rule.
+equal verdicts with the message of its first value, and the mechanism where it is known. With
+``--csv`` each verdict is kept as soon as it is known, and the same command goes on where it ended.
+Exit code 1 where a scan breaks the rule and nobody has found its mechanism.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 from pathlib import Path
 
-from benchmarks.region_scans import Scan, scans
+from benchmarks.region_scans import EXPLAINED, Scan, scans
 from drystone import CheckOptions, check
 
 FIELDS = ("scan", "value", "letter", "cpu_s", "message")
@@ -143,6 +144,8 @@ def told(scan: Scan, found: list[Found]) -> str:
         f"    {part[0].value:g} to {part[-1].value:g}: {part[0].region} {part[0].message}"
         for part in parts
     ]
+    if not right(found):
+        rows.append(f"    {EXPLAINED.get(scan.name, 'nobody knows why')}")
     return "\n".join([line, *rows])
 
 
@@ -151,28 +154,34 @@ def main() -> int:
     parser.add_argument("--csv", type=Path, help="file that keeps every verdict")
     parser.add_argument("--sample", type=int, help="so many scans, evenly spaced")
     parser.add_argument("--only", default="*", help="pattern of scans, or a part of a name")
-    parser.add_argument("--one-shear", action="store_true", help="follow with one shear stiffness")
+    parser.add_argument(
+        "--shear", type=float, help="shear stiffness with which to follow again; 0: none"
+    )
     given = parser.parse_args()
     pattern = given.only if "*" in given.only else f"*{given.only}*"
     chosen = [one for one in scans() if fnmatch.fnmatchcase(one.name, pattern)]
     if given.sample:
         step = max(1.0, len(chosen) / given.sample)
         chosen = [chosen[int(i * step)] for i in range(min(given.sample, len(chosen)))]
-    answers = Answers(given.csv, CheckOptions(stiff_shear=None if given.one_shear else 0.5))
-    asked = broken = scattered = 0
+    options = CheckOptions()
+    if given.shear is not None:
+        options = CheckOptions(stiff_shear=given.shear or None)
+    answers = Answers(given.csv, options)
+    asked = broken = unknown = scattered = 0
     spent = 0.0
     for scan in chosen:
         found = scanned(scan, answers)
         asked += len(found)
         broken += not right(found)
+        unknown += not right(found) and scan.name not in EXPLAINED
         scattered += sum(part[0].region == UNDECIDED for part in runs(found)) > 1
         spent += sum(one.cpu_s for one in found)
         print(told(scan, found), flush=True)
     print(
         f"{len(chosen)} scans, {asked} verdicts, {spent:.0f} CPU s: {broken} change more than once,"
-        f" {scattered} are undecided in more than one place"
+        f" {unknown} of them unexplained; {scattered} are undecided in more than one place"
     )
-    return 1 if broken else 0
+    return 1 if unknown else 0
 
 
 if __name__ == "__main__":
