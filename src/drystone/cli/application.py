@@ -59,7 +59,11 @@ class _Program(click.Group):
         """Run the command that is asked for. Click would forget what is said about Ctrl-C."""
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt as error:
+        except _Interrupted:  # of a group in this one
+            raise
+        except (KeyboardInterrupt, Exception) as error:
+            if not _is_of_ctrl_c(error):
+                raise
             work = UNDER_WAY.get()
             raise _Interrupted(NOTHING if work is None else work.left()) from error
 
@@ -218,6 +222,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if os.environ.get("DRYSTONE_TRACEBACK"):
             traceback.print_exc()
         return output.fail(error, output.FAULT, as_json)
+
+
+def _is_of_ctrl_c(error: BaseException | None) -> bool:
+    """Whether an error is Ctrl-C, or what a library made of it, such as one that was imported."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _in_our_words(error: click.UsageError) -> output.UsageFault:

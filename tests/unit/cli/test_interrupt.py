@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import drystone
 from drystone import check, io
 from drystone.cli import check_command, main
 from drystone.cli.waiting import Waiting
@@ -309,6 +310,31 @@ def test_an_answer_is_told_although_its_files_cannot_be_written(
     assert (told["verdict"], told["exit_code"]) == ("stable", 2)
     assert "No space left" in told["error"]["message"]
     assert "figure.png: cannot be written: No space left" in err
+
+
+@pytest.mark.parametrize("kind", [ImportError, drystone.InputError, RuntimeError])
+def test_ctrl_c_that_a_library_turns_into_an_error_of_its_own_is_ctrl_c(
+    kind: type[Exception],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def imported(*_: object, **__: object) -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise kind("initialization failed") from error
+
+    model = tmp_path / "tower.json"
+    io.write(tower(2), model)
+    for module, command in (
+        ("stability.check", ["check"]),
+        ("limits.inside.one_stiffness", ["limit", "tilt"]),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(f"drystone.{module}", imported)
+            assert main([*command, str(model)]) == 130
+        assert capsys.readouterr().err == "drystone: interrupted; nothing was written\n"
 
 
 def test_strict_wants_every_stiffness_tried() -> None:
