@@ -20,6 +20,7 @@ from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.io.opening import Given, How, as_model
+from drystone.io.registry import read_file
 from drystone.joints import by_joint
 from drystone.model import Model
 from drystone.programs.cra import solve_cra
@@ -29,8 +30,8 @@ from drystone.programs.virtual_words import virtual_contacts
 from drystone.results import Result
 
 _PULLS = 1e-5
-"""Share of the largest force from which on a pull is one: below is the rounding of interior points,
-which leave 7e-7 where tension costs a million times as much."""
+"""Share of the largest force from which on a pull, or what is not balanced, is some. Below is the
+rounding of interior points: 7e-7 where tension costs a million times as much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ class Forces(Answer):
     Attributes
     ----------
     form
-        ``rbe``, ``cra`` or ``penalty``.
+        ``rbe``, ``cra``, ``penalty`` or ``file``.
     result
         Its contacts are the virtual ones.
     real
@@ -93,10 +94,17 @@ class Forces(Answer):
         return np.flatnonzero(self.friction > self.threshold * (1.0 + _PULLS))
 
     @property
+    def _balanced(self) -> bool:
+        residuals = self.result.residuals
+        return residuals is None or residuals.equilibrium <= _PULLS
+
+    @property
     def title(self) -> str:
         """Whether compression alone balances the loads."""
         if self.result.force is None:
             return "No forces fit a motion" if self.form == "cra" else "No forces balance the loads"
+        if not self._balanced:
+            return "These forces do not balance the loads"
         pulled = int((self.pull > 0.0).sum())
         if pulled:
             joints = counted(self.contacts.joints.count, "joint")
@@ -110,7 +118,7 @@ class Forces(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """Whether compression is enough, what the method said, and the friction."""
         found = self.result.force is not None
-        good = found and not self.pull.any() and not len(self._over)
+        good = found and self._balanced and not self.pull.any() and not len(self._over)
         said = [
             Sentence(self.title, Role.GOOD if good else Role.BAD),
             Sentence(self.result.message),
@@ -211,7 +219,7 @@ class Forces(Answer):
 def find_forces(
     given: Given,
     *,
-    form: Literal["rbe", "cra", "penalty"] = "rbe",
+    form: Literal["rbe", "cra", "penalty", "file"] = "rbe",
     objective: Objective = Objective.QUADRATIC,
     rule: FrictionRule = FrictionRule.PLUS,
     cone: FrictionCone | None = None,
@@ -230,8 +238,8 @@ def find_forces(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     form
-        Equilibrium alone, forces with a motion that fits them (eq. 5.6), or these with tension
-        (eq. 5.8): rbe, cra, penalty.
+        Equilibrium alone, forces with a motion that fits them (eq. 5.6), these with tension
+        (eq. 5.8), or those of a solved file: rbe, cra, penalty, file.
     objective
         What is minimised by equilibrium alone: squares, the sum, or the sum in a vertex.
     rule
@@ -259,7 +267,8 @@ def find_forces(
     Raises
     ------
     InputError
-        What was given cannot be made into a model, or an option belongs to another form.
+        What was given cannot be made into a model, an option belongs to another form, or the file
+        has no forces.
 
     Notes
     -----
@@ -274,10 +283,17 @@ def find_forces(
     real = as_model(given, **how)
     if form != "rbe":
         _refuse_of_rbe(objective=objective, rule=rule, cone=cone)
-    if form == "cra" and gamma is not None:
-        raise InputError("form cra has no tension", where="gamma", remedy="ask for form penalty")
+    if form in ("cra", "file") and gamma is not None:
+        raise InputError(f"form {form} has no cost", where="gamma", remedy="ask for form penalty")
     if threshold is not None:
         threshold = number(threshold, "threshold")
+    if form == "file":
+        if len(virtual):
+            raise InputError(
+                "is for forces that are sought", where="virtual", remedy="leave it out"
+            )
+        solved = _stored(real)
+        return Forces(form, solved, solved.contacts, threshold)
     model = real.with_contacts(virtual_contacts(real, virtual)) if len(virtual) else real
     common: dict[str, Any] = {"progress": progress, "stop": stop, "time_limit_s": time_limit_s}
     if form == "rbe":
@@ -307,3 +323,24 @@ def _of_rbe(
         cone = FrictionCone.octagon() if vertex else FrictionCone.exact()
     weights = Weights() if gamma is None else Weights(tension=gamma)
     return RBEOptions(cone=cone, objective=objective, rule=rule, weights=weights)
+
+
+def _stored(model: Model) -> Result:
+    """The result that the file of a model has.
+
+    Raises
+    ------
+    InputError
+        It has none, or there is no file.
+    """
+    origin = model.origin
+    units: Any = origin.reading.get("units")
+    results = read_file(origin.file, units=units).results if origin.file else ()
+    for one in results:
+        if one.force is not None:
+            return replace(one, model=replace(one.model, origin=origin))
+    raise InputError(
+        "the file has no forces",
+        where=origin.file or "form",
+        remedy="give a solved COMPAS assembly, or ask for another form",
+    )

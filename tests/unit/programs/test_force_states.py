@@ -124,7 +124,7 @@ def test_words_that_mean_no_virtual_interface_are_refused(word: str, told: str) 
 def test_options_of_another_form_are_refused() -> None:
     with pytest.raises(InputError, match="is for form rbe"):
         find_forces(tower(2), form="cra", objective=Objective.LINEAR)
-    with pytest.raises(InputError, match="no tension"):
+    with pytest.raises(InputError, match="has no cost"):
         find_forces(tower(2), form="cra", gamma=2.0)
     with pytest.raises(InputError, match="1 or more"):
         find_forces(tower(2), form="penalty", gamma=0.5)
@@ -168,3 +168,22 @@ def test_the_command_prints_tension_and_writes_a_table(
     assert told["tension_in_all"] == pytest.approx(2943.0, rel=1e-3)
     assert main([*asked[:4], "--objective", "vertex", "--cone", "exact"]) == 2
     assert "--objective" in capsys.readouterr().err
+
+
+def test_forces_of_a_solved_compas_file_are_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "solved.json"
+    drystone.write(drystone.check(tower(3)), file, format="compas-assembly")
+    assert main(["forces", str(file), "--form", "file", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["title"] == "Compression alone balances the loads"
+    assert "a gravity of 9.81 m/s2" in told["sentences"][1]
+    content = file.read_text("utf-8").replace('"c_np":', '"c_np":1e6,"old":', 1)
+    file.write_text(content, "utf-8")
+    assert find_forces(file, form="file").title == "These forces do not balance the loads"
+    drystone.write(tower(3), file, format="compas-assembly")
+    assert main(["forces", str(file), "--form", "file"]) == 2
+    assert "has no forces" in capsys.readouterr().err
+    with pytest.raises(InputError, match="has no forces"):
+        find_forces(tower(3), form="file")
