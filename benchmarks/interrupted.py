@@ -552,6 +552,8 @@ def is_whole(name: str, data: bytes) -> bool:
         return data.rstrip()[-1:] in (b"}", b"]")
     if suffix in (".html", ".htm", ".svg"):
         return data.rstrip().endswith((b"</html>", b"</svg>"))
+    if suffix == ".png":
+        return data.endswith(b"IEND\xaeB`\x82")
     if suffix == ".glb":
         return int.from_bytes(data[8:12], "little") == len(data)
     return suffix in ("", ".3dm") or data.endswith(b"\n")

@@ -45,9 +45,12 @@ class Jobs:
         return self._messages.get()
 
     def send(self, event: dict[str, Any]) -> None:
-        """Tell the server something, as a whole."""
-        with self._gate:
-            self._pipe.send(event)
+        """Tell the server something, as a whole; it may be gone, as where it was killed."""
+        try:
+            with self._gate:
+                self._pipe.send(event)
+        except ConnectionError:
+            self._gone()
 
     def do(self, job: int, work: Callable[[], None]) -> None:
         """Work until it has ended or is cancelled."""

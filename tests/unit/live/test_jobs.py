@@ -22,6 +22,18 @@ def server() -> Iterator[tuple[Connection, Jobs]]:
     theirs.close()
 
 
+def test_a_server_that_was_killed_is_told_nothing_and_that_is_no_error() -> None:
+    ours, theirs = multiprocessing.Pipe()
+    gone = threading.Event()
+    jobs = Jobs(theirs, gone.set)
+    ours.close()
+    assert gone.wait(60.0)
+    gone.clear()
+    jobs.send({"event": "ready"})
+    assert gone.is_set()
+    theirs.close()
+
+
 def busy(seconds: float) -> None:
     """Work that never asks whether it is wanted."""
     end = time.monotonic() + seconds
