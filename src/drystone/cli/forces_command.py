@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 @command(
     "drystone forces arch.json --virtual kern --html forces.html",
-    "drystone forces arch.json --form penalty --friction 0.2 --gamma 1e4",
-    "drystone forces arch.json --rule friction-net --friction 0.8 --threshold 0.6",
+    "drystone forces arch.json --form penalty --gamma 1e4 --friction 0.2 --threshold 0.1",
 )
 def forces(
     *,
@@ -28,7 +27,7 @@ def forces(
         Analysis,
         Of(
             "drystone.programs.find_forces",
-            shown=("form", "objective", "rule", "gamma", "threshold", "virtual"),
+            shown=("form", "virtual"),
             metavars={"virtual": "WHAT[@BLOCKS]"},
         ),
     ],
