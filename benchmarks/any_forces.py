@@ -55,7 +55,7 @@ def proves_none(model: Model, velocity: Floats) -> bool:
     fastest = float(np.abs(velocity).max(initial=0.0))
     opening = (_rates(model) @ velocity).reshape(-1, 3)
     mu = _friction(model)
-    least = (opening[:, 0] - mu * np.hypot(opening[:, 1], opening[:, 2])) / np.hypot(1.0, mu)
+    least = opening[:, 0] - mu * np.hypot(opening[:, 1], opening[:, 2])
     power = float(_loads(model) @ velocity)
     return power > WORK * fastest and bool(least.min(initial=0.0) >= -RESISTED * fastest)
 
