@@ -16,8 +16,14 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import BATCH, Ragged
 from drystone.detection.block_overlaps import Overlap, block_overlaps
-from drystone.detection.candidates import Pairs, facing_patches, fits
-from drystone.detection.detection_options import DetectionOptions, EdgeContacts
+from drystone.detection.candidates import (
+    NEAR_BESIDE,
+    Pairs,
+    facing_patches,
+    fits,
+    reach_of_patches,
+)
+from drystone.detection.detection_options import LARGEST, DetectionOptions, EdgeContacts
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_overlaps import joint_width, negligible, overlaps, within
 from drystone.detection.inexact import Error, Inexact
@@ -212,9 +218,11 @@ def _faces(
         *_told(pair, row, loose, changed, most, Error.GAP, count),
     ]
     clipped = good & checked.accepted & checked.partial[row] & ~np.isin(pair[row], changed)
-    clipped &= np.maximum(most, -least) - checked.slack[row] <= options.search * planes.size[row]
+    reach = reach_of_patches(patches, planes.f, planes.g, options, NEAR_BESIDE)
+    clipped &= np.abs(mean) - checked.slack[row] <= reach[row]  # a wide face tilts far
     part = from_pieces(patches, planes, shared.select(clipped), checked.partial)
     needed = ((np.maximum(most, -least) - checked.slack[row]) / planes.size[row])[clipped]
+    needed[needed > LARGEST["gap"]] = np.nan
     partly = [
         missed_of(part, i, Reason.PARTLY, float(needed[i]), True, patches.origin)
         for i in range(part.count)

@@ -134,6 +134,7 @@ def misses(
     if not refused.any():
         return []
     away = gaps(planes, shared)
+    widest = Ragged(shared.start).max(np.abs(planes.gap_at(shared.corner, shared.corner_row)))
     apart = np.abs(away) - checked.slack[row]
     size = planes.size[row]
     touch = np.isin(_pair_keys(patches, planes, shared), _pair_keys(patches, planes, found))
@@ -149,7 +150,9 @@ def misses(
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
         if apart[piece] > told[piece]:
-            reason, needed = Reason.GAP, float(apart[piece] / size[piece])
+            whole = checked.too_steep[piece]  # on a part of steep faces little stands
+            most = widest[piece] - checked.slack[row[piece]] if whole else apart[piece]
+            reason, needed = Reason.GAP, float(most / size[piece])
         elif checked.too_warped[piece]:
             reason, needed = Reason.WARP, float("nan")
         elif checked.too_steep[piece]:

@@ -12,6 +12,7 @@ from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.detection.advice import rounded_up
+from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.reasons import Missed, Reason, millimetres
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
@@ -105,9 +106,13 @@ def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
         said += f", and {more} near each other"
     needed: dict[str, float] = {}
     for miss in unjoined:
+        if miss.reason is Reason.GAP and miss.needed > LARGEST["gap"]:
+            continue  # steep faces that no gap joins
         if not np.isnan(miss.needed):
             name = "angle" if miss.reason is Reason.ANGLE else "gap"
             needed[name] = max(needed.get(name, 0.0), miss.needed)
+            if name == "gap" and miss.angle > DetectionOptions().angle:
+                needed["angle"] = max(needed.get("angle", 0.0), miss.angle)
     if not needed:
         return f"{said}; draw them so that they touch, or far apart"
     options = " ".join(f"--{name} {rounded_up(value, 2):g}" for name, value in needed.items())

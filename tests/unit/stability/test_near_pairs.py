@@ -1,5 +1,6 @@
 """A proof of falling never rests on a pair of blocks that is near and was not joined."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -169,3 +170,44 @@ def test_a_foot_that_is_too_deep_proves_no_fall_of_what_stands_on_others() -> No
     assert check(Model.of(exact.with_fixed([0])).with_load((2.0, 2.0, -9.81))).stable
     assert check(replace(lean, unjoined=())).falls
     assert check(lean).verdict is Verdict.UNDECIDED
+
+
+def on_its_edge(size: tuple[float, float, float], degrees: float) -> Assembly:
+    """A block that stands on one lower edge, tilted about it, on a wide floor."""
+    turn = np.deg2rad(degrees)
+    axes = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    block = box(size, (0.0, 0.0, 0.0), "tilted")
+    vertices = block.vertices @ axes.T
+    vertices[:, 2] -= vertices[:, 2].min()
+    tilted = Block(vertices, block.faces, "tilted")
+    return Assembly((box((4.0, 4.0, 0.2), (0.0, 0.0, -0.2), "floor"), tilted)).with_fixed([0])
+
+
+@pytest.mark.parametrize(
+    ("size", "degrees"),
+    [((1.0, 1.0, 0.1), 1.0), ((2.0, 0.3, 0.3), 1.0), ((1.0, 0.5, 0.02), 0.3)],
+)
+def test_a_wide_face_that_is_tilted_a_little_proves_no_fall(
+    size: tuple[float, float, float], degrees: float
+) -> None:
+    found = check(on_its_edge(size, degrees))
+    assert found.verdict is Verdict.UNDECIDED
+    assert "'floor' and 'tilted' touch on a part of their faces" in found.message
+    assert check(joined_as_told(on_its_edge(size, degrees), found.message)).stable
+
+
+@pytest.mark.parametrize("degrees", [2.5, 4.0])
+def test_the_options_named_for_steep_faces_join_them(degrees: float) -> None:
+    model = on_its_edge((1.0, 1.0, 0.1), degrees)
+    found = check(model)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "--gap" in found.message
+    assert "--angle" in found.message
+    assert check(joined_as_told(model, found.message)).stable
+
+
+def joined_as_told(assembly: Assembly, message: str) -> Model:
+    """The model with the options that a message names."""
+    named = re.findall(r"--(gap|angle) ([0-9.]+)", message)
+    options = DetectionOptions(**{name: float(value) for name, value in named})
+    return Model.of(assembly, detection=options)
