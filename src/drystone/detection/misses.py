@@ -134,7 +134,6 @@ def misses(
     if not refused.any():
         return []
     away = gaps(planes, shared)
-    widest = Ragged(shared.start).max(np.abs(planes.gap_at(shared.corner, shared.corner_row)))
     apart = np.abs(away) - checked.slack[row]
     size = planes.size[row]
     touch = np.isin(_pair_keys(patches, planes, shared), _pair_keys(patches, planes, found))
@@ -147,22 +146,30 @@ def misses(
     chosen, touch = shared.select(refused), touch[refused]
     interfaces = from_pieces(patches, planes, chosen, checked.partial)
     excess = np.rad2deg(checked.angle - checked.limit)[chosen.row] + options.angle
+    far = _far(planes, shared, checked, apart) / size
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
         if apart[piece] > told[piece]:
-            whole = checked.too_steep[piece]  # on a part of steep faces little stands
-            most = widest[piece] - checked.slack[row[piece]] if whole else apart[piece]
-            reason, needed = Reason.GAP, float(most / size[piece])
+            reason, needed = Reason.GAP, float(far[piece])
         elif checked.too_warped[piece]:
             reason, needed = Reason.WARP, float("nan")
         elif checked.too_steep[piece]:
-            far = checked.too_far[piece] or checked.too_deep[piece]
-            reason, needed = Reason.ANGLE, float("nan") if far else float(excess[i])
+            no_touch = checked.too_far[piece] or checked.too_deep[piece]
+            reason, needed = Reason.ANGLE, float("nan") if no_touch else float(excess[i])
         else:
             reason = Reason.GAP if checked.too_far[piece] else Reason.OVERLAP
             needed = float(apart[piece] / size[piece])
         result.append(missed_of(interfaces, i, reason, needed, bool(touch[i]), patches.origin))
     return result
+
+
+def _far(planes: Planes, shared: Pieces, checked: ToleranceCheck, apart: Floats) -> Floats:
+    """How far (s,) [m] a gap has to reach; of steep faces over all that they share.
+
+    On a part of steep faces little stands.
+    """
+    widest = Ragged(shared.start).max(np.abs(planes.gap_at(shared.corner, shared.corner_row)))
+    return np.where(checked.too_steep, widest - checked.slack[shared.row], apart)
 
 
 def _pair_keys(patches: Patches, planes: Planes, pieces: Pieces) -> Ints:

@@ -104,6 +104,15 @@ def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
     if len(pairs) > 1:
         more = counted(len(pairs) - 1, "more pair is", "more pairs are")
         said += f", and {more} near each other"
+    needed = _needed(unjoined)
+    if not needed:
+        return f"{said}; draw them so that they touch, or far apart"
+    options = " ".join(f"--{name} {rounded_up(value, 2):g}" for name, value in needed.items())
+    return f"{said}; join them with {options}, or draw them far apart"
+
+
+def _needed(unjoined: Sequence[Missed]) -> dict[str, float]:
+    """The options that join what can be joined, by their names."""
     needed: dict[str, float] = {}
     for miss in unjoined:
         if miss.reason is Reason.GAP and miss.needed > LARGEST["gap"]:
@@ -113,10 +122,7 @@ def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
             needed[name] = max(needed.get(name, 0.0), miss.needed)
             if name == "gap" and miss.angle > DetectionOptions().angle:
                 needed["angle"] = max(needed.get("angle", 0.0), miss.angle)
-    if not needed:
-        return f"{said}; draw them so that they touch, or far apart"
-    options = " ".join(f"--{name} {rounded_up(value, 2):g}" for name, value in needed.items())
-    return f"{said}; join them with {options}, or draw them far apart"
+    return needed
 
 
 def _how(miss: Missed) -> str:
