@@ -237,25 +237,30 @@ def write_together(jobs: Sequence[Job], *, into: PathLike | None = None) -> list
             target = plain_target(path)
             if target in [other for other, _ in done]:
                 raise FormatError("is named twice", where=str(path), remedy="choose another name")
-            try:
+            with _told_at(target):
                 if target.parent not in hidden:
                     hidden[target.parent] = folders.enter_context(_hidden_in(target.parent))
                 temporary = hidden[target.parent] / target.name
                 write(temporary)
                 temporary.chmod(_mode(target))
-            except FormatError as error:
-                raise error.located(str(target)) from error
-            except InputError:  # of what is written, not of the place
-                raise
-            except (OSError, ValueError) as error:
-                raise unwritable(target, error) from error
             done.append((target, temporary))
         for target, temporary in done:
-            try:
+            with _told_at(target):
                 temporary.replace(target)
-            except OSError as error:
-                raise unwritable(target, error) from error
     return [str(path) for path, _ in jobs]
+
+
+@contextlib.contextmanager
+def _told_at(target: Path) -> Iterator[None]:
+    """Name the file where it cannot be written."""
+    try:
+        yield
+    except FormatError as error:
+        raise error.located(str(target)) from error
+    except InputError:  # of what is written, not of the place
+        raise
+    except (OSError, ValueError) as error:
+        raise unwritable(target, error) from error
 
 
 def _made_folder(path: PathLike) -> Path:

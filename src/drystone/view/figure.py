@@ -191,14 +191,10 @@ def draw(
     chosen = _chosen(shown, layers, key)
     if opacity is None:
         opacity = PRESETS[key].opacity if layers is None else 1.0
-    if inside is None:
-        figure = Figure(figsize=size, facecolor=ROLE_COLOUR[theme]["background"])
-        axes = figure.add_axes(AXES)
-        width, height = AXES[2] * size[0], AXES[3] * size[1]
-    else:
-        axes, figure = inside, inside.figure
-        box = axes.get_window_extent()
-        width, height = box.width / figure.dpi, box.height / figure.dpi
+    figure = Figure(figsize=size, facecolor=ROLE_COLOUR[theme]["background"])
+    axes: Any = figure.add_axes(AXES) if inside is None else inside
+    box = axes.get_window_extent()
+    width, height = box.width / axes.figure.dpi, box.height / axes.figure.dpi
     axes.set_aspect("equal", adjustable="datalim")
     axes.axis("off")
     eye = scene.toward if toward is None else toward
@@ -215,7 +211,7 @@ def draw(
     draw_scale_bar(sheet)
     if inside is not None:
         axes.set_title(shown.headline, fontsize=9, color=sheet.colours["edge"], parse_math=False)
-        return figure
+        return axes.figure
     draw_gravity(figure, sheet)
     write_title(figure, scene, shown, size, theme)
     write_legend(figure, sheet, chosen)
