@@ -16,6 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
@@ -108,7 +109,8 @@ class Forces(Answer):
         pulled = int((self.pull > 0.0).sum())
         if pulled:
             joints = counted(self.contacts.joints.count, "joint")
-            return f"Tension is needed: {self.pull.sum():.4g} N in {pulled} of {joints}"
+            most = quantity(float(self.pull.sum()), "N")
+            return f"Tension is needed: {most} in {pulled} of {joints}"
         told = "Compression alone balances the loads"
         over = len(self._over)
         if not over:
@@ -278,7 +280,7 @@ def find_forces(
     --------
     >>> from drystone.models import overhang
     >>> find_forces(overhang([0.75]), friction=0.8).title
-    'Tension is needed: 2943 N in 1 of 1 joint'
+    'Tension is needed: 2.94 kN in 1 of 1 joint'
     """
     real = as_model(given, **how)
     if form != "rbe":

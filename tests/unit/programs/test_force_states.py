@@ -160,7 +160,7 @@ def test_the_command_prints_tension_and_writes_a_table(
     table = tmp_path / "a.csv"
     asked = ["forces", str(file), "--friction", "0.8", "--joints", str(table)]
     assert main(asked) == 1
-    assert "Tension is needed: 2943 N in 1 of 1 joint" in capsys.readouterr().out
+    assert "Tension is needed: 2.94 kN in 1 of 1 joint" in capsys.readouterr().out
     assert table.read_text("utf-8").count("\n") == 2
     assert main([*asked[:4], "--form", "penalty", "--gamma", "1e4", "--json"]) == 1
     told = json.loads(capsys.readouterr().out)
