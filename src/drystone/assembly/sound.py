@@ -30,7 +30,7 @@ def self_touching(blocks: Sequence[Block]) -> list[tuple[int, InputError]]:
                 f"its surface {what}",
                 where=f"block '{chosen[body].name}'",
                 remedy="separate the parts there, or split it into two blocks",
-                kind=DefectKind.TOUCHING if what.startswith("touches") else None,
+                kind=DefectKind.TOUCHING if what.startswith("touches") else DefectKind.CROSSING,
             ),
         )
         for body, what in found

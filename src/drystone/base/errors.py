@@ -87,6 +87,7 @@ class DefectKind(enum.StrEnum):
     CROWDED = "non-manifold"
     TWICE = "twice"
     TOUCHING = "touches itself"
+    CROSSING = "crosses itself"
 
 
 class DrystoneError(Exception):

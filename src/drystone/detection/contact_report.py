@@ -143,7 +143,7 @@ class ContactReport(Card):
             and not (miss.joined and miss.reason is Reason.SLIVER)
         ]
         count = len(self.names)
-        known = {miss.block_a * count + miss.block_b for miss in near}
+        known = {miss.block_a * count + miss.block_b for miss in near if not miss.narrow}
         near += [
             Missed(
                 block_a=pair.block_a,

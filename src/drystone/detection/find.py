@@ -22,7 +22,7 @@ from drystone.detection.contact_report import ContactReport
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_contacts import face_contacts
-from drystone.detection.inexact_joints import Joined, join_inexact
+from drystone.detection.inexact_joints import Joined, join_inexact, strips
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.misses import edge_misses
 from drystone.detection.patches import Patches, patches_of
@@ -180,6 +180,7 @@ def _report(
     parted: dict[bool, list[Missed]] = {False: [], True: []}
     for miss in joining.missed:
         parted[miss.farther(options.search)].append(miss)
+    parted[True] += strips(found, len(assembly))
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
     return ContactReport(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.ragged import BATCH, Ragged
 from drystone.detection.block_overlaps import Overlap, block_overlaps
 from drystone.detection.candidates import (
@@ -343,6 +343,42 @@ def _lines(
         )
     keep = (lines.gap < 0.0) & (-lines.gap <= limit[mine]) & ~unclear
     return lines.take(np.flatnonzero(keep))
+
+
+def strips(found: Interfaces, count: int) -> list[Missed]:
+    """The only joints of blocks that are in each other along a strip as narrow as that may be deep.
+
+    Which faces press there is not known: a beam that is sunk deeper than it bears is joined by its
+    end, and by its bed it would stand.
+
+    Parameters
+    ----------
+    found
+    count
+        Number of blocks.
+    """
+    corners = Ragged(found.start)
+    around = found.point[corners.following] - found.point
+    half = 0.5 * corners.sum(lengths(around))
+    _, number, often = np.unique(_keys(found, count), return_inverse=True, return_counts=True)
+    narrow = found.area <= np.maximum(DEEPEST * found.size, -2.0 * found.gap) * half
+    deep = (-found.gap > EXACT * found.size) & narrow
+    return [
+        Missed(
+            block_a=int(found.block_a[i]),
+            block_b=int(found.block_b[i]),
+            face_a=-1,
+            face_b=-1,
+            reason=Reason.OVERLAP,
+            gap=float(found.gap[i]),
+            angle=0.0,
+            area=0.0,
+            needed=float("nan"),
+            polygon=np.zeros((0, 3)),
+            joined=True,
+        )
+        for i in np.flatnonzero(deep & (found.area > 0.0) & (often[number] == 1)).tolist()
+    ]
 
 
 def _left(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 
@@ -62,6 +64,12 @@ class Missed(OneLine):
     needed: float
     polygon: Floats
     joined: bool
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the faces overlap at most twice as wide as deep: others may be meant to press."""
+        around = np.linalg.norm(self.polygon - np.roll(self.polygon, -1, axis=0), axis=1).sum()
+        return self.gap < 0.0 and self.area <= -self.gap * float(around)
 
     def farther(self, search: float) -> bool:
         """Whether it is a gap wider than the option ``search``, which is not reported."""

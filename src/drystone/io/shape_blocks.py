@@ -24,8 +24,8 @@ _LARGEST_COORDINATE = 1e9
 SAME_PLACE = 1e-9
 """Vertices nearer than this share of their block's size are the same point."""
 _HINTED = 2000
-"""Faces up to which a repair is tried only to say that it would work. Chosen: some tenths of a
-second."""
+"""Faces up to which a repair, or a split, is tried only to say that it would work. Chosen: some
+tenths of a second."""
 _MENDABLE = (DefectKind.OPEN, DefectKind.CROWDED, DefectKind.TOUCHING)
 
 Made: TypeAlias = list[Block | None] | InputError
@@ -110,6 +110,8 @@ def _repaired(
     shape: DraftBlock, scale: float, error: InputError, repair: bool, split: bool
 ) -> tuple[Made, list[str]]:
     """The blocks of a broken mesh, and what was done; else its error, with the option to use."""
+    if error.kind is DefectKind.CROSSING:
+        raise _or_split(shape, scale, error, split)
     if error.kind not in _MENDABLE or (not (repair or split) and len(shape.faces) > _HINTED):
         raise error
     try:
@@ -130,6 +132,22 @@ def _repaired(
         replace_block(block, metadata=shape.metadata, repairs=shape.repairs) for block in blocks
     ]
     return made, [f"block '{shape.name}': {'; '.join(notes)}"]
+
+
+def _or_split(shape: DraftBlock, scale: float, error: InputError, split: bool) -> InputError:
+    """The error, with the option that makes blocks of its parts where these are sound."""
+    block = _tried(shape, scale)
+    if split or isinstance(block, InputError) or len(shape.faces) > _HINTED:
+        return error
+    try:
+        made, _ = _in_parts(block, split=True)
+    except InputError:
+        return error
+    parts = [part for part in made if part] if isinstance(made, list) else []
+    if len(parts) < 2 or self_touching(parts):
+        return error
+    said = f"{error.remedy}; --split makes blocks of its {len(parts)} parts"
+    return error.located(error.where, said)
 
 
 def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputError]:

@@ -194,3 +194,5 @@ def test_parts_in_each_other_are_not_offered_a_repair(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="crosses itself") as caught:
         drystone.io.read_file(path)
     assert "--repair" not in str(caught.value)
+    assert "--split makes blocks of its 2 parts" in str(caught.value)
+    assert len(drystone.io.read_file(path, split=True).assembly) > 1

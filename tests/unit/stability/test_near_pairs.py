@@ -211,3 +211,24 @@ def joined_as_told(assembly: Assembly, message: str) -> Model:
     named = re.findall(r"--(gap|angle) ([0-9.]+)", message)
     options = DetectionOptions(**{name: float(value) for name, value in named})
     return Model.of(assembly, detection=options)
+
+
+def beam_on_piers(bearing: float, sunk: float) -> Assembly:
+    """A beam of 2 m on two piers, so wide on each and so deep in them [m]."""
+    left, right = (box((0.3, 0.2, 1.0), (x, 0.0, 0.0), name) for x, name in ((0, "l"), (2.3, "r")))
+    beam = box((2.0 + 2.0 * bearing, 0.2, 0.3), (0.3 - bearing, 0.0, 1.0 - sunk), "beam")
+    return Assembly((left, right, beam), np.array([True, True, False]))
+
+
+@pytest.mark.parametrize(("bearing", "sunk"), [(0.001, 0.002), (0.002, 0.008), (0.005, 0.008)])
+def test_a_beam_that_is_sunk_deeper_than_it_bears_is_not_said_to_fall(
+    bearing: float, sunk: float
+) -> None:
+    assert check(beam_on_piers(bearing, 0.0), friction=0.6).stable
+    found = check(beam_on_piers(bearing, sunk), friction=0.6)
+    assert found.verdict is Verdict.UNDECIDED
+    assert "'l' and 'beam' are" in found.message
+
+
+def test_a_beam_between_walls_that_it_is_a_little_in_falls() -> None:
+    assert check(beam_on_piers(0.001, 0.5), friction=0.6).verdict is Verdict.UNSTABLE
