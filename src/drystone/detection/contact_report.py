@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -137,13 +137,13 @@ class ContactReport(Card):
         What is drawn there may be meant to touch. An overlap without facing faces has no polygon.
         """
         near = [
-            miss
+            replace(miss, area=0.0, polygon=np.zeros((0, 3))) if miss.narrow else miss
             for miss in (*self.missed, *self.farther)
             if miss.reason is not Reason.HIDDEN
             and not (miss.joined and miss.reason is Reason.SLIVER)
         ]
         count = len(self.names)
-        known = {miss.block_a * count + miss.block_b for miss in near if not miss.narrow}
+        known = {miss.block_a * count + miss.block_b for miss in near}
         near += [
             Missed(
                 block_a=pair.block_a,
