@@ -357,12 +357,13 @@ def strips(found: Interfaces, count: int) -> list[Missed]:
     count
         Number of blocks.
     """
+    within = (-found.gap > EXACT * found.size) & (found.area > 0.0)
+    if not within.any():
+        return []
     corners = Ragged(found.start)
-    around = found.point[corners.following] - found.point
-    half = 0.5 * corners.sum(lengths(around))
+    half = 0.5 * corners.sum(lengths(found.point[corners.following] - found.point))
     _, number, often = np.unique(_keys(found, count), return_inverse=True, return_counts=True)
     narrow = found.area <= np.maximum(DEEPEST * found.size, -2.0 * found.gap) * half
-    deep = (-found.gap > EXACT * found.size) & narrow
     return [
         Missed(
             block_a=int(found.block_a[i]),
@@ -377,7 +378,7 @@ def strips(found: Interfaces, count: int) -> list[Missed]:
             polygon=np.zeros((0, 3)),
             joined=True,
         )
-        for i in np.flatnonzero(deep & (found.area > 0.0) & (often[number] == 1)).tolist()
+        for i in np.flatnonzero(within & narrow & (often[number] == 1)).tolist()
     ]
 
 
