@@ -85,7 +85,7 @@ class ConicProgram(OneLine):
 
         Raises
         ------
-        SolverError
+        DrystoneError
             The simplex method ended without one.
         """
         first = self.cones.zero
