@@ -145,19 +145,7 @@ class ContactReport(Card):
         count = len(self.names)
         known = {miss.block_a * count + miss.block_b for miss in near}
         near += [
-            Missed(
-                block_a=pair.block_a,
-                block_b=pair.block_b,
-                face_a=-1,
-                face_b=-1,
-                reason=Reason.OVERLAP,
-                gap=-pair.depth,
-                angle=0.0,
-                area=0.0,
-                needed=float("nan"),
-                polygon=np.zeros((0, 3)),
-                joined=False,
-            )
+            Missed.overlap(pair.block_a, pair.block_b, pair.depth, joined=False)
             for pair in self.overlaps_left
             if pair.block_a * count + pair.block_b not in known
         ]

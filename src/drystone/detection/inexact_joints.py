@@ -363,20 +363,11 @@ def strips(found: Interfaces, count: int) -> list[Missed]:
     corners = Ragged(found.start)
     half = 0.5 * corners.sum(lengths(found.point[corners.following] - found.point))
     _, number, often = np.unique(_keys(found, count), return_inverse=True, return_counts=True)
+    # the wider of two faces counts that a corner has passed, as above
     narrow = found.area <= np.maximum(DEEPEST * found.size, -2.0 * found.gap) * half
     return [
-        Missed(
-            block_a=int(found.block_a[i]),
-            block_b=int(found.block_b[i]),
-            face_a=-1,
-            face_b=-1,
-            reason=Reason.OVERLAP,
-            gap=float(found.gap[i]),
-            angle=0.0,
-            area=0.0,
-            needed=float("nan"),
-            polygon=np.zeros((0, 3)),
-            joined=True,
+        Missed.overlap(
+            int(found.block_a[i]), int(found.block_b[i]), -float(found.gap[i]), joined=True
         )
         for i in np.flatnonzero(within & narrow & (often[number] == 1)).tolist()
     ]

@@ -65,6 +65,23 @@ class Missed(OneLine):
     polygon: Floats
     joined: bool
 
+    @classmethod
+    def overlap(cls, block_a: int, block_b: int, depth: float, *, joined: bool) -> Missed:
+        """Two blocks that are in each other by a depth [m], by faces that nobody can tell."""
+        return cls(
+            block_a=block_a,
+            block_b=block_b,
+            face_a=-1,
+            face_b=-1,
+            reason=Reason.OVERLAP,
+            gap=-depth,
+            angle=0.0,
+            area=0.0,
+            needed=float("nan"),
+            polygon=np.zeros((0, 3)),
+            joined=joined,
+        )
+
     @property
     def narrow(self) -> bool:
         """Whether the faces overlap at most twice as wide as deep: others may be meant to press."""

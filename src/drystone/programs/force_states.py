@@ -130,7 +130,9 @@ class Forces(Answer):
         if self.threshold is not None and found:
             most = float(self.friction.max(initial=0.0))
             told = f"{most:.4g} at most" if np.isfinite(most) else "more than any"
-            said.append(Sentence(f"friction that joints need: {told}, of {self.threshold:g}"))
+            said.append(
+                Sentence(f"friction that joints need: {told}; threshold {self.threshold:g}")
+            )
         return [one for one in said if one.text]
 
     def tables(self) -> Sequence[Table]:
@@ -152,7 +154,7 @@ class Forces(Answer):
             name: value[order],
         }
         title = "joints that pull" if name == "tension" else "joints beyond the threshold"
-        return Table(title, columns, {name: "N" if name == "tension" else "1"})
+        return Table(title, columns, {name: "N"} if name == "tension" else {})
 
     def layers(self) -> Scene:
         """The forces, the tension, and the joints coloured by the threshold."""
