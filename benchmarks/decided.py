@@ -1,7 +1,8 @@
 """Verdicts around every published limit: ``python -m benchmarks.decided``.
 
-Each model of docs/settlement.md is checked at shares of its settled limit, and a degree below and
-above it. Writes there how many are decided, and every one that is not, with both motions.
+Each model of docs/reference/settlement.md is checked at shares of its settled
+limit, and a degree below and above it. Writes there how many are decided, and every one that
+is not, with both motions.
 """
 
 from __future__ import annotations

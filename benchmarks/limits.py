@@ -1,7 +1,7 @@
 """Limits beside closed forms and published figures: ``python -m benchmarks.limits``.
 
-Writes docs/limits.md. With ``--model FILE`` the least friction and the tilt limit of a model of
-one's own are timed too (friction 0.84, its lowest blocks fixed).
+Writes docs/reference/limits.md. With ``--model FILE`` the least friction and the tilt
+limit of a model of one's own are timed too (friction 0.84, its lowest blocks fixed).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from drystone.model import Model
 from drystone.models import arch, buttressed_arch, dome, ferris_wall, incline, lune, tower
 from drystone.programs import FrictionCone
 
-PAGE = Path(__file__).parents[1] / "docs" / "limits.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "limits.md"
 CPU_NOTE = "CPU seconds of one thread"
 
 

@@ -2,8 +2,8 @@
 
 Every stage of a plan is simulated for two seconds with the blocks that are in place, held and
 propped ones fixed. It stays when no block moves by more than a hundredth of its size. MuJoCo's
-contacts are soft and creep (docs/robots.md): a stage that does not stay is simulated again with
-contacts and time steps of a twentieth.
+contacts are soft and creep (docs/reference/robots.md): a stage that does not stay is simulated
+again with contacts and time steps of a twentieth.
 With ``--rows FILE`` every stage is kept as soon as it is known, and a later run goes on from there.
 """
 
@@ -29,7 +29,7 @@ from drystone.models import bridge
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
-PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "robots.md"
 STAYS = 0.01
 """Largest displacement by the size of a block; after ``SECONDS`` of simulated time."""
 CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01, "dome-0.75": 0.01}

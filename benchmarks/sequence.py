@@ -1,7 +1,7 @@
 """Plans of towers, shells and the Armadillo: ``python -m benchmarks.sequence``.
 
 Correctness first: a plan with a stage that does not stand stops the run. Times are CPU seconds of
-one thread. Each part writes its table into docs/sequence.md between its markers.
+one thread. Each part writes its table into docs/reference/sequence.md between its markers.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from drystone.sequence.stages import Stage, members
 from drystone.sequence.structure import Structure
 from drystone.stability import check
 
-PAGE = Path(__file__).parents[1] / "docs" / "sequence.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "sequence.md"
 VAULT_WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3)
 VAULT_FRICTION, DOME_FRICTION = 0.6, 0.66
 COLD_STAGES = 24

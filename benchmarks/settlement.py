@@ -1,8 +1,8 @@
 """Settlement by steps against published tilt limits: ``python -m benchmarks.settlement``.
 
-Writes the table of docs/settlement.md. With another ``--overlap``, ``--pace`` or ``--tangential``
-it prints the limits and writes nothing. ``--insensitive`` asks a degree below and above each limit
-of the page with a tenth of the overlap, and with steps twice as long.
+Writes the table of docs/reference/settlement.md. With another ``--overlap``, ``--pace`` or
+``--tangential`` it prints the limits and writes nothing. ``--insensitive`` asks a degree below
+and above each limit of the page with a tenth of the overlap, and with steps twice as long.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from drystone import LoadCase, Model, settle
 from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 
-PAGE = Path(__file__).parents[1] / "docs" / "settlement.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "settlement.md"
 BEGIN, END = "<!-- limits -->\n", "<!-- end of limits -->\n"
 BEGIN_SAME, END_SAME = "<!-- insensitive -->\n", "<!-- end of insensitive -->\n"
 

@@ -1,7 +1,7 @@
 """Four shells at three sizes, what they stand, and the wedge: ``python -m benchmarks.shells``.
 
 Correctness first: a shell whose blocks do not fit stops the run. Each part (build, stand, wedge)
-writes its table into docs/shells.md between its markers; the plot lies beside it.
+writes its table into docs/reference/shells.md between its markers; the plot lies beside it.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from drystone.shells import (
 from drystone.stability import check
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGE, PLOT = DOCS / "shells.md", DOCS / "images" / "shells-wedge.svg"
+PAGE, PLOT = DOCS / "reference" / "shells.md", DOCS / "images" / "shells-wedge.svg"
 TIGHTEST = DetectionOptions(gap=1e-6)
 SIZES = (40, 400, 4000)
 WEDGES = (0.0, 0.1, 0.2, 0.3, 0.4)

@@ -1,4 +1,4 @@
-"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/speed.md.
+"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/trust/speed.md.
 
 Every workload runs in a process of its own, on one thread. Its answer is checked first; a wrong
 answer, or one without its proof, has no time. With ``--peer PYTHON`` the same model, with the same
@@ -23,7 +23,7 @@ from typing import Any
 from benchmarks.machine import ROOT, ask, checkout_of, description
 from benchmarks.workloads import LARGE, WALLS, Workload, workloads
 
-PAGE = ROOT / "docs" / "speed.md"
+PAGE = ROOT / "docs" / "trust" / "speed.md"
 
 GROUPS = {
     "armadillo": "Armadillo vault",

@@ -1,5 +1,6 @@
-"""Published tilt limits beside ours: ``python -m benchmarks.thesis`` writes docs/validation.md.
+"""Published tilt limits beside ours: ``python -m benchmarks.thesis``.
 
+Writes docs/trust/validation.md.
 Every limit is found by a scan from 0 to 180 degrees, and by :func:`benchmarks.scan.first_loss`.
 With ``--rows FILE`` the rows are kept there as they come, and those that are there are not measured
 again: so it may be stopped and goes on where it was.
@@ -31,7 +32,7 @@ from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, settle
 from drystone.stability import check
 
-PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
+PAGE = Path(__file__).parents[1] / "docs" / "trust" / "validation.md"
 
 UNIFORM = CheckOptions(samples=0, settle=False)
 

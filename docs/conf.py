@@ -12,7 +12,7 @@ from sphinx.util.nodes import make_refnode
 import drystone
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))
+sys.path.insert(0, str(HERE / "site"))
 import gallery
 from reference import write_reference
 
@@ -28,7 +28,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["reference.py", "gallery.py", "gallery/GALLERY_HEADER.rst"]
+exclude_patterns = ["gallery/GALLERY_HEADER.rst"]
 sphinx_gallery_conf = gallery.SETTINGS
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
@@ -89,4 +89,4 @@ def setup(app: Sphinx) -> None:
     app.connect("include-read", without_links)
     app.connect("missing-reference", by_last_name)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
-    write_reference(HERE / "reference")
+    write_reference(HERE / "reference" / "api")

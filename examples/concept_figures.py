@@ -1,4 +1,4 @@
-"""The figures of docs/concepts.md.
+"""The figures of docs/concepts/concepts.md.
 
 python examples/concept_figures.py docs/images
 

@@ -1,6 +1,6 @@
 """Two short moving pictures: a thin arch that falls, and the assembly of a corbelled bridge.
 
-python examples/moving_pictures.py docs
+python examples/moving_pictures.py docs/images
 
 It needs drystone[fall] and Pillow, which matplotlib brings.
 """

@@ -1,6 +1,6 @@
 """The pictures of the README: a vault that stands, and a shelf that only seems to.
 
-python examples/pictures.py docs
+python examples/pictures.py docs/images
 """
 
 import sys

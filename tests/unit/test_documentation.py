@@ -21,7 +21,7 @@ from drystone.cli.application import app
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 """Whose examples and commands are tried."""
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
@@ -214,7 +214,7 @@ def test_links_lead_to_a_file_and_to_a_place_in_it(page: Path) -> None:
 def test_the_check_of_the_sites_links_finds_a_lost_page_a_lost_place_and_a_bad_address(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    check = runpy.run_path(str(ROOT / "docs" / "check_links.py"))["main"]
+    check = runpy.run_path(str(ROOT / "docs" / "site" / "check_links.py"))["main"]
     (tmp_path / "a.html").write_text('<a href="b.html#here">b</a><a href="https://x.org/">x</a>')
     (tmp_path / "b.html").write_text('<p id="here"></p><a href="#top">up</a>')
     monkeypatch.setattr(sys, "argv", ["check_links", str(tmp_path), "--external"])
@@ -229,13 +229,13 @@ def test_the_check_of_the_sites_links_finds_a_lost_page_a_lost_place_and_a_bad_a
 
 
 def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exist() -> None:
-    page = (ROOT / "docs" / "source-studies.md").read_text("utf-8")
+    page = (ROOT / "docs" / "trust" / "source-studies.md").read_text("utf-8")
     rows = re.findall(r"^\| ((?:table )?[4-8]\.[\d., table]+) \|.*\| (.*) \|$", page, re.MULTILINE)
     numbers = {one.strip() for first, _ in rows for one in first.split(",")}
     last = {"4": 3, "5": 4, "6": 21, "7": 17, "8": 2}
     figures = {f"{part}.{i}" for part, many in last.items() for i in range(1, many + 1)}
     assert numbers == figures | {"table 6.1", "table 6.2", "table 6.3", "table 6.4", "table 8.1"}
-    examples = re.findall(r"\{doc\}`[^<]*<gallery/([^>]*plot[^>]*)>`", page)
+    examples = re.findall(r"\{doc\}`[^<]*</gallery/([^>]*plot[^>]*)>`", page)
     assert examples
     lost = [e for e in examples if not (ROOT / "examples" / "gallery" / f"{e}.py").exists()]
     assert lost == []
@@ -284,7 +284,7 @@ def names_of_commands(group: click.Group, before: str = "") -> list[str]:
 
 
 def test_every_command_answers_a_question() -> None:
-    page = (ROOT / "docs" / "which-command.md").read_text("utf-8")
+    page = (ROOT / "docs" / "how-to" / "which-command.md").read_text("utf-8")
     names = names_of_commands(app)
     assert "limit tilt" in names
     assert [name for name in names if not re.search(rf"`drystone {name}[ `]", page)] == []
@@ -299,13 +299,13 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
         for requirement in group
         if not requirement.startswith("drystone[")
     }
-    page = (ROOT / "docs" / "dependencies.md").read_text("utf-8")
+    page = (ROOT / "docs" / "developers" / "dependencies.md").read_text("utf-8")
     assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
 
 
 def test_the_version_has_one_source() -> None:
     others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "CITATION.cff", "README.md"]
-    others += ["docs/citing.md", "docs/conf.py"]
+    others += ["docs/trust/citing.md", "docs/conf.py"]
     named = [name for name in others if __version__ in (ROOT / name).read_text("utf-8")]
     assert named == []
 
@@ -356,7 +356,7 @@ WITH_AN_EXTRA = {"drystone.cli", "drystone.mcp"}
 
 
 def test_the_reference_has_every_public_name() -> None:
-    reference = runpy.run_path(str(ROOT / "docs" / "reference.py"))
+    reference = runpy.run_path(str(ROOT / "docs" / "site" / "reference.py"))
     seen: set[int] = set()
     listed = [m for modules in reference["ROOMS"].values() for m in modules]
     assert all(reference["public"](module, seen) for module in listed)
@@ -367,7 +367,7 @@ def test_the_reference_has_every_public_name() -> None:
 
 
 def test_the_page_of_models_has_every_family() -> None:
-    page = (ROOT / "docs" / "models.md").read_text("utf-8")
+    page = (ROOT / "docs" / "reference" / "models.md").read_text("utf-8")
     assert [name for name in models.__all__ if f"`{name}`" not in page] == []
 
 
@@ -378,8 +378,8 @@ def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -
     assert (standing.verdict, falling.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
     assert falling.falling_names == ("block-9", "block-10")
     for picture in tmp_path.iterdir():
-        assert f"](docs/{picture.name})" in README
-        assert (ROOT / "docs" / picture.name).read_bytes().startswith(b"\x89PNG")
+        assert f"](docs/images/{picture.name})" in README
+        assert (ROOT / "docs" / "images" / picture.name).read_bytes().startswith(b"\x89PNG")
     assert len(list(tmp_path.iterdir())) == 2
 
 
@@ -390,8 +390,8 @@ def test_the_moving_pictures_of_the_readme_are_what_the_example_draws(tmp_path: 
     runpy.run_path(str(ROOT / "examples" / "moving_pictures.py"))["main"](tmp_path, 2)
     assert {path.name for path in tmp_path.iterdir()} == {"fall.gif", "plan.gif"}
     for made in tmp_path.iterdir():
-        assert f"](docs/{made.name})" in README
-        with Image.open(made) as drawn, Image.open(ROOT / "docs" / made.name) as shown:
+        assert f"](docs/images/{made.name})" in README
+        with Image.open(made) as drawn, Image.open(ROOT / "docs" / "images" / made.name) as shown:
             assert drawn.n_frames == 2
             assert shown.n_frames >= 8
             assert shown.size == drawn.size
@@ -417,13 +417,13 @@ def test_the_figures_of_the_concepts_are_what_the_example_draws(
     """Their text; what is computed may differ by a pixel elsewhere. Each section has one."""
     monkeypatch.syspath_prepend(ROOT / "examples")
     drawings = runpy.run_path(str(ROOT / "examples" / "concept_figures.py"))["DRAWINGS"]
-    page = (ROOT / "docs" / "concepts.md").read_text("utf-8")
+    page = (ROOT / "docs" / "concepts" / "concepts.md").read_text("utf-8")
     for name, draw in drawings.items():
         shown = (ROOT / "docs" / "images" / f"concept-{name}.svg").read_text("utf-8")
         assert re.findall(r">([^<]+)</text>", draw()) == re.findall(r">([^<]+)</text>", shown)
-        assert f"](images/concept-{name}.svg)" in page
+        assert f"](../images/concept-{name}.svg)" in page
     for section in page.split("\n## ")[1:]:
-        assert "](images/" in section or section.startswith(("Model\n", "Sources\n")), section
+        assert "](../images/" in section or section.startswith(("Model\n", "Sources\n")), section
 
 
 def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path) -> None:
@@ -432,6 +432,6 @@ def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path)
     drawn = sorted(path.name for path in tmp_path.iterdir())
     assert len(drawn) == 4
     for name in drawn:
-        page = ROOT / "docs" / f"{name.removesuffix('.png')}.md"
-        assert f"](images/{name})" in page.read_text("utf-8")
+        page = ROOT / "docs" / "tutorials" / f"{name.removesuffix('.png')}.md"
+        assert f"](../images/{name})" in page.read_text("utf-8")
         assert (ROOT / "docs" / "images" / name).read_bytes().startswith(b"\x89PNG")

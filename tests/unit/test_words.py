@@ -85,4 +85,4 @@ def test_files_are_searched() -> None:
     names = texts(*FOLDERS)
     if not names:  # not a git checkout
         pytest.skip("no files under version control")
-    assert {"README.md", "docs/glossary.md"} <= set(names)
+    assert {"README.md", "docs/concepts/glossary.md"} <= set(names)

@@ -108,7 +108,7 @@ def test_the_tilt_of_the_experiment_is_that_of_an_arch_with_joints_13_percent_th
 SLOW = ("6.2.3", "6.2.4", "6.2.5", "6.3.3", "7.5.3")
 """Sections that take more than five seconds: ``benchmarks.thesis`` computes them."""
 DIFFERS = {"7.2.3": ["order, friction 0.66"]}
-"""What disagrees with the source, and is told on docs/source-studies.md."""
+"""What disagrees with the source, and is told on docs/trust/source-studies.md."""
 
 
 @pytest.mark.parametrize("section", [one for one in SECTIONS if one not in SLOW])

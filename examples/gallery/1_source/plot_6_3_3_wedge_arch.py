@@ -19,7 +19,7 @@ sharper = sharpen(model)
 print(sharper.message)
 
 # %%
-# The arch with its wedges. :doc:`/design` has a table of twelve such arches.
+# The arch with its wedges. :doc:`/reference/design` has a table of twelve such arches.
 
 result = drystone.check(sharper.model)
 print("with wedges:", result.verdict.value, "-", result.message)

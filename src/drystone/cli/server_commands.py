@@ -52,8 +52,8 @@ def live(
     """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
     The verdict follows at once. The model file is watched: when it is saved, it is read again.
-    Programs can ask the same server by JSON (docs/json-interface.md). It serves this machine only.
-    It ends with Ctrl-C, or ten seconds after the last window is closed.
+    Programs can ask the same server by JSON (docs/reference/json-interface.md). It serves this
+    machine only. It ends with Ctrl-C, or ten seconds after the last window is closed.
     """
     if client is not None:
         text = resources.files("drystone.live").joinpath("client.py").read_bytes()

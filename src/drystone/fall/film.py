@@ -21,7 +21,7 @@ from drystone.model import Model
 
 MOVED = 0.1
 """Travel of a block, by its size, from which on it has fallen. The contacts of the simulator
-are soft: what stands moves by a hundredth at most (docs/robots.md)."""
+are soft: what stands moves by a hundredth at most (docs/reference/robots.md)."""
 
 
 @dataclass(frozen=True)

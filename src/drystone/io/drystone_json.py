@@ -1,7 +1,7 @@
 """The JSON schema of drystone: assembly, contacts, loads and results, exact to the last bit.
 
-Documented in ``docs/formats.md``. Numbers are written as the shortest decimals that read back as
-the same float64.
+Documented in ``docs/reference/formats.md``. Numbers are written as the shortest decimals that
+read back as the same float64.
 """
 
 from __future__ import annotations

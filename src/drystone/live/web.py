@@ -183,7 +183,9 @@ class _Handler(BaseHTTPRequestHandler):
             text = json.dumps({"facts": kept.facts, "scene": kept.scene}, allow_nan=False)
             self._send(200, text, "application/json")
         else:
-            raise Refusal(404, "there is nothing at this address", "see docs/json-interface.md")
+            raise Refusal(
+                404, "there is nothing at this address", "see docs/reference/json-interface.md"
+            )
 
     def _post(self) -> None:
         self.server.guard.admit(self.headers)  # type: ignore[arg-type]
@@ -201,7 +203,9 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(status, text, "application/json")
             return
         if not path.startswith("/live/"):
-            raise Refusal(404, "there is nothing at this address", "see docs/json-interface.md")
+            raise Refusal(
+                404, "there is nothing at this address", "see docs/reference/json-interface.md"
+            )
         asked = sent(self._body(WISH))
         if path == "/live/wish":
             desk.wish(asked.window, asked.number, asked.model, asked.wish)
@@ -259,7 +263,7 @@ class _Handler(BaseHTTPRequestHandler):
             return urlsplit(self.path)
         except ValueError as error:
             what = f"the address cannot be read: {error}"
-            raise Refusal(400, what, "see docs/json-interface.md") from error
+            raise Refusal(400, what, "see docs/reference/json-interface.md") from error
 
     # -- bytes ----------------------------------------------------------------------------------
     def _body(self, most: int) -> bytes:

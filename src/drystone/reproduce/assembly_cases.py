@@ -246,7 +246,7 @@ def performance() -> Case:
         Line(name, published, "not computed", None, why)
         for name, published, why in (
             ("Armadillo Vault (6.20)", "399 blocks, 1014 interfaces, 2424 s",
-             "its data belongs to others; docs/speed.md has its time"),
+             "its data belongs to others; docs/trust/speed.md has its time"),
             ("leaning tower (7.1h)", "8 blocks, 11 interfaces, 2.43 s", ASSUMED),
         )
     ]  # fmt: skip

@@ -45,7 +45,7 @@ def test_a_file_is_a_model_with_a_load_case_for_every_state(path: Any) -> None:
 
 def test_there_are_as_many_as_the_page_says() -> None:
     states = sum(len(json.loads(path.read_text("utf-8"))["_benchmark"]["states"]) for path in FILES)
-    page = (MODELS.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    page = (MODELS.parents[2] / "docs" / "trust" / "benchmark.md").read_text("utf-8")
     assert f"data: {len(FILES)} files" in page
     assert f"with {states} states" in page
 
@@ -176,7 +176,7 @@ def test_a_solver_of_dry_joints_has_no_answer_for_joints_that_pull() -> None:
 
 
 def test_the_solver_of_the_page_is_asked(tmp_path: Path) -> None:
-    page = (MODELS.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    page = (MODELS.parents[2] / "docs" / "trust" / "benchmark.md").read_text("utf-8")
     script = tmp_path / "my_solver.py"
     script.write_text(page.partition("```python\n")[2].partition("```")[0], "utf-8")
     program: Any = Program([sys.executable, str(script)], 60.0)

@@ -1,4 +1,4 @@
-"""The loop of docs/how-to-region-by-region.md, command by command."""
+"""The loop of docs/how-to/region-by-region.md, command by command."""
 
 import re
 import shlex
@@ -11,7 +11,7 @@ from drystone import InputError
 from drystone.cli import main
 from drystone.models import shelf
 
-PAGE = Path(__file__).parents[3] / "docs" / "how-to-region-by-region.md"
+PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "region-by-region.md"
 
 
 def test_the_loop_of_the_page_ends_with_a_shelf_that_stands(

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def text() -> str:
-    return (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    return (ROOT / "docs" / "reference" / "formats.md").read_text(encoding="utf-8")
 
 
 def test_the_first_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -58,7 +58,7 @@ def test_the_example_of_usd_runs(
 ) -> None:
     pytest.importorskip("pxr")
     monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "scenes.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(# needs usd-core.*?)```", page, re.DOTALL)
     exec(compile(code, "scenes.md", "exec"), {"Path": Path, "drystone": drystone})
     assert capsys.readouterr().out == "stable\n"

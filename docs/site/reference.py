@@ -1,0 +1,120 @@
+"""Pages written from the program: every public name, every command with its options."""
+
+import enum
+import inspect
+import textwrap
+from importlib import import_module
+from pathlib import Path
+
+import click
+
+from drystone.cli.application import app
+
+ROOMS = {
+    "What most people need": ("drystone",),
+    "Limits": ("drystone.limits",),
+    "Design": ("drystone.design",),
+    "Assembly planning": ("drystone.sequence",),
+    "Shells": ("drystone.shells",),
+    "Model families": ("drystone.models",),
+    "Contacts": ("drystone.detection",),
+    "Answers": ("drystone.answer",),
+    "Analyses": ("drystone.stability", "drystone.programs", "drystone.results"),
+    "Settlement and large displacement": ("drystone.settlement",),
+    "Films of a fall": ("drystone.fall",),
+    "Resting poses": ("drystone.poses",),
+    "Forces in joints": ("drystone.joints", "drystone.virtual"),
+    "Files": ("drystone.io",),
+    "Pictures": ("drystone.view",),
+    "Blocks, loads and repairs": (
+        "drystone.assembly",
+        "drystone.loads",
+        "drystone.joint_capacity",
+        "drystone.repair",
+        "drystone.model",
+    ),
+    "The source's studies": ("drystone.reproduce",),
+    "Objects and functions of COMPAS": ("drystone.compat", "drystone.compat.compas_cra"),
+    "The live page": ("drystone.live",),
+}
+"""Headings and their public modules; a name is listed once, in the first module that has it."""
+
+
+def public(module: str, seen: set[int]) -> list[str]:
+    """Public names of a module that no module before it has."""
+    room, names = import_module(module), []
+    for name in getattr(room, "__all__", ()):
+        value = getattr(room, name)
+        if not inspect.ismodule(value) and id(value) not in seen:
+            seen.add(id(value))
+            names.append(name)
+    return names
+
+
+def entry(module: str, name: str) -> str:
+    """The directive of one name."""
+    value = getattr(import_module(module), name)
+    if inspect.isclass(value):
+        kind = "autoexception" if issubclass(value, BaseException) else "autoclass"
+        options = "   :members:\n"
+        if issubclass(value, enum.Enum):
+            options += "   :undoc-members:\n"
+        return f".. {kind}:: {module}.{name}\n{options}"
+    if callable(value):
+        return f".. autofunction:: {module}.{name}\n"
+    return f".. py:data:: {module}.{name}\n\n   ``{value!r}``\n"
+
+
+def titled(title: str, underline: str = "=") -> str:
+    """A heading."""
+    return f"{title}\n{underline * len(title)}\n\n"
+
+
+def api(folder: Path) -> list[str]:
+    """One page for each heading."""
+    seen: set[int] = set()
+    pages = []
+    for title, modules in ROOMS.items():
+        text = titled(title)
+        for module in modules:
+            names = sorted(public(module, seen))
+            text += f"``import {module}``\n\n" if names else ""
+            text += "\n".join(entry(module, name) for name in names) + "\n"
+        pages.append(modules[0])
+        (folder / f"{modules[0]}.rst").write_text(text, "utf-8")
+    return pages
+
+
+def commands(folder: Path) -> None:
+    """One page with the help of every command, as ``--help-all`` prints it."""
+    text = titled("Commands and their options")
+    for words, command in every(app, "drystone"):
+        context = click.Context(command, info_name=words)
+        context.meta["drystone.everything"] = True
+        told = textwrap.indent(command.get_help(context), "   ")
+        text += f"{titled(words, '-')}::\n\n{told}\n\n"
+    (folder / "commands.rst").write_text(text, "utf-8")
+
+
+def every(group: click.Group, words: str) -> list[tuple[str, click.Command]]:
+    """Every command of a group and of the groups in it, with its words."""
+    found: list[tuple[str, click.Command]] = []
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        one, here = group.get_command(context, name), f"{words} {name}"
+        assert one is not None
+        found += every(one, here) if isinstance(one, click.Group) else [(here, one)]
+    return found
+
+
+def write_reference(folder: Path) -> None:
+    """Write all of it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.rst"):
+        old.unlink()
+    pages = api(folder)
+    commands(folder)
+    listed = "\n".join(f"   {page}" for page in pages)
+    (folder / "index.rst").write_text(
+        titled("Reference") + f".. toctree::\n   :maxdepth: 1\n\n   commands\n{listed}\n", "utf-8"
+    )
