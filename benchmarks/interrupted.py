@@ -79,7 +79,7 @@ GIVEN = {
 LONGER = {
     "check": "wall.json --strict",
     "limit friction": "arch.json",
-    "limit tilt": "arch.json --scan 8 --polar 4",
+    "limit sweep": "arch.json --scan 8 --directions 4",
     "mend": "arch.json --friction 0.3 --auto",
     "plan": "arch.json",
     "shape": "arch.json --friction 0.8 --most 0.05 --time-limit 3",

@@ -238,7 +238,7 @@ overrides the width. Values beyond the first fall at which the structure stands 
 as islands.
 
     drystone limit tilt model.json --axis y --html fall.html
-    drystone limit tilt model.json --polar 16 --workers 2 --png polar.png
+    drystone limit sweep model.json --directions 16 --workers 2 --png sweep.png
     drystone limit friction model.json
     drystone limit load model.json seismic:1,0
     drystone limit load model.json "keystone:0,0,-1000@0,0,1.2"

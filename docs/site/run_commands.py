@@ -33,7 +33,7 @@ DOCS = Path(__file__).parents[1]
 STAYS = r"^(live (?!--client)|mcp )"
 """Commands that serve until they are ended."""
 SLOW = (
-    r"reproduce|--buildable|--vary|--auto|--aim volume|^tune|^shape|^sharpen|--polar|--draws"
+    r"reproduce|--buildable|--vary|--auto|--aim volume|^tune|^shape|^sharpen|limit sweep|--draws"
     r"|^limit imperf|^push|^scaffold|--sweep|^plan vault|^mend|limit thickness|--lose|--to \d"
     r"|limit tilt model"
 )

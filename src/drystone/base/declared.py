@@ -141,6 +141,42 @@ class Declared(OneLine):
         return value
 
 
+@dataclass(frozen=True)
+class Offered(OneLine):
+    """An analysis of a model, as the command line and other programs offer it.
+
+    What it takes by position behind the model is an argument; its keywords, and the fields of its
+    ``options``, are options.
+
+    Attributes
+    ----------
+    analysis
+    example
+        What stands behind the name of its command in an example.
+    shown
+        Options that the help shows; others are shown by ``--help-all``.
+    """
+
+    analysis: Callable[..., Any]
+    example: str
+    shown: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """What it answers, for whoever chooses one."""
+        text = inspect.getdoc(self.analysis) or ""
+        return _ONLY_PYTHON.sub("", _unmarked(re.split(r"\n\w+\n---", text)[0].strip()))
+
+    @property
+    def arguments(self) -> dict[str, Declared]:
+        """What must be given beside the model."""
+        takes = inspect.signature(self.analysis).parameters.values()
+        names = [one.name for one in takes if one.kind is one.POSITIONAL_OR_KEYWORD]
+        known = declared(self.analysis)
+        return {name: known[name] for name in names[1:]
+                if known[name].default is inspect.Parameter.empty}  # fmt: skip
+
+
 @functools.cache
 def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
     """The fields of a class of options, or the keywords of a function, by their names.
@@ -164,6 +200,21 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
             for name, default in known.items()
         }
     )
+
+
+def options_of(of: Callable[..., Any]) -> list[str]:
+    """Names of what may be chosen of a class or an analysis, such as ``options.scan``.
+
+    These are its keywords with a default, and the fields of its ``options``; not what Python alone
+    can give.
+    """
+    known = declared(of)
+    if dataclasses.is_dataclass(of):
+        return list(known)
+    empty, python = inspect.Parameter.empty, ("options", "check", "progress", "stop")
+    own = [name for name, one in known.items() if one.default is not empty and name not in python]
+    inner = declared(known["options"].kinds[0]) if "options" in known else ()
+    return [*own, *(f"options.{name}" for name in inner if name not in python)]
 
 
 def declared_at(of: Callable[..., Any], path: str) -> Declared:
@@ -354,5 +405,8 @@ def _documented(text: str) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _plain(lines: Sequence[str]) -> str:
     """The lines as one text without markup."""
-    text = " ".join(line for line in lines if line)
+    return _unmarked(" ".join(line for line in lines if line))
+
+
+def _unmarked(text: str) -> str:
     return _ROLE.sub(lambda found: (found[1] or found[2]).removeprefix("drystone."), text)

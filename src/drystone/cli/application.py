@@ -90,8 +90,34 @@ class _Program(click.Group):
         write_examples(self.examples, formatter)
 
 
-def _group(name: str, text: str, places: Mapping[str, str], *examples: str) -> _Program:
-    made = _Program(name, help=text, short_help=text, context_settings=SETTINGS)
+class _Limits(_Program):
+    """Commands that are made of the limits in their table."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the commands, in order."""
+        from drystone.limits import LIMITS  # the program starts without numpy
+
+        return sorted({*LIMITS, *super().list_commands(ctx)})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a name."""
+        from drystone.limits import LIMITS  # as above
+
+        if cmd_name not in LIMITS:
+            return super().get_command(ctx, cmd_name)
+        from drystone.cli.analysis_command import command_of
+
+        return command_of(LIMITS[cmd_name], cmd_name, self.name or "")
+
+
+def _group(
+    name: str,
+    text: str,
+    places: Mapping[str, str],
+    *examples: str,
+    of: type[_Program] = _Program,
+) -> _Program:
+    made = of(name, help=text, short_help=text, context_settings=SETTINGS)
     made.places, made.examples = places, examples
     return made
 
@@ -99,17 +125,10 @@ def _group(name: str, text: str, places: Mapping[str, str], *examples: str) -> _
 limit = _group(
     "limit",
     "Limits: largest tilt, least friction and others.",
-    {
-        "friction": "limit_commands",
-        "imperfections": "limit_models",
-        "load": "limit_commands",
-        "shrink": "limit_commands",
-        "thickness": "limit_models",
-        "thrust": "limit_commands",
-        "tilt": "limit_commands",
-    },
+    {"imperfections": "limit_models", "thickness": "limit_models"},
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
+    of=_Limits,
 )
 app = _group(
     "drystone",
@@ -130,7 +149,7 @@ app = _group(
         "models": "models_command",
         "plan": "plan_command",
         "poses": "poses_command",
-        "push": "limit_commands",
+        "push": "motion_commands",
         "recut": "shaping_commands",
         "reproduce": "reproduce_command",
         "scaffold": "scaffold_command",

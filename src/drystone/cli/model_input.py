@@ -136,11 +136,9 @@ class Subject:
 
     def case_of(self, text: str, model: Model) -> LoadCase:
         """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``."""
-        from drystone.io.load_options import Loads
-        from drystone.loads.load_words import chosen_case
+        from drystone.io.load_options import grown
 
-        gravity = Loads(self.how.get("gravity")).acceleration
-        return chosen_case(text, model.assembly, model.cases, gravity)
+        return grown(text, model, self.how.get("gravity"))
 
     def _read(self, how: dict[str, Any], waiting: Waiting) -> Model:
         from drystone import io  # the commands start fast: work is imported when there is some

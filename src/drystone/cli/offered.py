@@ -87,20 +87,28 @@ class Analysis:
             return self.analysis(*subject, **self.given, **more, **late)
 
 
+_METAVARS = {
+    "axis": "AXIS|X,Y,Z",
+    "direction": "AXIS|X,Y,Z",
+    "keep": "BLOCKS",
+    "margin": "WHAT",
+    "virtual": "WHAT[@BLOCKS]",
+}
+"""Placeholders of values, by the name of the option."""
 _LATE = {"time_limit_s": "--time-limit", "executor": "--workers"}
 """Keywords of everything that takes long, by name, which are options too."""
 
 
 @dataclass(frozen=True)
 class Of:
-    """Options that are declared beside an analysis, imported when the command is asked for.
+    """Options that are declared beside an analysis.
 
     Attributes
     ----------
     place
-        Module and name of a class of options, whose instance the command gets; or of an analysis,
-        with which it gets an :class:`Analysis`. The keywords of an analysis and the fields of its
-        ``options`` are options.
+        A class of options, whose instance the command gets; or an analysis, with which it gets an
+        :class:`Analysis`. The keywords of an analysis and the fields of its ``options`` are
+        options. Or its module and name, and it is imported when the command is asked for.
     names
         Those that are offered, such as ``plan.rules.hands``; all when left out.
     without
@@ -110,12 +118,12 @@ class Of:
     flags
         Names on the command line, where they are not the last part of the name.
     metavars
-        Placeholders of values in the help.
+        Placeholders of values in the help, where they are others than usual.
     group, groups
         Of the options in the help, and names in other groups.
     """
 
-    place: str
+    place: str | Callable[..., Any]
     names: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
@@ -127,33 +135,17 @@ class Of:
     @cached_property
     def target(self) -> Callable[..., Any]:
         """The class or the analysis."""
+        if not isinstance(self.place, str):
+            return self.place
         module, _, name = self.place.rpartition(".")
         return getattr(import_module(module), name)
 
     def _declared(self) -> dict[str, Declared]:
         """The options by name."""
-        from drystone.base.declared import declared_at  # the program starts without numpy
+        from drystone.base.declared import declared_at, options_of  # it starts without numpy
 
-        found = {}
-        for name in self.names or self._every():
-            found[name] = declared_at(self.target, name)
-        return found
-
-    def _every(self) -> list[str]:
-        from drystone.base.declared import declared  # as above
-
-        known = declared(self.target)
-        if is_dataclass(self.target):
-            return [name for name in known if name not in self.without]
-        left_out = {"options", "check", "progress", "stop", *self.without}
-        own = [
-            name
-            for name, one in known.items()
-            if one.default is not inspect.Parameter.empty and name not in left_out
-        ]
-        inner = declared(known["options"].kinds[0]) if "options" in known else ()
-        every = [*own, *(f"options.{name}" for name in inner)]
-        return [name for name in every if name not in left_out]
+        names = self.names or [one for one in options_of(self.target) if one not in self.without]
+        return {name: declared_at(self.target, name) for name in names}
 
     def _flag(self, name: str) -> str:
         return self.flags.get(name) or _LATE.get(name) or f"--{_last(name).replace('_', '-')}"
@@ -177,7 +169,7 @@ class Of:
                 more["type"] = kinds.POSITIVE
             else:
                 more |= {"type": kinds.of(one), "multiple": one.several}
-                more["metavar"] = self.metavars.get(name)
+                more["metavar"] = self.metavars.get(name) or _METAVARS.get(_last(name))
             found.append(
                 GroupedOption(
                     [*flag.split(), _key(before, name)],

@@ -16,7 +16,14 @@ from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.io.load_parts import load_of_parts
 from drystone.loads import LoadCase
-from drystone.loads.load_words import combined, gravity_vector, load_of_words, seismic_of_words
+from drystone.loads.load_words import (
+    chosen_case,
+    combined,
+    gravity_vector,
+    load_of_words,
+    seismic_of_words,
+)
+from drystone.model import Model
 
 
 @dataclass(frozen=True, eq=True)
@@ -151,6 +158,20 @@ def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
         for one in each
     ]
     return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
+
+
+def grown(given: Any, model: Model, gravity: Any = None) -> LoadCase:
+    """A load that grows: of the file by its name, in words, or parts as in our JSON.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+    along = Loads(gravity).acceleration
+    if isinstance(given, str):
+        return chosen_case(given, model.assembly, model.cases, along)
+    return added(given, model.assembly, along)
 
 
 def _is_weight(assembly: Assembly, case: LoadCase) -> bool:

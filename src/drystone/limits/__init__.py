@@ -1,5 +1,8 @@
 """Limits of tilt, load, friction and thickness; imperfections."""
 
+from collections.abc import Mapping
+
+from drystone.base.declared import Offered
 from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.imperfections import (
     Imperfections,
@@ -19,7 +22,6 @@ from drystone.limits.limit_families import (
 )
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import (
-    LIMITS,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -57,3 +59,13 @@ __all__ = [
     "thrust_bounds",
     "tilt_sweep",
 ]
+
+LIMITS: Mapping[str, Offered] = {
+    "friction": Offered(limit_friction, "arch.json", ("scaled",)),
+    "load": Offered(limit_load, "arch.json voussoir-10:1kN", ("upper",)),
+    "shrink": Offered(limit_shrink, "arch.json --seismic 0.05"),
+    "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),
+    "thrust": Offered(thrust_bounds, "arch.json springer-right", ("direction",)),
+    "tilt": Offered(limit_tilt, "arch.json --axis y", ("axis",)),
+}
+"""The limits of a model, by what the command line and other programs call them."""

@@ -7,7 +7,7 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Unpack
 
@@ -162,8 +162,9 @@ def limit_load(
     Parameters
     ----------
     live
-        A load case; a number, the multiple of gravity along -z; or an acceleration (3,) [m/s2] of
-        all masses.
+        The load that grows: ``BLOCK:WHAT[@X,Y,Z]`` as for ``--load``, ``seismic:KX,KY``, or a load
+        case of the file by its name. In Python a load case; a number, the multiple of gravity along
+        -z; or an acceleration (3,) [m/s2] of all masses.
     upper : > 0
         Largest factor of the search.
     options
@@ -263,12 +264,3 @@ def limit_thickness(
     width = 1e-5 * abs(first - last)
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, first, last, width, means)
-
-
-LIMITS: Mapping[str, Callable[..., Limit]] = {
-    "tilt": limit_tilt,
-    "friction": limit_friction,
-    "load": limit_load,
-    "shrink": limit_shrink,
-}
-"""The limits of a model, by what the command line and other programs call them."""

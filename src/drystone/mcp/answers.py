@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from inspect import Parameter, getdoc, signature
+from dataclasses import dataclass, field, replace
+from inspect import Parameter
 from typing import Any, Literal
 
 from drystone.answer import Answer
-from drystone.base.declared import Declared, declared, declared_at, made_of, refuse_unknown
+from drystone.base.declared import (
+    Declared,
+    declared,
+    declared_at,
+    made_of,
+    nested,
+    options_of,
+    refuse_unknown,
+)
 from drystone.base.errors import DrystoneError, InputError
 from drystone.design import DiagnosisOptions, MendOptions, diagnose, find_mends
 from drystone.detection import find_contacts
 from drystone.io import Inspection, read
 from drystone.io import inspect as inspect_file
 from drystone.io.inspection import usable
-from drystone.io.load_options import added
+from drystone.io.load_options import grown
 from drystone.io.opening import tolerances
-from drystone.limits import LIMITS, LimitOptions, limit_tilt
+from drystone.limits import LIMITS
+from drystone.loads import LoadCase
 from drystone.mcp.folder import Folder, how_of, model_of, opened
 from drystone.sequence import PlanOptions, plan
 from drystone.stability import check
@@ -168,25 +177,41 @@ def _analysed(analysis: Callable[..., Answer], timed: bool = True) -> Callable[.
 
 
 def _limit(
-    tool: Tool, subject: Mapping[str, Any], values: Mapping[str, Any], folder: Folder, end: float
+    _: Tool, subject: Mapping[str, Any], values: Mapping[str, Any], folder: Folder, end: float
 ) -> dict[str, Any]:
     model = model_of(subject, folder)
     of = values.get("of")
     if of is None:
         raise InputError("is missing", where="of", remedy=f"give {', '.join(LIMITS)}")
-    takes, more = signature(LIMITS[of]).parameters, {}
-    for name, keyword in (("axis", "axis"), ("load", "live")):
-        if name in values and keyword not in takes:
+    one, given = LIMITS[of], {}
+    takes = (*one.arguments, *options_of(one.analysis))
+    paths = {name.rpartition(".")[2]: name for name in takes}
+    for name in [*one.arguments, *values]:
+        if name not in values:
+            raise InputError(f"is missing for the limit of {of}", where=name, remedy="give it")
+        if name not in paths and name != "of":
             raise InputError(f"is not used by the limit of {of}", where=name, remedy="leave it out")
-        if name in values:
-            more[keyword] = values[name]
-    if "live" in more:
-        more["live"] = added(more["live"], model.assembly)
-    elif "live" in takes:
-        what = f"is missing, and the limit of {of} grows it"
-        raise InputError(what, where="load", remedy="give the load that grows")
-    found = LIMITS[of](model, **more, stop=_late(end), options=tool.chosen(values))
+        if name != "of":
+            given[paths[name]] = values[name]
+            if LoadCase in declared_at(one.analysis, paths[name]).kinds:
+                given[name] = grown(values[name], model, subject.get("gravity"))
+    chosen, stop = nested(one.analysis, given), {"stop": _late(end)}
+    known = declared(one.analysis)
+    found = one.analysis(model, **chosen, **(stop if "stop" in known else {}))
     return told(found, model.notes)
+
+
+def _of_limits() -> dict[str, Declared]:
+    """What the limits take, a load as :func:`drystone.read` does."""
+    found = {"of": _OF}
+    for one in LIMITS.values():
+        for path in (*one.arguments, *options_of(one.analysis)):
+            known = declared_at(one.analysis, path)
+            if LoadCase in known.kinds:
+                known = replace(known, hint=declared(read)["load"].hint)
+            if known.name not in ("executor", "time_limit_s"):
+                found.setdefault(known.name, known)
+    return found
 
 
 def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
@@ -197,17 +222,11 @@ def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
     return {**said, "notes": list(notes)}
 
 
-def _first(function: Callable[..., Any]) -> str:
-    """The first sentence of its documentation, without what only Python needs."""
-    line = (getdoc(function) or "").partition("\n")[0].partition(";")[0].rstrip(".")
-    return f"{line[:1].lower()}{line[1:]}"
-
-
 _OF = Declared(
     "of",
     Literal[tuple(LIMITS)],
     Parameter.empty,
-    "; ".join(f"{name}: {_first(limit)}" for name, limit in LIMITS.items()) + ".",
+    " ".join(f"{name}: {one.text.splitlines()[0]}" for name, one in LIMITS.items()),
 )
 TOOLS: Mapping[str, Tool] = {
     "files": Tool("List the model files in the folder of this server.", _files, of_model=False),
@@ -233,12 +252,7 @@ TOOLS: Mapping[str, Tool] = {
         "'equilibrium' is where some forces balance the loads, 'rest' where it comes to rest for "
         "some contact stiffness, 'uniform' for a uniform one.",
         _limit,
-        LimitOptions,
-        more={
-            "of": _OF,
-            "axis": declared(limit_tilt)["axis"],
-            "load": declared(read)["load"],
-        },
+        more=_of_limits(),
     ),
     "mend": Tool(
         "Which changes make a model stand? Each was checked on the whole model, cheapest first. "

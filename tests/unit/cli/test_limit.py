@@ -36,7 +36,15 @@ def test_tilt_has_both_definitions_and_the_blocks_that_fall(model: str, capsys: 
 def test_a_sweep_writes_its_plot(model: str, tmp_path: Path, capsys: Capsys) -> None:
     plot = tmp_path / "polar.png"
     code, told = answer(
-        capsys, "limit", "tilt", model, "--polar", "3", "--equilibrium-only", "--png", str(plot)
+        capsys,
+        "limit",
+        "sweep",
+        model,
+        "--directions",
+        "3",
+        "--equilibrium-only",
+        "--png",
+        str(plot),
     )
     assert code == 0
     assert told["azimuth"] == [0.0, 120.0, 240.0]
@@ -49,8 +57,8 @@ def test_a_limit_and_a_sweep_write_a_page_and_a_figure_at_once(
 ) -> None:
     page, figure = tmp_path / "fall.html", tmp_path / "fall.svg"
     files = ("--html", str(page), "--png", str(figure))
-    for more in (("--axis", "y"), ("--polar", "2", "--equilibrium-only")):
-        _, told = answer(capsys, "limit", "tilt", model, "--scan", "1", *more, *files)
+    for name, *more in (("tilt", "--axis", "y"), ("sweep", "--directions", "2")):
+        _, told = answer(capsys, "limit", name, model, "--scan", "1", *more, *files)
         assert told["files"] == [str(page), str(figure)]
         assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
         assert "<svg" in figure.read_text(encoding="utf-8")
@@ -152,7 +160,7 @@ def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
     assert "degrees about x" in out
     assert "some forces balance the loads" in out
     assert "gives way: block-1" in out
-    assert main(["limit", "tilt", model, "--polar", "2", "--equilibrium-only"]) == 0
+    assert main(["limit", "sweep", model, "--directions", "2", "--equilibrium-only"]) == 0
     assert "weakest" in capsys.readouterr().out
     assert main(["limit", "imperfections", model, "--offset", "0.01", "--draws", "2"]) == 0
     assert "2 of 2" in capsys.readouterr().out
@@ -184,8 +192,7 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
     [
         (["limit", "tilt", "MODEL", "--axis", "0,0,0"], "--axis: axis is zero"),
         (["limit", "tilt", "MODEL", "--axis", "w"], "no axis is called 'w'"),
-        (["limit", "tilt", "MODEL", "--axis", "x", "--polar", "4"], "contradict"),
-        (["limit", "tilt", "MODEL", "--polar", "0"], "0 directions"),
+        (["limit", "sweep", "MODEL", "--directions", "0"], "0 directions"),
         (["limit", "tilt", "MODEL", "--width", "0"], "--width: is 0"),
         (["limit", "tilt", "MODEL", "--scan", "0"], "--scan: is 0"),
         (["limit", "tilt", "MODEL", "--workers", "0"], "--workers: is 0"),

@@ -197,7 +197,7 @@ def test_limits_are_brackets_around_closed_forms(session: Session) -> None:
     assert tilt["stands"] <= 21.801 <= tilt["falls"]  # atan 0.4
     assert tilt["unit"] == "deg"
     push = [{"kind": "seismic", "kx": 1.0}]
-    load = session.answer("limit", model=model, of="load", load=push)
+    load = session.answer("limit", model=model, of="load", live=push)
     assert load["stands"] <= 0.4 <= load["falls"] * (1.0 + 1e-6)
 
 
@@ -268,13 +268,13 @@ def test_what_cannot_be_used_is_refused_in_words(case: str, session: Session) ->
 
 def test_a_limit_of_load_needs_a_load(session: Session) -> None:
     model = {"file": "nested/tower.json"}
-    assert "load: is missing" in session.refusal("limit", model=model, of="load")
+    assert "live: is missing" in session.refusal("limit", model=model, of="load")
     push = [{"kind": "mass", "block": "block-2", "mass": 1.0}]
-    assert "load: is not used" in session.refusal("limit", model=model, of="tilt", load=push)
+    assert "live: is not used" in session.refusal("limit", model=model, of="tilt", live=push)
     assert "of" in session.refusal("limit", model=model, of="thickness")
     assert "axis: is not used" in session.refusal("limit", model=model, of="shrink", axis="x")
     assert "load: is 1e+30; give words" in session.refusal(
-        "limit", model=model, of="load", load=1e30
+        "limit", model=model, of="load", live=1e30
     )
     assert len(session.refusal("limit", model=model, of="tilt", **{"x" * 2000: 1})) < 500
 
