@@ -21,6 +21,7 @@ SECTIONS: dict[str, Callable[[], Case]] = {
     "4.2": method_cases.equilibrium,
     "4.3": method_cases.kerns,
     "4.4": method_cases.resultants,
+    "4.5": method_cases.assembly_graph,
     "5.1.1": equilibrium_cases.pinched_blocks,
     "6.1.1": equilibrium_cases.stack,
     "6.1.2": equilibrium_cases.buttressed_arch,
