@@ -1,4 +1,4 @@
-"""The pictures of the pages *Ten minutes*.
+"""The pictures of the tutorials.
 
 python examples/tutorial_pictures.py docs/images
 """
@@ -7,26 +7,26 @@ import sys
 from pathlib import Path
 
 import drystone
-from drystone.design import MendOptions, find_mends
-from drystone.models import arch, vault
+from drystone.models import arch, bridge, h_model
 
 SIZE = (8.0, 4.4)
 """Inches."""
 
 
 def main(folder: Path = Path()) -> None:
-    """Check, mend, plan and draw."""
+    """Check, plan and draw what each tutorial asks about."""
     thin = drystone.Model.of(arch(thickness_ratio=0.1, voussoirs=11), friction=0.7)
-    thick = drystone.Model.of(arch(thickness_ratio=0.15, voussoirs=11), friction=0.7)
-    mended = find_mends(thin, options=MendOptions(kinds=("thicker",))).mends[0].result
+    span = arch(thickness_ratio=0.15, voussoirs=11)
+    cart = drystone.LoadCase.point_load(span, "voussoir-03", (0.0, 0.0, -500.0))  # N
+    loaded = drystone.LoadCase.gravity(span) + cart
     pictures = {
-        "vault": drystone.check(vault(), friction=0.6),
-        "fall": drystone.check(thin),
-        "mend": mended,
-        "plan": drystone.plan(thick),
+        "architect": drystone.check(thin),
+        "engineer": drystone.check(span, friction=0.7, load=loaded),
+        "roboticist": drystone.plan(drystone.Model.of(bridge(), friction=0.5)),
+        "researcher": drystone.check(h_model(), friction=0.84),
     }
     for name, subject in pictures.items():
-        drystone.save_figure(subject, folder / f"ten-minutes-{name}.png", size=SIZE, dpi=110)
+        drystone.save_figure(subject, folder / f"tutorial-{name}.png", size=SIZE, dpi=110)
 
 
 if __name__ == "__main__":

@@ -3,10 +3,10 @@
 python docs/site/run_commands.py
 python docs/site/run_commands.py --page how-to/loads --slow
 
-Each page has a folder of its own, with a model under each name that the page uses; the pages of
-*Ten minutes* share one. A command may answer that something falls (exit code 1). Bad input (2) or a
-fault (70) is a failure. What needs an extra that is missing (3) is counted as not run, and so is
-what takes long, unless ``--slow`` asks for it.
+Each page has a folder of its own, with a model under each name that the page uses. A command may
+answer that something falls (exit code 1). Bad input (2) or a fault (70) is a failure. What needs an
+extra that is missing (3) is counted as not run, and so is what takes long, unless ``--slow`` asks
+for it.
 """
 
 import argparse
@@ -116,14 +116,12 @@ def run(line: str) -> tuple[int, str, float]:
     return code, said.getvalue().strip(), time.perf_counter() - began
 
 
-def folders(pages: list[Path]) -> Iterator[tuple[Path, list[Path]]]:
-    """A folder for each page; one for all pages of the tutorial."""
-    order = ("vault", "fall", "mend", "plan")
-    tutorial = [p for word in order for p in pages if p.stem == f"ten-minutes-{word}"]
-    for group in [tutorial, *([page] for page in pages if page not in tutorial)]:
-        if any(commands_of(page) for page in group):
+def folders(pages: list[Path]) -> Iterator[tuple[Path, Path]]:
+    """A folder for each page."""
+    for page in pages:
+        if commands_of(page):
             with tempfile.TemporaryDirectory() as name, contextlib.chdir(name):
-                yield Path(name), group
+                yield Path(name), page
 
 
 def main() -> int:
@@ -134,14 +132,15 @@ def main() -> int:
     asked = parser.parse_args()
     pages = [page for page in sorted(DOCS.rglob("*.md")) if asked.page in page.as_posix()]
     count, left, failed = 0, 0, 0
-    for folder, group in folders(pages):
-        lines = [(page, line) for page in group for line in commands_of(page)]
-        named = {name for _, line in lines for name in re.findall(r"[\w-]+\.\w+", line)}
-        made = set(re.findall(r"(?:--out|--\w+) +(\S+\.\w+)", " ".join(line for _, line in lines)))
+    for folder, page in folders(pages):
+        lines = commands_of(page)
+        named = {name for line in lines for name in re.findall(r"[\w-]+\.\w+", line)}
+        made = set(re.findall(r"(?:--out|--\w+) +(\S+\.\w+)", " ".join(lines)))
         read = {n for n in named if n.rsplit(".", 1)[1] in ("json", "obj", "stl", "3dm", "csv")}
-        every = "\n".join(line for _, line in lines)
-        write_models(folder, read - (made - {"joints.csv"}) | ({"mended.json"} & read), every)
-        for page, line in lines:
+        write_models(
+            folder, read - (made - {"joints.csv"}) | ({"mended.json"} & read), "\n".join(lines)
+        )
+        for line in lines:
             if re.search(STAYS, line) or any(name in line for name in ABSENT):
                 left += 1
                 continue

@@ -23,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 """Whose examples and commands are tried."""
+TUTORIALS = ["architect", "engineer", "researcher", "roboticist"]
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
 
@@ -160,7 +161,9 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "page", [page for page in PAGES[1:] if python_blocks(page)], ids=lambda page: page.name
+    "page",
+    [p for p in PAGES[1:] if python_blocks(p) and p.stem not in TUTORIALS],
+    ids=lambda page: page.name,
 )
 def test_the_python_of_a_page_runs(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -176,6 +179,32 @@ def test_the_python_of_a_page_runs(
             compile(block, page.name, "exec")
             continue
         exec(compile(block, page.name, "exec"), names)
+
+
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_a_tutorial_shows_what_its_commands_and_its_code_print(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Line by line and in their order; three dots stand for lines that are not shown."""
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs" / "tutorials" / f"{name}.md").read_text("utf-8")
+    told, names, shown = "", {"__name__": "page"}, 0
+    for kind, block in re.findall(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        if kind == "python":
+            exec(compile(block, name, "exec"), names)
+            told = capsys.readouterr().out
+        elif kind == "text":
+            assert block == told
+            shown += 1
+        for part in re.split(r"^\$ drystone ", block, flags=re.MULTILINE)[1:]:
+            command, *lines = part.splitlines()
+            assert main(shlex.split(command)) in (0, 1), command
+            told = capsys.readouterr().out
+            printed = (line.rstrip() for line in told.splitlines())
+            missing = [one for one in lines if one != "..." and one not in printed]
+            assert missing == [], f"{command} prints:\n{told}"
+            shown += bool(lines)
+    assert shown >= 3
 
 
 OF_THE_PROJECT = ("docs", "examples", "integrations", "benchmarks", "src", "tests")
@@ -244,7 +273,7 @@ def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exi
 def commands_of(page: Path) -> list[str]:
     """The command lines of a page, and in its text the commands that name a file."""
     text = page.read_text("utf-8").replace("\\\n", " ")
-    lines = re.findall(r"^ {4}(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", text, re.MULTILINE)
+    lines = re.findall(r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", text, re.MULTILINE)
     named = r"`drystone ([a-z][^`\n]*\b(?:FILE|MODEL|SURFACE|FAMILY|\w+\.\w+)\b[^`\n]*)`"
     return [*lines, *re.findall(named, text)]
 
@@ -430,8 +459,8 @@ def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path)
     """Their names; each stands on its page."""
     runpy.run_path(str(ROOT / "examples" / "tutorial_pictures.py"))["main"](tmp_path)
     drawn = sorted(path.name for path in tmp_path.iterdir())
-    assert len(drawn) == 4
-    for name in drawn:
-        page = ROOT / "docs" / "tutorials" / f"{name.removesuffix('.png')}.md"
+    assert [name.removeprefix("tutorial-").removesuffix(".png") for name in drawn] == TUTORIALS
+    for name, stem in zip(drawn, TUTORIALS, strict=True):
+        page = ROOT / "docs" / "tutorials" / f"{stem}.md"
         assert f"](../images/{name})" in page.read_text("utf-8")
         assert (ROOT / "docs" / "images" / name).read_bytes().startswith(b"\x89PNG")
