@@ -258,20 +258,20 @@ are known and names no weakest one.
 ## Imperfections
 
     drystone limit imperfections a.json --tolerance 0.002 --friction-range 0.5,0.7 --png a.png
-    drystone limit imperfections a.json --tolerance 0.002 --order at-once --order turned
+    drystone limit imperfections a.json --tolerance 0.002 --loading at-once --loading turned
 
 Joints are drawn at random; the same seed gives the same joints. Their position and angle follow
 from a tolerance [m] of the blocks. Friction follows from a range. Corners may be broken off. Each
 draw is checked. With an order of loading its blocks are followed by [finite steps](settlement.md)
 instead, because friction depends on the history of the load: at once, a ramp in 20 parts, or turned
 from upright. The share that stands is given for every order, with its confidence interval (Clopper,
-Pearson 1934). `--table` writes every draw, `--png` plots the share against the number of draws.
+Pearson 1934). `--csv` writes every draw, `--png` plots the share against the number of draws.
 
 ```python
 from drystone.limits import Imperfections, imperfections
 from drystone.models import tower
 
-kinds = Imperfections(tolerance=0.01, friction=(0.5, 0.7))
+kinds = Imperfections(tolerance=0.01, friction_range=(0.5, 0.7))
 study = imperfections(tower(4), kinds, draws=10, loading=["at once", "turned"])
 for row in study.by_loading():
     print(row["loading"], row["share"], row["low"], row["high"])

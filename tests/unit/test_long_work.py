@@ -67,7 +67,7 @@ FALLS = drystone.Model.of(models.h_model(), friction=0.6)
 BOX = models.box
 OVER = [BOX((1, 1, 0.2), (at, 0, 1), f"plate{at:g}") for at in (0.7, -0.7)]
 TWO = drystone.Model.of(drystone.Assembly((BOX((1, 1, 1), name="base"), *OVER)).with_fixed([0]))
-KINK = limits.Imperfections(friction=(0.3, 0.7), offset=0.05)
+KINK = limits.Imperfections(friction_range=(0.3, 0.7), offset=0.05)
 
 
 def planned(**how: Any) -> sequence.Plan:

@@ -152,7 +152,7 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: programs.Weights(tension=-1.0), "tension is -1; give 0 or more"),
         (lambda: programs.FrictionCone(sides=2.5), "sides is 2.5; give a whole number"),
         (lambda: limits.LimitOptions(scan=None), "scan is None; give a whole number"),
-        (lambda: limits.Imperfections(friction=0.5), "friction must have shape"),
+        (lambda: limits.Imperfections(friction_range=0.5), "friction_range must have shape"),
         (lambda: sequence.PlanOptions(width=0), "width is 0; give 1 or more"),
         (lambda: sequence.PlanOptions(patience=float("nan")), "patience is nan; give 0 or more"),
         (lambda: sequence.Rules(hands=1.5), "hands is 1.5; give a whole number"),

@@ -20,6 +20,7 @@ from drystone.answer.question import Question
 from drystone.answer.scene import Scene
 from drystone.answer.sentences import Role, Sentence
 from drystone.base.display import OneLine, picture_of
+from drystone.base.errors import InputError
 from drystone.base.table import Table
 from drystone.model import OfModel
 
@@ -60,6 +61,18 @@ class Answer(OfModel, OneLine, ABC):
     def tables(self) -> Sequence[Table]:
         """Blocks, joints, steps or values; each table has its own title."""
         return ()
+
+    def table(self) -> Table:
+        """What a file with one table has: the first one, unless another says more.
+
+        Raises
+        ------
+        InputError
+            There is none.
+        """
+        for one in self.tables():
+            return one
+        raise InputError("this answer has no table", remedy="ask for --json")
 
     @abstractmethod
     def layers(self) -> Scene:

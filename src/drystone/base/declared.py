@@ -26,6 +26,7 @@ from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, meant
+from drystone.base.settings import Options
 
 _SECTIONS = ("Attributes", "Parameters")
 _ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
@@ -155,11 +156,14 @@ class Offered(OneLine):
         What stands behind the name of its command in an example.
     shown
         Options that the help shows; others are shown by ``--help-all``.
+    writes
+        What its answer can write beside pictures: ``joints``, a ``model``, or nothing.
     """
 
     analysis: Callable[..., Any]
     example: str
     shown: tuple[str, ...] = ()
+    writes: Literal["", "joints", "model"] = ""
 
     @property
     def text(self) -> str:
@@ -205,16 +209,20 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
 def options_of(of: Callable[..., Any]) -> list[str]:
     """Names of what may be chosen of a class or an analysis, such as ``options.scan``.
 
-    These are its keywords with a default, and the fields of its ``options``; not what Python alone
-    can give.
+    These are its keywords with a default, and the fields of its options; not what Python alone can
+    give.
     """
-    known = declared(of)
     if dataclasses.is_dataclass(of):
-        return list(known)
-    empty, python = inspect.Parameter.empty, ("options", "check", "progress", "stop")
-    own = [name for name, one in known.items() if one.default is not empty and name not in python]
-    inner = declared(known["options"].kinds[0]) if "options" in known else ()
-    return [*own, *(f"options.{name}" for name in inner if name not in python)]
+        return list(declared(of))
+    found = []
+    for name, one in declared(of).items():
+        kind = one.kinds[0] if one.kinds else None
+        if isinstance(kind, type) and issubclass(kind, Options):
+            found += [f"{name}.{inner}" for inner in declared(kind)]  # type: ignore[arg-type]
+        elif one.default is not inspect.Parameter.empty:
+            found.append(name)
+    python = ("check", "progress", "stop")
+    return [name for name in found if name.rpartition(".")[2] not in python]
 
 
 def declared_at(of: Callable[..., Any], path: str) -> Declared:

@@ -2,64 +2,97 @@
 
 from __future__ import annotations
 
-from functools import partial
-from inspect import Parameter, Signature
+from collections.abc import Mapping
+from dataclasses import MISSING
+from functools import cached_property, partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
-from drystone.base.declared import Offered
-from drystone.cli.command import Command, command
+from drystone.cli.command import SETTINGS, Command, parts_of
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import Analysis, Argument, Of
+from drystone.cli.offered import Analysis, Argument, Of, Part
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures
-from drystone.loads import LoadCase
+from drystone.cli.written import Pictures, WithModel, Written
 
 if TYPE_CHECKING:
-    from drystone.base.declared import Declared
+    from drystone.base.declared import Declared, Offered
 
 
-def command_of(offered: Offered, name: str, group: str = "") -> Command:
-    """The command of an analysis of a model, which writes pictures.
+_FILES: Mapping[str, type[Pictures]] = {"joints": Written, "model": WithModel}
+"""The files of answers, by what they can write beside pictures."""
+
+
+class AnalysisCommand(Command):
+    """The command of an analysis of a model.
 
     Parameters
     ----------
-    offered
     name
-    group
-        The words before its name.
+        With the words before it, such as ``limit tilt``.
+    offered
+        Or the module that has it as ``OFFERED``.
+    short
+        What it answers, for a list of commands; when left out, as its documentation has it.
     """
-    given = offered.arguments
 
-    def run(
-        *, subject: Subject, asked: Analysis, pictures: Pictures, waiting: Waiting, **more: Any
+    def __init__(self, name: str, offered: Offered | str, short: str = "") -> None:
+        last = name.rpartition(" ")[2]
+        super().__init__(
+            last, short_help=short or None, context_settings={**SETTINGS, "allow_extra_args": True}
+        )
+        del self.help
+        self.words, self.place = name, offered
+        self.function = self._answer
+
+    @cached_property
+    def offered(self) -> Offered:
+        """The analysis; it is imported when the command is asked for."""
+        if not isinstance(self.place, str):
+            return self.place
+        offered: Offered = import_module(self.place).OFFERED
+        return offered
+
+    @cached_property
+    def help(self) -> str:  # type: ignore[override]  # a text that is set
+        """What it answers."""
+        return self.offered.text
+
+    @cached_property
+    def examples(self) -> tuple[str, str]:  # type: ignore[override]  # as above
+        """Two of its uses."""
+        example = f"drystone {self.words} {self.offered.example}"
+        return example, f"{example} --html {self.name}.html"
+
+    @cached_property
+    def parts(self) -> list[Part]:
+        """What the parameters of its function are made of."""
+        arguments = self.offered.arguments.items()
+        hints: dict[str, Any] = {
+            "subject": Subject,
+            **{name: Annotated[str, _argument(one)] for name, one in arguments},
+            "asked": Annotated[Analysis, Of(self.offered.analysis, shown=self.offered.shown)],
+            "wanted": _FILES.get(self.offered.writes, Pictures),
+        }
+        return parts_of({name: (hint, MISSING) for name, hint in hints.items()})
+
+    def _answer(
+        self, subject: Subject, asked: Analysis, wanted: Pictures, waiting: Waiting, **more: Any
     ) -> Told:
         model = subject.prepared(waiting)
-        pictures.require_through(model.assembly)
+        wanted.require_through(model.assembly)
         notes = list(model.notes)
-        for key, one in given.items():
+        for name, one in self.offered.arguments.items():
             if _is_load(one):
-                more[key] = subject.case_of(more[key], model)
-                notes += more[key].notes
+                more[name] = subject.case_of(more[name], model)
+                notes += more[name].notes
         found = asked.of(waiting, model, **more)
-        return Told(found, notes=notes, files=partial(pictures.of, found))
-
-    of = Of(offered.analysis, shown=offered.shown)
-    hints: dict[str, Any] = {
-        "subject": Subject,
-        **{key: Annotated[str, _argument(one)] for key, one in given.items()},
-        "asked": Annotated[Analysis, of],
-        "pictures": Pictures,
-        "waiting": Waiting,
-    }
-    run.__doc__, run.__annotations__ = offered.text, {**hints, "return": Told}
-    kind = Parameter.KEYWORD_ONLY
-    run.__signature__ = Signature([Parameter(key, kind) for key in hints])  # type: ignore[attr-defined]
-    example = f"drystone {group} {name} {offered.example}"
-    return command(example, f"{example} --html {name}.html", name=name)(run)
+        return Told(found, notes=notes, files=partial(wanted.of, found))
 
 
 def _is_load(one: Declared) -> bool:
+    from drystone.loads import LoadCase  # the program starts without numpy
+
     return LoadCase in one.kinds
 
 

@@ -38,11 +38,12 @@ class _Program(click.Group):
     ----------
     examples
     places
-        Module of :mod:`drystone.cli` that has the command of each name.
+        Module of :mod:`drystone.cli` that has the command of each name; or the module of an
+        analysis, and what it answers.
     """
 
     examples: tuple[str, ...] = ()
-    places: Mapping[str, str] = MappingProxyType({})
+    places: Mapping[str, str | tuple[str, str]] = MappingProxyType({})
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         """Names of the commands, in order."""
@@ -50,8 +51,13 @@ class _Program(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """The command of a name."""
-        if cmd_name in self.places and cmd_name not in self.commands:
-            module = import_module(f"drystone.cli.{self.places[cmd_name]}")
+        place = self.places.get(cmd_name)
+        if isinstance(place, tuple):
+            from drystone.cli.analysis_command import AnalysisCommand  # when it is asked for
+
+            self.add_command(AnalysisCommand(cmd_name, *place))
+        elif place is not None and cmd_name not in self.commands:
+            module = import_module(f"drystone.cli.{place}")
             self.add_command(getattr(module, cmd_name), cmd_name)
         return self.commands.get(cmd_name)
 
@@ -105,15 +111,15 @@ class _Limits(_Program):
 
         if cmd_name not in LIMITS:
             return super().get_command(ctx, cmd_name)
-        from drystone.cli.analysis_command import command_of
+        from drystone.cli.analysis_command import AnalysisCommand
 
-        return command_of(LIMITS[cmd_name], cmd_name, self.name or "")
+        return AnalysisCommand(f"limit {cmd_name}", LIMITS[cmd_name])
 
 
 def _group(
     name: str,
     text: str,
-    places: Mapping[str, str],
+    places: Mapping[str, str | tuple[str, str]],
     *examples: str,
     of: type[_Program] = _Program,
 ) -> _Program:
@@ -125,7 +131,7 @@ def _group(
 limit = _group(
     "limit",
     "Limits: largest tilt, least friction and others.",
-    {"imperfections": "limit_models", "thickness": "limit_models"},
+    {"thickness": "thickness_command"},
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
     of=_Limits,
@@ -139,7 +145,10 @@ app = _group(
         "cut": "shaping_commands",
         "demo": "models_command",
         "fall": "motion_commands",
-        "forces": "forces_command",
+        "forces": (
+            "drystone.programs.force_states",
+            "Forces in the joints, with tension where compression is not enough",
+        ),
         "inspect": "file_commands",
         "interlock": "interlock_command",
         "limit": "application",
@@ -155,7 +164,10 @@ app = _group(
         "scaffold": "scaffold_command",
         "settle": "motion_commands",
         "shape": "shaping_commands",
-        "sharpen": "shaping_commands",
+        "sharpen": (
+            "drystone.design.sharpening",
+            "Make wedges of plane joints with tension, until a model stands",
+        ),
         "shell": "shell_command",
         "tune": "tune_command",
     },

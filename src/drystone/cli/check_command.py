@@ -76,5 +76,5 @@ def check(
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
-        files=partial(wanted.all_of, result),
+        files=partial(wanted.of, result),
     )  # fmt: skip

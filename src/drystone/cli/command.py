@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cached_property, partial
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -50,7 +50,7 @@ class Command(click.Command):
     @cached_property
     def parts(self) -> list[Part]:
         """What the parameters of its function are made of."""
-        return _parts(self.function)
+        return parts_of(_known(self.function))
 
     @cached_property
     def params(self) -> list[click.Parameter]:  # type: ignore[override]  # a list that is set
@@ -145,18 +145,22 @@ def _hints(of: Any, module: str) -> dict[str, Any]:
             names[str(error.name)] = Any
 
 
-def _parts(function: Callable[..., Any]) -> list[Part]:
-    """What the parameters of a function, or the fields of a class, are made of."""
-    parts = []
+def _known(function: Callable[..., Any]) -> dict[str, tuple[Any, Any]]:
+    """Type and default of each parameter of a function, or each field of a class."""
     hints = _hints(function, function.__module__)
-    known: list[tuple[str, Any]]
     if is_dataclass(function):
-        known = [(one.name, one.default) for one in fields(function)]
-    else:
-        every = inspect.signature(function).parameters.values()
-        known = [(one.name, MISSING if one.default is one.empty else one.default) for one in every]
-    for name, default in known:
-        hint = hints[name]
+        return {one.name: (hints[one.name], one.default) for one in fields(function)}
+    every = inspect.signature(function).parameters.values()
+    return {
+        one.name: (hints[one.name], MISSING if one.default is one.empty else one.default)
+        for one in every
+    }
+
+
+def parts_of(known: Mapping[str, tuple[Any, Any]]) -> list[Part]:
+    """What parameters of these types and defaults are made of."""
+    parts = []
+    for name, (hint, default) in known.items():
         if hint is Waiting:
             continue
         kind, *marks = get_args(hint) if get_origin(hint) is Annotated else (hint,)
@@ -164,7 +168,7 @@ def _parts(function: Callable[..., Any]) -> list[Part]:
         if of is not None:
             parts.append(Part(name, of.params(name), partial(of.made, before=name)))
         elif is_dataclass(kind) and isinstance(kind, type):
-            inner = _parts(kind)
+            inner = parts_of(_known(kind))
             params = [param for part in inner for param in part.params]
             for param in params:
                 if isinstance(param, GroupedOption):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,11 +14,11 @@ from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures
+from drystone.cli.written import WithModel
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files
-    from drystone.design import Changed, Diagnosis, MendOptions, Mends
+    from drystone.design import Diagnosis, MendOptions, Mends
     from drystone.results import Result
 
 _SHORT = 3
@@ -53,10 +53,6 @@ def mend(
             "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.whole(1), expert=True
         ),
     ] = None,
-    out: Annotated[
-        Path | None,
-        Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
-    ] = None,
     pages: Annotated[
         Path | None,
         Option(
@@ -67,7 +63,7 @@ def mend(
         ),
     ] = None,
     time_limit: options.TimeLimit = None,
-    wanted: Pictures,
+    wanted: WithModel,
     waiting: Waiting,
 ) -> Told:
     """Say why a model falls, and find changes with which it stands.
@@ -78,7 +74,7 @@ def mend(
     Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
     130: stopped by Ctrl-C, with what is known so far.
     """
-    _refuse(diagnose, auto, apply, out)
+    _refuse(diagnose, auto, apply, wanted.out)
     if pages is not None and (diagnose or auto):
         raise InputError(
             "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
@@ -95,14 +91,15 @@ def mend(
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, **common)
-            useless = not (made.changes or made.stands)
-            files = partial(changed_files, made, wanted, None if useless else out)
-            if useless and out is not None:
-                files = partial(_with_note, files, f"{out} is not written: no mend was made")
-            return Told(made, notes=model.notes, files=files)
+            notes, files = list(model.notes), wanted
+            if not (made.changes or made.stands) and wanted.out is not None:
+                notes.append(f"{wanted.out} is not written: no mend was made")
+                files = replace(wanted, out=None)
+            return Told(made, notes=notes, files=partial(files.of, made))
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
-    told = Told(mends, notes=model.notes, files=partial(wanted.of, mends))
+    pictures = replace(wanted, out=None)
+    told = Told(mends, notes=model.notes, files=partial(pictures.of, mends))
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
             what = f"there is no mend {apply}: {len(mends.mends)} were found"
@@ -114,17 +111,11 @@ def mend(
         made_one = replace(one, result=result, stands=result.stable)
         told = replace(
             told, also={"applied": made_one}, exit_code=made_one.code,
-            files=partial(changed_files, made_one, wanted, out),
+            files=partial(wanted.of, made_one),
         )  # fmt: skip
     if pages is not None:
         told = replace(told, files=partial(_with_pages, told.files, mends, pages), into=pages)
     return told
-
-
-def _with_note(others: Any, note: str) -> Files:
-    """The other files, and a remark."""
-    jobs, notes = others()
-    return jobs, [*notes, note]
 
 
 def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
@@ -147,30 +138,6 @@ def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> 
         raise InputError(
             "no mend is made", where="--out", remedy="add --auto, or --apply with a number"
         )
-
-
-@dataclass(frozen=True)
-class ChangedFiles(Pictures):
-    """The files of a command that changes a model."""
-
-    out: Annotated[
-        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
-    ] = None
-    time_limit: options.TimeLimit = None
-
-    def files(self, found: Changed) -> Files:
-        """The changed model, and its pictures with the edges of the model before."""
-        return changed_files(found, self, self.out)
-
-
-def changed_files(found: Changed, wanted: Pictures, out: Path | None) -> Files:
-    """The changed model, and its pictures with the edges of the model before."""
-    jobs, said = wanted.of(found)
-    if out is None:
-        return jobs, said
-    from drystone import io
-
-    return [(out, partial(io.write, found.model)), *jobs], said
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:

@@ -13,13 +13,13 @@ from drystone.cli.model_input import OneFile, Subject
 from drystone.cli.offered import LOADS, OUTPUT, Analysis, Argument, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Curves, Pictures, Written, apart
+from drystone.cli.written import Pictures, Written, apart
 
 if TYPE_CHECKING:
     from drystone.answer import Answer
     from drystone.cli.told import Files
     from drystone.fall import FallOptions, Film
-    from drystone.settlement import LargeDisplacement, SupportResponse, SupportResponseOptions
+    from drystone.settlement import SupportResponseOptions
 
 
 LARGE = 0.1
@@ -56,15 +56,6 @@ def settle(
     ],
     ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
-    curve: Annotated[
-        Path | None,
-        Option(
-            "With --to: write the curve of force against displacement, .csv or .json.",
-            OUTPUT,
-            kind=kinds.target(".csv", ".json"),
-            expert=True,
-        ),
-    ] = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Told:
@@ -79,8 +70,6 @@ def settle(
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
-    if curve is not None and to is None:
-        raise InputError("there is no curve without --to", where="--curve", remedy="add --to")
     if time_limit is not None and model.load.motion is not None and to is None:
         raise InputError(
             "small motions of supports take no steps that could end early",
@@ -107,41 +96,19 @@ def settle(
             found: Answer = settlement.settle(model, options=chosen, **common)
         elif to is not None:
             waiting.stage("solve", "moving")
-            return _far(settlement.move_supports(model, to=to, **common), wanted, curve)
+            found = settlement.move_supports(model, to=to, **common)
         else:
             waiting.stage("solve", "settling")
-            response = settlement.support_response(model, options=small)
-            if response.size > LARGE * model.assembly.size.mean():
+            found = settlement.support_response(model, options=small)
+            if found.size > LARGE * model.assembly.size.mean():
                 notes += ("the motion is large, and this answer is for small ones: --to follows "
                           "the blocks",)  # fmt: skip
-            return Told(response, notes=notes, files=partial(_files, response, wanted))
-    return Told(found, notes=notes, files=partial(_pictures, found, wanted))
-
-
-def _far(found: LargeDisplacement, wanted: Written, curve: Path | None) -> Told:
-    """Supports that move by finite amounts."""
-    if wanted.cad is not None:
-        raise InputError(
-            "--to has no file for CAD programs", remedy="ask for --html, --png, --curve or --json"
-        )
-    curves = Curves(html=wanted.html, png=wanted.png, section=wanted.section, curve=curve)
-    return Told(found, notes=found.model.notes, files=partial(curves.with_curve, found))
-
-
-def _pictures(found: Answer, wanted: Written) -> Files:
-    jobs, said = wanted.of(found)
-    return [*jobs, *wanted.for_cad(found)], said
-
-
-def _files(found: SupportResponse, wanted: Written) -> Files:
-    jobs, _ = _pictures(found, wanted)
-    tables, said = wanted.tables(found.result)
-    return [*jobs, *tables], said
+    return Told(found, notes=notes, files=partial(wanted.of, found))
 
 
 @command(
     "drystone push arch.json --png push.png --html push.html",
-    "drystone push arch.json seismic:0,1 --to 0.01 --curve push.csv",
+    "drystone push arch.json seismic:0,1 --to 0.01 --csv push.csv",
 )
 def push(
     *,
@@ -161,7 +128,7 @@ def push(
         Analysis,
         Of("drystone.settlement.push", ("to", "options.pace", "time_limit_s"), shown=("to",)),
     ],
-    wanted: Curves,
+    wanted: Pictures,
     waiting: Waiting,
 ) -> Told:
     """Load against displacement, until the load is zero again: the displacement capacity.
@@ -187,7 +154,7 @@ def push(
         subjects.append(case)
         notes = case.notes
     found = asked.of(waiting, *subjects, doing="pushing")
-    return Told(found, notes=(*model.notes, *notes), files=partial(wanted.with_curve, found))
+    return Told(found, notes=(*model.notes, *notes), files=partial(wanted.of, found))
 
 
 _JAMS = (

@@ -144,7 +144,10 @@ class Of:
         """The options by name."""
         from drystone.base.declared import declared_at, options_of  # it starts without numpy
 
-        names = self.names or [one for one in options_of(self.target) if one not in self.without]
+        left_out = {*self.without}
+        names = self.names or [
+            one for one in options_of(self.target) if not left_out & {one, one.partition(".")[0]}
+        ]
         return {name: declared_at(self.target, name) for name in names}
 
     def _flag(self, name: str) -> str:

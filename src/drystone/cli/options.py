@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -40,11 +41,16 @@ Section: TypeAlias = Annotated[
     ),
 ]
 
-Cad: TypeAlias = Annotated[
+_CAD = Option(
+    "Write the answer for CAD programs, .3dm or .glb.", OUTPUT, kind=kinds.target(".3dm", ".glb")
+)
+Cad: TypeAlias = Annotated[Path | None, _CAD]
+RareCad: TypeAlias = Annotated[Path | None, replace(_CAD, expert=True)]
+
+Csv: TypeAlias = Annotated[
     Path | None,
-    Option("Write the answer for CAD programs, .3dm or .glb.", OUTPUT,
-           kind=kinds.target(".3dm", ".glb")),
-]  # fmt: skip
+    Option("Write the table of the answer, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
+]
 
 TimeLimit: TypeAlias = Annotated[
     float | None,

@@ -18,42 +18,31 @@ from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import apart, cad_jobs, refuse_missing
+from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
-    from drystone.base.files import Job
     from drystone.cli.told import Files
     from drystone.model import Model
     from drystone.sequence import ExecutorFactory, Margins, Plan, PlanOptions, Robot, Scaffolding
 
 
 @dataclass(frozen=True)
-class PlanFiles:
+class PlanFiles(Pictures):
     """The files of a plan."""
 
+    cad: options.Cad = None
     work: Annotated[
         Path | None,
         Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
                kind=kinds.target(".json", ".csv"), expert=True),
     ] = None  # fmt: skip
-    html: options.Html = None
-    png: options.Png = None
-    cad: options.Cad = None
     instructions: Annotated[
         Path | None,
         Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
                kinds.target(".html", ".htm"), expert=True),
     ] = None  # fmt: skip
-    csv: Annotated[
-        Path | None,
-        Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
-    ] = None
 
-    def __post_init__(self) -> None:
-        apart(astuple(self))
-        refuse_missing(self.cad)
-
-    def of(
+    def all_of(
         self,
         plan: Plan,
         made: Scaffolding | None,
@@ -64,17 +53,11 @@ class PlanFiles:
         if not plan.steps:
             wanted = [str(path) for path in astuple(self) if path is not None]
             return [], [f"not written: {', '.join(wanted)}"] if wanted else []
-        jobs: list[Job] = cad_jobs(self.cad, plan)
-        if self.html is not None or self.png is not None or self.instructions is not None:
-            from drystone.view import save_figure, save_page
+        jobs, _ = replace(self, csv=None).of(made or plan)
+        if self.instructions is not None:
             from drystone.view.instructions import save_instructions
 
-            if self.html is not None:
-                jobs.append((self.html, partial(save_page, made or plan)))
-            if self.png is not None:
-                jobs.append((self.png, partial(save_figure, made or plan)))
-            if self.instructions is not None:
-                jobs.append((self.instructions, partial(save_instructions, plan)))
+            jobs.append((self.instructions, partial(save_instructions, plan)))
         if self.work is not None:
             from drystone.sequence import handling
 
@@ -224,7 +207,7 @@ def plan(
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=model.notes, files=partial(wanted.of, found, made, measured, robot),
+        notes=model.notes, files=partial(wanted.all_of, found, made, measured, robot),
     )  # fmt: skip
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import OUTPUT, Of, Option
+from drystone.cli.offered import Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
@@ -88,9 +87,7 @@ def scaffold(
             flags={"scaffold_options.longest": "--length"},
         ),
     ],
-    csv: Annotated[
-        Path | None, Option("Write the table, .csv.", OUTPUT, kind=kinds.target(".csv"))
-    ] = None,
+    csv: options.Csv = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:

@@ -1,4 +1,4 @@
-"""Commands that change the shape of blocks: ``sharpen``, ``shape``, ``recut`` and ``cut``."""
+"""Commands that change the shape of blocks: ``shape``, ``recut`` and ``cut``."""
 
 from __future__ import annotations
 
@@ -9,55 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError, counted
 from drystone.cli import kinds, options
 from drystone.cli.command import command
-from drystone.cli.mend_command import ChangedFiles
 from drystone.cli.model_input import Source, Subject
 from drystone.cli.offered import OUTPUT, Analysis, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import WithModel
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly, Block
     from drystone.base.files import Job
     from drystone.cli.told import Files
-    from drystone.design import CutOptions, RecutOptions, ShapeOptions, SharpenOptions
+    from drystone.design import CutOptions, RecutOptions, ShapeOptions
     from drystone.design.shape_variables import ShapeVariables
     from drystone.model import Model
     from drystone.sequence import Plan
-
-
-@command(
-    "drystone sharpen arch.json --friction 0.7 --out wedged.json",
-    "drystone sharpen arch.json --most 50 --keep springer-left --html wedged.html",
-)
-def sharpen(
-    *,
-    subject: Subject,
-    chosen: Annotated[
-        SharpenOptions,
-        Of(
-            "drystone.design.SharpenOptions",
-            shown=("most", "keep"),
-            metavars={"margin": "WHAT", "keep": "BLOCKS"},
-        ),
-    ],
-    changed: ChangedFiles,
-    waiting: Waiting,
-) -> Told:
-    """Make wedges of two planes from plane joints with tension, until the model stands.
-
-    Wedges that are not needed are then made plane again, and each other one as flat as possible.
-    --html and --png show it with the edges of the model before.
-
-    Exit code 0: it stands, already or sharpened. 1: it does not. 2: bad input.
-    130: stopped by Ctrl-C, with what stood so far.
-    """
-    from drystone import design  # work is imported when there is some
-
-    model = subject.prepared(waiting)
-    waiting.stage("sharpen", "sharpening")
-    with waiting.keywords(changed.time_limit) as common:
-        found = design.sharpen(model, options=chosen, **common)
-    return Told(found, notes=model.notes, files=partial(changed.files, found))
 
 
 _OF_VERTICES = {
@@ -102,7 +67,8 @@ def shape(
             metavars={"directions": "AXES", "keep": "BLOCKS"},
         ),
     ],
-    changed: ChangedFiles,
+    time_limit: options.TimeLimit = None,
+    wanted: WithModel,
     waiting: Waiting,
 ) -> Told:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
@@ -121,9 +87,9 @@ def shape(
     model = subject.prepared(waiting)
     moves = _moves(model, move, dict(ways.given))
     waiting.stage("shape", "shaping")
-    with waiting.keywords(changed.time_limit) as common:
+    with waiting.keywords(time_limit) as common:
         found = design.shape(model, moves, options=chosen, **common)
-    return Told(found, notes=model.notes, files=partial(changed.files, found))
+    return Told(found, notes=model.notes, files=partial(wanted.of, found))
 
 
 def _moves(model: Model, move: str, ways: dict[str, Any]) -> ShapeVariables:

@@ -12,6 +12,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -255,3 +256,8 @@ class _Sharpening:
 
 def _some(sharpness: Floats) -> str:
     return counted(int((sharpness > 0.0).sum()), "joint")
+
+
+OFFERED = Offered(
+    sharpen, "arch.json --most 50 --keep springer-left", ("options.most", "options.keep"), "model"
+)

@@ -62,6 +62,11 @@ __all__ = [
 
 LIMITS: Mapping[str, Offered] = {
     "friction": Offered(limit_friction, "arch.json", ("scaled",)),
+    "imperfections": Offered(
+        imperfections,
+        "arch.json --offset 0.01 --draws 2",
+        ("draws", "loading", "kinds.friction_range", "kinds.tolerance"),
+    ),
     "load": Offered(limit_load, "arch.json voussoir-10:1kN", ("upper",)),
     "shrink": Offered(limit_shrink, "arch.json --seismic 0.05"),
     "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),

@@ -45,7 +45,7 @@ class Imperfections(Options):
 
     Attributes
     ----------
-    friction
+    friction_range
         Lowest and highest coefficient, uniform between them; not changed when left out.
     corner_loss : >= 0
         Probability that a corner of a joint is broken off.
@@ -53,26 +53,26 @@ class Imperfections(Options):
         Length of a broken corner along its two edges, as a share of them; at most one half.
     offset : >= 0
         Standard deviation of the shift of a joint in its plane, relative to the root of its area.
-    tilt_deg : [degrees] >= 0
+    turn : [degrees] >= 0
         Standard deviation of the rotation of a joint about each of two axes in its plane.
     tolerance : [m] >= 0
         Standard deviation of the place of the rim of a joint, from how exactly blocks are made:
         every joint is shifted by it in each direction of its plane, and turned about each of two
-        axes in its plane by it over half the root of its area. Added to ``offset`` and ``tilt_deg``
+        axes in its plane by it over half the root of its area. Added to ``offset`` and ``turn``
         as independent of them.
     """
 
-    friction: tuple[float, float] | None = None
+    friction_range: tuple[float, float] | None = None
     corner_loss: float = 0.0
     loss_reach: float = 0.25
     offset: float = 0.0
-    tilt_deg: float = 0.0
+    turn: float = 0.0
     tolerance: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.friction is not None:
-            low, high = frozen_floats(self.friction, (2,), "friction")
+        if self.friction_range is not None:
+            low, high = frozen_floats(self.friction_range, (2,), "friction_range")
             if not 0.0 <= low <= high < float("inf"):
                 raise InputError(
                     f"friction from {low} to {high}", remedy="give the lower one first, from zero"
@@ -80,7 +80,7 @@ class Imperfections(Options):
         for name, top in (("corner_loss", 1.0), ("loss_reach", 0.5)):
             if not 0.0 <= getattr(self, name) <= top:
                 raise InputError(f"{name} is {getattr(self, name)}", remedy=f"give 0 to {top:g}")
-        for name in ("offset", "tilt_deg", "tolerance"):
+        for name in ("offset", "turn", "tolerance"):
             if not 0.0 <= getattr(self, name) < float("inf"):
                 raise InputError(f"{name} is {getattr(self, name)}", remedy="give zero or more")
 
@@ -102,6 +102,8 @@ class StandingShare(Answer):
         Orders of loading that every draw was followed with; empty where it was checked.
     friction : (d,)
         Mean friction coefficient of every draw.
+    stopped
+        Why there are fewer draws than were asked for; else empty.
     model
         Without imperfections.
     options
@@ -114,6 +116,7 @@ class StandingShare(Answer):
     confidence: float
     loading: tuple[Loading, ...] = ()
     friction: Floats = field(default_factory=lambda: np.zeros(0))
+    stopped: str = ""
     model: Model = field(kw_only=True)
     options: Imperfections = field(kw_only=True)
 
@@ -188,6 +191,8 @@ class StandingShare(Answer):
         ]
         if unsure := self.by_draw.count(None):
             said.append(Sentence(f"{counted(unsure, 'draw')} undecided", Role.REMARK))
+        if self.stopped:
+            said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         return said
 
     def tables(self) -> Sequence[Table]:
@@ -204,6 +209,7 @@ class StandingShare(Answer):
             "interval": self.interval,
             "confidence": self.confidence,
             "verdicts": list(self.table()),
+            "stopped": self.stopped,
         }
 
     def layers(self) -> Scene:
@@ -240,7 +246,7 @@ def share_interval(standing: int, made: int, confidence: float) -> tuple[float, 
 @checked_call
 def imperfections(
     given: Given,
-    kinds: Imperfections,
+    kinds: Imperfections | None = None,
     *,
     draws: int = 100,
     seed: int = 0,
@@ -276,6 +282,10 @@ def imperfections(
         where it comes to rest near its first position (:func:`drystone.settle`). Draws of a model
         of up to 8 free blocks are followed 16 at once.
     """
+    if kinds is None:
+        raise InputError(
+            "nothing is imperfect", remedy="give Imperfections(tolerance=0.002) or others"
+        )
     of_type(kinds, Imperfections, "the value of imperfections")
     if whole(draws, "the number of draws") < 1:
         raise InputError(f"{draws} draws", remedy="give one or more")
@@ -296,9 +306,10 @@ def imperfections(
             friction.append(mean)
             if progress is not None:
                 progress("draws", len(friction), draws)
-    empty = (0.0, 1.0)
+    made, empty = len(friction), (0.0, 1.0)
+    stopped = f"{clock.reason} after {made} of {draws} draws" if made < draws else ""
     found = StandingShare(
-        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction)),
+        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction)), stopped,
         model=model, options=kinds,
     )  # fmt: skip
     standing = found.by_draw.count(True)
@@ -343,21 +354,21 @@ def imperfect(
     rng = np.random.default_rng(seed)
     m = contacts.count
     friction = contacts.friction
-    if imperfections.friction is not None:
-        friction = rng.uniform(*imperfections.friction, m)
+    if imperfections.friction_range is not None:
+        friction = rng.uniform(*imperfections.friction_range, m)
     lost = rng.random(contacts.corner_count) < imperfections.corner_loss
     point, interface = _chipped(contacts, lost, imperfections.loss_reach)
     size = np.sqrt(contacts.area)
     slide = imperfections.offset * size[:, None] * rng.standard_normal((m, 2))
     point = point + np.einsum("mi,mij->mj", slide, contacts.frame[:, 1:])[interface]
     frame = contacts.frame
-    turn = imperfections.tilt_deg * rng.standard_normal((m, 2))
+    turn = imperfections.turn * rng.standard_normal((m, 2))
     if imperfections.tolerance > 0.0:
         moved = imperfections.tolerance * rng.standard_normal((2, m, 2))
         point = point + np.einsum("mi,mij->mj", moved[0], contacts.frame[:, 1:])[interface]
         half = np.where(size > 0.0, 0.5 * size, np.inf)
         turn = turn + np.rad2deg(np.arctan(moved[1] / half[:, None]))
-    if imperfections.tilt_deg > 0.0 or imperfections.tolerance > 0.0:
+    if imperfections.turn > 0.0 or imperfections.tolerance > 0.0:
         axis = np.einsum("mi,mij->mj", turn, frame[:, 1:])
         turns = Rotation.from_rotvec(np.deg2rad(axis)).as_matrix()
         frame = frame @ np.swapaxes(turns, 1, 2)

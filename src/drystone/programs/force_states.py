@@ -12,6 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Verdict
 from drystone.answer.drawing import areas, interface_layers
 from drystone.base.arrays import Bools, Floats, Ints, number
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress, Stop
 from drystone.base.settings import checked_call
@@ -348,3 +349,8 @@ def _stored(model: Model) -> Result:
         where=origin.file or "form",
         remedy="give a solved COMPAS assembly, or ask for another form",
     )
+
+
+OFFERED = Offered(
+    find_forces, "arch.json --virtual kern --threshold 0.7", ("form", "virtual"), "joints"
+)

@@ -27,6 +27,7 @@ GIVEN: dict[str, list[str]] = {
     "limit load": [MODEL, f"{BLOCK}:1kN@0,0,1"],
     "limit shrink": [MODEL],
     "forces": [MODEL],
+    "limit sweep": [MODEL, "--directions", "1"],
     "limit thrust": [MODEL, NAMES[0]],
     "limit tilt": [MODEL],
     "live": [MODEL, "--client", "\u5ba2.py"],

@@ -18,7 +18,7 @@ from drystone.settlement import Loading, SettlementOptions, settle
 
 Capsys = pytest.CaptureFixture[str]
 ORDERS = ("at once", "ramp", "turned")
-FRICTION = Imperfections(friction=(0.3, 0.5))
+FRICTION = Imperfections(friction_range=(0.3, 0.5))
 
 
 def slope(angle: float) -> Model:
@@ -153,8 +153,8 @@ def test_the_command_writes_the_draws_and_the_plot(tmp_path: Path, capsys: Capsy
     drystone.write(slope(22.0), path)
     # every coefficient is below tan(22 degrees)
     asked = ["limit", "imperfections", str(path), "--friction-range", "0.2,0.4", "--draws", "3"]
-    orders = ["--order", "at-once", "--order", "ramp"]
-    files = ["--table", str(table), "--png", str(tmp_path / "share.png")]
+    orders = ["--loading", "at-once", "--loading", "ramp"]
+    files = ["--csv", str(table), "--png", str(tmp_path / "share.png")]
     assert main([*asked, *orders, *files]) == 1
     out = " ".join(capsys.readouterr().out.split())
     assert "0 of 3 imperfect structures stand in every order" in out

@@ -116,9 +116,9 @@ def test_loads_keep_their_direction_while_the_model_turns() -> None:
             lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), confidence=1.0),
             "confidence is 1",
         ),
-        (lambda: Imperfections(friction=(0.5, 0.4)), "friction from 0.5 to 0.4"),
+        (lambda: Imperfections(friction_range=(0.5, 0.4)), "friction from 0.5 to 0.4"),
         (lambda: Imperfections(corner_loss=1.5), "corner_loss is 1.5"),
-        (lambda: Imperfections(tilt_deg=-1.0), "tilt_deg is -1"),
+        (lambda: Imperfections(turn=-1.0), "turn is -1"),
         (
             lambda: thrust_bounds(Model(TOWER, JOINTS), "block-9", (1.0, 0.0, 0.0)),
             "no block is called",
@@ -209,7 +209,7 @@ def test_the_size_of_joints_that_a_straight_tower_needs_is_nothing() -> None:
 
 
 def test_draws_depend_on_their_seed_only() -> None:
-    kinds = Imperfections(friction=(0.3, 0.5))
+    kinds = Imperfections(friction_range=(0.3, 0.5))
     slope = incline(np.rad2deg(np.arctan(0.4)))
     joints = touching_faces(slope, 0.4)
     alone = imperfections(Model(slope, joints), kinds, draws=12, seed=3)
@@ -237,7 +237,7 @@ def test_a_lost_corner_leaves_two_and_a_smaller_joint_inside_the_old_one() -> No
 
 
 def test_offset_and_tilt_keep_joints_plane_and_their_size() -> None:
-    drawn = imperfect(JOINTS, Imperfections(offset=0.1, tilt_deg=3.0), 1)
+    drawn = imperfect(JOINTS, Imperfections(offset=0.1, turn=3.0), 1)
     origin, _, made = joint_sections(drawn)
     assert made.area[0] == pytest.approx(1.0)
     away = (drawn.point - origin[drawn.interface]) @ drawn.frame[0, 0]
