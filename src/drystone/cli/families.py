@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import inspect
-import types
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError, meant
 from drystone.cli.offered import MODEL, Option
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
+    from drystone.base.declared import Declared
 
 Settings: TypeAlias = Annotated[
     tuple[str, ...],
@@ -25,7 +25,7 @@ Settings: TypeAlias = Annotated[
 _SHELL = "-shell"
 """What the name of a family of shells ends with, after the name of its surface."""
 
-Parameters: TypeAlias = Mapping[str, inspect.Parameter]
+Parameters: TypeAlias = "Mapping[str, Declared]"
 
 
 def names() -> list[str]:
@@ -40,7 +40,7 @@ def names() -> list[str]:
 
 
 def family(name: str) -> tuple[Callable[..., Assembly], Parameters]:
-    """The function of a family and its parameters, their annotations resolved.
+    """The function of a family and its parameters.
 
     Raises
     ------
@@ -54,7 +54,9 @@ def family(name: str) -> tuple[Callable[..., Assembly], Parameters]:
         remedy = meant(name, known, "'drystone models' lists all")
         raise InputError(f"there is no family '{name}'", where="FAMILY", remedy=remedy)
     build: Callable[..., Assembly] = getattr(models, name.replace("-", "_"))
-    return build, inspect.signature(build, eval_str=True).parameters
+    from drystone.base.declared import declared
+
+    return build, declared(build)
 
 
 def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
@@ -69,9 +71,10 @@ def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
 
 def shell_parameters() -> Parameters:
     """The parameters of a shell, but for its surface."""
+    from drystone.base.declared import declared
     from drystone.shells import shell_by_name
 
-    known = dict(inspect.signature(shell_by_name, eval_str=True).parameters)
+    known = dict(declared(shell_by_name))
     del known["surface"]
     return known
 
@@ -81,6 +84,14 @@ def refuse_unknown(name: str, known: Parameters, where: str) -> None:
     if name not in known:
         remedy = meant(name, known, f"use {', '.join(known)}" if known else "it has none")
         raise InputError(f"there is no parameter '{name}'", where=where, remedy=remedy)
+
+
+def refuse_missing(known: Parameters, given: Container[str]) -> None:
+    """Raise InputError where a parameter that has no default is not given."""
+    for one in known.values():
+        if one.default is inspect.Parameter.empty and one.name not in given:
+            what = f"{one.name} is missing"
+            raise InputError(what, where="--set", remedy=f"write {one.name}=VALUE")
 
 
 def setting(text: str, known: Parameters) -> tuple[str, Any]:
@@ -96,35 +107,7 @@ def setting(text: str, known: Parameters) -> tuple[str, Any]:
     if not equals:
         raise InputError(f"'{text}' is not NAME=VALUE", where="--set")
     refuse_unknown(name, known, "--set")
-    return name, _value(name, value.strip(), known[name].annotation)
-
-
-def _value(name: str, text: str, hint: Any) -> Any:
-    """The value of a text by the type of a parameter; of a union, the first type that fits."""
-    if get_origin(hint) in (types.UnionType, Union):
-        parts = [part for part in get_args(hint) if part is not types.NoneType]
-        for part in parts[:-1]:
-            try:
-                return _value(name, text, part)
-            except InputError:
-                continue
-        return _value(name, text, parts[-1])
-    if get_origin(hint) is Literal:
-        words = {str(one): one for one in get_args(hint)}
-    elif hint is bool:
-        words = {"true": True, "false": False}
-    else:
-        words = {}
-    if words:
-        if text not in words:
-            raise InputError(
-                f"{name} is '{text}'", where="--set", remedy=f"one of {', '.join(words)}"
-            )
-        return words[text]
-    many = get_origin(hint) in (Sequence, tuple, list) or hint is Sequence
-    kind: Callable[[str], Any] = int if hint is int else float
     try:
-        return [float(part) for part in text.split(",")] if many else kind(text)
-    except ValueError as error:
-        what = "a whole number" if kind is int else "numbers" if many else "a number"
-        raise InputError(f"{name} is '{text}', not {what}", where="--set") from error
+        return name, known[name].value(value.strip())
+    except InputError as error:
+        raise error.located(f"--set {name}") from error

@@ -27,7 +27,7 @@ def interlock(
         Option(
             "Ask instead in how many of so many directions of gravity it holds, with and without "
             "friction.",
-            kind=kinds.whole(1),
+            kind=kinds.COUNT,
         ),
     ] = None,
     asked: Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,33 +78,15 @@ def named(param: click.Parameter | None) -> str:
     return param.metavar or (param.name or "").upper()
 
 
-def number(
-    least: float | None = None, above: float | None = None, example: str = "0.5"
-) -> OptionKind:
-    """A finite number of at least ``least``, or above ``above``."""
+def typed(name: str, hint: Any, **bounds: float) -> OptionKind:
+    """A value of a type, within the bounds of :class:`drystone.base.declared.Declared`."""
 
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError as error:
-            raise InputError(f"'{text}' is not a number", remedy=f"write {example}") from error
-        return _within(value, text, least, above)
+    def read(text: str) -> Any:
+        from drystone.base.declared import Declared  # the program starts without numpy
 
-    return OptionKind("NUMBER", read)
+        return Declared("", hint, None, **bounds).value(text)  # type: ignore[arg-type]
 
-
-def whole(least: int | None = None) -> OptionKind:
-    """A whole number of at least ``least``."""
-
-    def read(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError as error:
-            raise InputError(f"'{text}' is not a whole number", remedy="write 4") from error
-        _within(value, text, least, None)
-        return value
-
-    return OptionKind("COUNT", read)
+    return OptionKind(name, read)
 
 
 def one_of(choices: Iterable[str], what: str = "") -> OptionKind:
@@ -171,18 +152,6 @@ def _either(words: Sequence[str]) -> str:
     return f"{first} or {words[-1]}" if first else words[-1]
 
 
-def _within(value: float, text: str, least: float | None, above: float | None) -> float:
-    if above is not None and not above < value < math.inf:
-        raise InputError(f"is {text}", remedy=f"give a number above {above or 'zero':}")
-    if least is not None and not least <= value < math.inf:
-        raise InputError(
-            f"is {text}", remedy=f"give {'zero' if least == 0 else f'{least:g}'} or more"
-        )
-    if not math.isfinite(value):
-        raise InputError(f"is {text}", remedy="give a finite number")
-    return value
-
-
 def see(ctx: click.Context | None) -> str:
     """Where the help is."""
     return f"see '{ctx.command_path} --help'" if ctx is not None else ""
@@ -213,6 +182,9 @@ FOLDER = OptionKind("FOLDER", _folder_path, written=("",))
 SECTION = OptionKind("AXIS[=METRES]", _section)
 FILE = OptionKind("FILE", str)
 WRITTEN = OptionKind("FILE", str, written=("",))
-POSITIVE = number(above=0.0)
+NUMBER = typed("NUMBER", float)
+POSITIVE = typed("NUMBER", float, above=0.0)
+WHOLE = typed("COUNT", int)
+COUNT = typed("COUNT", int, least=1)
 COEFFICIENT = OptionKind("NUMBER|ANGLE", units.coefficient)
 UNIT = one_of(units.UNITS, "unit '{}' is not known")

@@ -50,7 +50,7 @@ def mend(
     apply: Annotated[
         int | None,
         Option(
-            "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.whole(1), expert=True
+            "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.COUNT, expert=True
         ),
     ] = None,
     pages: Annotated[

@@ -55,11 +55,7 @@ def models(
         return Told(_all_families())
     build, known = families.family(family)
     given = dict(families.setting(text, known) for text in set)
-    missing = [one.name for one in known.values() if one.default is one.empty]
-    still_missing = [name for name in missing if name not in given]
-    if still_missing:
-        raise InputError(f"{family} needs {', '.join(still_missing)}", where="--set",
-                         remedy=f"write --set {still_missing[0]}=VALUE")  # fmt: skip
+    families.refuse_missing(known, given)
     from drystone.io import format_of  # the program starts fast
 
     waiting.stage("build", f"building {family}")
@@ -91,7 +87,8 @@ def _told(name: str) -> dict[str, Any]:
         "family": name,
         "summary": summary,
         "parameters": {
-            one.name: None if one.default is one.empty else one.default for one in known.values()
+            name: None if one.default is inspect.Parameter.empty else one.default
+            for name, one in known.items()
         },
     }
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
 """Groups of options, in the order of the help."""
 MODEL, LOADS, CONTACTS, ANALYSIS, OUTPUT = GROUPS
-_KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
+_KINDS = {float: kinds.NUMBER, int: kinds.WHOLE, str: kinds.TEXT}
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class Of:
                         f"Without: {text[0].lower()}{text[1:]}",
                     )
             elif name == "executor":
-                more["type"], text = kinds.whole(1), "Processes that work side by side (1)."
+                more["type"], text = kinds.COUNT, "Processes that work side by side (1)."
             elif name == "time_limit_s":
                 more["type"] = kinds.POSITIVE
             else:

@@ -62,7 +62,7 @@ TimeLimit: TypeAlias = Annotated[
 ]
 
 Workers: TypeAlias = Annotated[
-    int, Option("Processes that work side by side (1).", kind=kinds.whole(1), expert=True)
+    int, Option("Processes that work side by side (1).", kind=kinds.COUNT, expert=True)
 ]
 
 Ends: TypeAlias = Annotated[

@@ -156,7 +156,7 @@ def plan(
     ] = None,
     workers: Annotated[
         int,
-        Option("Processes that check stages side by side (1).", kind=kinds.whole(1), expert=True),
+        Option("Processes that check stages side by side (1).", kind=kinds.COUNT, expert=True),
     ] = 1,
     dask: Annotated[
         str | None,

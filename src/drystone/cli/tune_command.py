@@ -94,10 +94,7 @@ class SearchRequest:
             )
         ranges = [parameter_range(text, known) for text in self.vary]
         given = {*getattr(build, "keywords", ()), *(one.name for one in ranges)}
-        missing = [one.name for one in known.values() if one.default is one.empty]
-        if not given.issuperset(missing):
-            name = next(one for one in missing if one not in given)
-            raise InputError(f"{name} is missing", where="--set", remedy=f"write {name}=VALUE")
+        families.refuse_missing(known, given)
         from drystone import design  # work is imported when there is some
 
         goals = (*self.least, *(f"-{goal}" for goal in self.most)) or ("volume",)

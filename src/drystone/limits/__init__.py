@@ -10,6 +10,7 @@ from drystone.limits.imperfections import (
     imperfect,
     imperfections,
 )
+from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Family,
@@ -20,7 +21,7 @@ from drystone.limits.limit_families import (
     Shrunk,
     Tilt,
 )
-from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.limit_types import LimitOptions
 from drystone.limits.limits import (
     limit_friction,
     limit_load,

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,10 +15,11 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
-from drystone.limits.brackets import Bracket, Evaluation, plain
-from drystone.limits.limit_families import Quantity
+from drystone.limits.brackets import Evaluation, plain
+from drystone.limits.limit_types import LimitValues
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.settlement import Outcome
 
 _MOST_DIGITS = 9
 """Of a value; closer brackets are told alike."""
@@ -36,45 +36,70 @@ _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.C
 """Of a value that was tried, by its verdict."""
 
 
-class LimitAnswer(Answer):
-    """The words, tables and pictures of a limit; its numbers are those of the class below."""
+@dataclass(frozen=True, eq=False)
+class Limit(LimitValues, Answer):
+    """A limit of equilibrium and of rest.
 
-    quantity: Quantity
-    start: float
-    end: float
-    equilibrium: Bracket
-    rest: Bracket | None
-    uniform: Bracket | None
-    robust: Bracket | None
-    islands: tuple[tuple[float, float], ...]
-    evaluations: tuple[Evaluation, ...]
-    time_s: Mapping[str, float]
-    stopped: str
+    Attributes
+    ----------
+    quantity
+        What was varied.
+    start, end
+        Searched range, from a value at which it should stand.
+    equilibrium
+        Some forces balance the loads (associated flow).
+    rest
+        The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
+        blocks were followed by finite steps. ``None`` if not requested.
+    uniform
+        It stands for uniform contact stiffness, like in a discrete-element program, to first order.
+        ``None`` with another check.
+    robust
+        It stands for every tried contact stiffness. ``None`` with another check, and if not
+        asked for.
+    islands
+        Ranges beyond the first fall in which it stands again, as far as they were tried.
+    evaluations
+        Tried values, in ascending order.
+    time_s
+    stopped
+        Why the search stopped before the brackets had the required width; else empty.
+    options
+    """
+
+    def _summary(self) -> str:
+        stands, falls = self._told(self.best.stands), self._told(self.best.falls)
+        early = f", stopped: {self.stopped}" if self.stopped else ""
+        return f"{self.quantity.name}, stands at {stands}, falls at {falls}{early}"
+
+    def _told(self, value: float | None) -> str:
+        unit = f" {self.quantity.unit}" if self.quantity.unit else ""
+        return "none that was tried" if value is None else f"{value:.6g}{unit}"
+
+    def _range(self, ends: tuple[float, float]) -> str:
+        low, high = (f"{value:.6g}" for value in sorted(ends))
+        last = self._told(max(ends))
+        return f"at {last}" if low == high else f"between {low} and {last}"
 
     @property
-    @abstractmethod
-    def best(self) -> Bracket:
-        """The bracket of the verdict, or of equilibrium where that was asked for."""
-
-    @property
-    @abstractmethod
     def remarks(self) -> tuple[str, ...]:
         """Sentences about values at which the answer depends on the joints."""
-
-    @property
-    @abstractmethod
-    def is_sensitive(self) -> bool:
-        """Whether contact stiffness decides near the limit."""
-
-    @property
-    @abstractmethod
-    def sensitive_between(self) -> tuple[float, float] | None:
-        """Values between which contact stiffness decides."""
-
-    @property
-    @abstractmethod
-    def undecided_between(self) -> tuple[float, float] | None:
-        """Values between which it is undecided."""
+        told = []
+        if self.sensitive_between is not None:
+            told.append(
+                f"{self._range(self.sensitive_between)} the answer depends on the stiffness "
+                "of the joints: there the blocks were followed by finite steps, and the limit is "
+                "where they no longer come to rest"
+            )
+        if self.undecided_between is not None:
+            ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
+            because = ""
+            if all(one is Outcome.ENDS_DECIDE for one in ends):
+                because = ": it depends on which block carries the ends of the joints"
+            if all(one is Outcome.SHEAR_DECIDES for one in ends):
+                because = ": it depends on the shear stiffness of the joints"
+            told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
+        return tuple(told)
 
     @property
     def states(self) -> list[tuple[Result, float, bool]]:

@@ -1,4 +1,4 @@
-"""Options of the search for limits, and limits."""
+"""Options of the search for limits, and the numbers of a limit."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.brackets import Bracket, Evaluation
-from drystone.limits.limit_answer import LimitAnswer
 from drystone.limits.limit_families import Quantity
 from drystone.results import Verdict
-from drystone.settlement import FlushEnds, Outcome
+from drystone.settlement import FlushEnds
 
 
 @dataclass(frozen=True)
@@ -53,35 +52,8 @@ class LimitOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Limit(LimitAnswer):
-    """A limit of equilibrium and of rest.
-
-    Attributes
-    ----------
-    quantity
-        What was varied.
-    start, end
-        Searched range, from a value at which it should stand.
-    equilibrium
-        Some forces balance the loads (associated flow).
-    rest
-        The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
-        blocks were followed by finite steps. ``None`` if not requested.
-    uniform
-        It stands for uniform contact stiffness, like in a discrete-element program, to first order.
-        ``None`` with another check.
-    robust
-        It stands for every tried contact stiffness. ``None`` with another check, and if not
-        asked for.
-    islands
-        Ranges beyond the first fall in which it stands again, as far as they were tried.
-    evaluations
-        Tried values, in ascending order.
-    time_s
-    stopped
-        Why the search stopped before the brackets had the required width; else empty.
-    options
-    """
+class LimitValues:
+    """The numbers of a limit, and what follows from them; see :class:`Limit`."""
 
     quantity: Quantity
     start: float
@@ -95,20 +67,6 @@ class Limit(LimitAnswer):
     time_s: Mapping[str, float] = field(default_factory=dict)
     stopped: str = ""
     options: LimitOptions | None = None
-
-    def _summary(self) -> str:
-        stands, falls = self._told(self.best.stands), self._told(self.best.falls)
-        early = f", stopped: {self.stopped}" if self.stopped else ""
-        return f"{self.quantity.name}, stands at {stands}, falls at {falls}{early}"
-
-    def _told(self, value: float | None) -> str:
-        unit = f" {self.quantity.unit}" if self.quantity.unit else ""
-        return "none that was tried" if value is None else f"{value:.6g}{unit}"
-
-    def _range(self, ends: tuple[float, float]) -> str:
-        low, high = (f"{value:.6g}" for value in sorted(ends))
-        last = self._told(max(ends))
-        return f"at {last}" if low == high else f"between {low} and {last}"
 
     @property
     def stands(self) -> float | None:
@@ -172,23 +130,3 @@ class Limit(LimitAnswer):
         ]
         within.sort(key=lambda value: abs(value - self.start))
         return (within[0], within[-1]) if within else None
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Sentences about values at which the answer depends on the joints."""
-        told = []
-        if self.sensitive_between is not None:
-            told.append(
-                f"{self._range(self.sensitive_between)} the answer depends on the stiffness "
-                "of the joints: there the blocks were followed by finite steps, and the limit is "
-                "where they no longer come to rest"
-            )
-        if self.undecided_between is not None:
-            ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
-            because = ""
-            if all(one is Outcome.ENDS_DECIDE for one in ends):
-                because = ": it depends on which block carries the ends of the joints"
-            if all(one is Outcome.SHEAR_DECIDES for one in ends):
-                because = ": it depends on the shear stiffness of the joints"
-            told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
-        return tuple(told)

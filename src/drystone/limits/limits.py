@@ -21,6 +21,7 @@ from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
@@ -31,7 +32,7 @@ from drystone.limits.limit_families import (
     Tilt,
     found,
 )
-from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.limit_types import LimitOptions
 from drystone.loads import LoadCase
 
 _WIDTH_DEG = 0.05

@@ -20,9 +20,10 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.brackets import Bracket
 from drystone.limits.inside import Means
+from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import Tilt
-from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.limit_types import LimitOptions
 from drystone.limits.limits import tilt_limit
 from drystone.model import Model
 
