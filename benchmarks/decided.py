@@ -1,8 +1,8 @@
 """Verdicts around every published limit: ``python -m benchmarks.decided``.
 
-Each model of docs/reference/settlement.md is checked at shares of its settled
-limit, and a degree below and above it. Writes there how many are decided, and every one that
-is not, with both motions.
+Each model of docs/trust/tables/settled.csv is checked at shares of its settled
+limit, and a degree below and above it. Writes how many are decided into
+docs/reference/settlement.md, and every one that is not, with both motions, into a table.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 
-from benchmarks.settlement import limits_of_page, written
+from benchmarks.settlement import PAGE, known_limits
+from benchmarks.tables import TABLES, write_part, write_table
 from drystone import LoadCase, Model, Verdict, check
 from drystone.reproduce.published_tilts import Study, studies
 
-BEGIN, END = "<!-- decided -->\n", "<!-- end of decided -->\n"
 SHARES = (0.25, 0.5, 0.75, 0.9)
 
 
@@ -36,7 +36,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", help="studies whose name contains this")
     given = parser.parse_args()
-    limits = limits_of_page()
+    limits = known_limits()
     total: Counter[str] = Counter()
     undecided: list[str] = []
     for study in studies():
@@ -49,11 +49,12 @@ def main() -> int:
         undecided += lines
     told = ", ".join(f"{count} {verdict}" for verdict, count in sorted(total.items()))
     lines = [f"{sum(total.values())} models: {told}."]
-    if undecided:
-        lines += ["", "| model | tilt | why |", "|---|---|---|", *undecided]
-    print("\n".join(lines))
+    print("\n".join([*lines, *undecided]))
     if not given.only:
-        written(BEGIN, END, lines)
+        write_part(PAGE, "decided", "\n".join(lines))
+        write_table(
+            TABLES / "undecided.csv", ["| model | tilt | why |", "|---|---|---|", *undecided]
+        )
     known = ("the ends of the joints decide", "it depends on the shear stiffness of the joints")
     others = [line for line in undecided if not any(why in line for why in known)]
     return 1 if others else 0

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import drystone
+from benchmarks.tables import write_part
 from drystone import Assembly, Contacts, LoadCase, io, supports
 from drystone.detection import find_contacts
 from drystone.limits import (
@@ -203,104 +204,11 @@ def real(path: str) -> list[str]:
     return lines
 
 
-INTRODUCTION = """# Limits
-
-This page is written by `python -m benchmarks.limits`.
-
-`drystone limit` computes how far a structure is from falling: the largest tilt or load, the least
-friction, thickness or size of its joints. There are four definitions of a limit:
-
-- **balances**: some contact forces balance the loads, with [associated flow](glossary.md). This is
-  a convex problem and a necessary condition. It is the limit of rigid-block limit analysis.
-- **stands**: the verdict of `drystone check` on both sides. Where contact stiffness decides, the
-  blocks are followed by [finite steps](settlement.md), and the limit is where they no longer come
-  to rest. This is the result.
-- **every stiffness**: it stands for every contact stiffness that is tried. It is computed if it
-  ends before the verdict changes.
-- **uniform**: it stands for uniform contact stiffness, as a discrete-element program computes it to
-  first order.
-
-Where these differ, the result contains the values between which the joints decide, as text, in JSON
-(`sensitive_between`, `undecided_between`, `remarks`) and on the page. Values are undecided where
-the result depends on the block that carries the ends of the joints.
-
-The convex limit comes first. A checked state on either side confirms it: forces below, a mechanism
-above. Uniform stiffness is cheap: it is computed at the steps of a scan and bisected inside. Then
-the verdict is computed on both sides of that limit. If it stands and falls there, it is the limit.
-Otherwise values are tried from there by growing steps, and bisected. So blocks are followed only
-where the stiffness decides, and no value far beyond the limit is tried. The limit is between the
-two ends of the bracket. Where the blocks are followed, the bracket is not narrower than
-a thousandth of the limit of equilibrium: the limit depends on the joints by more than that.
-
-Models of more than 500 corners have brackets of 1 % of the limit of equilibrium, and uniform
-stiffness is tried with two friction laws (sticking, and a slip length of one overlap). `--width`
-overrides the width. Values beyond the first fall at which the structure stands again are reported
-as islands.
-
-    drystone limit tilt model.json --axis y --html fall.html
-    drystone limit sweep model.json --directions 16 --workers 2 --png sweep.png
-    drystone limit friction model.json
-    drystone limit load model.json seismic:1,0
-    drystone limit load model.json "keystone:0,0,-1000@0,0,1.2"
-    drystone limit thickness arch --set voussoirs=36 --friction 1
-    drystone limit shrink model.json
-    drystone limit imperfections model.json --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
-
-`shrink` finds the least share of the size of all joints that is needed. Its inverse is a geometric
-safety factor, which is printed too. `imperfections` draws imperfect joints at random and gives the
-share of structures that stand, with a confidence interval. In Python these are `limit_tilt`,
-`tilt_sweep`, `limit_friction`, `limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and
-`imperfections` in `drystone.limits`. All but `thrust_bounds` take any check, any
-`concurrent.futures.Executor`, and `progress`, `stop` and `time_limit_s`. A search that is stopped
-returns the brackets, directions or draws so far. A sweep that is stopped lists the directions that
-are known and names no weakest one.
-
-## Imperfections
-
-    drystone limit imperfections a.json --tolerance 0.002 --friction-range 0.5,0.7 --png a.png
-    drystone limit imperfections a.json --tolerance 0.002 --loading at-once --loading turned
-
-Joints are drawn at random; the same seed gives the same joints. Their position and angle follow
-from a tolerance [m] of the blocks. Friction follows from a range. Corners may be broken off. Each
-draw is checked. With an order of loading its blocks are followed by [finite steps](settlement.md)
-instead, because friction depends on the history of the load: at once, a ramp in 20 parts, or turned
-from upright. The share that stands is given for every order, with its confidence interval (Clopper,
-Pearson 1934). `--csv` writes every draw, `--png` plots the share against the number of draws.
-
-```python
-from drystone.limits import Imperfections, imperfections
-from drystone.models import tower
-
-kinds = Imperfections(tolerance=0.01, friction_range=(0.5, 0.7))
-study = imperfections(tower(4), kinds, draws=10, loading=["at once", "turned"])
-for row in study.by_loading():
-    print(row["loading"], row["share"], row["low"], row["high"])
-```
-"""
-
-FINDINGS = """## Remarks
-
-- The dome tilts further with the eight-sided pyramid of the source than with the cone. That pyramid
-  permits up to 8.2 % more friction than the coefficient.
-- Quadratic and linear objectives give the same resultants of the buttressed arch at friction 0.6:
-  both choose the least thrust. At 0.4 their centres of pressure are up to 7 mm apart.
-- Friction on net compression (compression less tension at each corner) can be met exactly only
-  where no tension is needed. A net tension has no friction cone.
-"""
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", help="a model file to time")
-    parser.add_argument("--page", default=str(PAGE), help="where to write")
     arguments = parser.parse_args()
     lines = [
-        INTRODUCTION,
-        "## Known limits",
-        "",
-        "A bracket is a value that was checked and stands, and one that falls. *Apart* is the "
-        "difference between the known value and the middle of *balances*.",
-        "",
         f"| limit | source | known | balances | apart | uniform | stands | {CPU_NOTE} |",
         "|---|---|---|---|---|---|---|---|",
     ]
@@ -311,17 +219,15 @@ def main() -> int:
         lines.append(line)
         if not held:
             failed.append(case.name)
-    lines += ["", "## Speed", "", *sweeps(), ""]
+    told = [*sweeps(), ""]
     if arguments.model is not None:
-        lines += [*real(arguments.model), ""]
-    lines += [
+        told += [*real(arguments.model), ""]
+    told.append(
         f"drystone {drystone.__version__}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, {platform.machine()}, one thread unless said otherwise.",
-        "",
-        FINDINGS,
-    ]
-    Path(arguments.page).write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
-    print("\n".join(lines[lines.index("## Speed") :]))
+        f"numpy {np.__version__}, {platform.machine()}, one thread unless said otherwise."
+    )
+    print("\n".join(told))
+    write_part(PAGE, "known", "\n".join([*lines, "", *told]))
     if failed:
         print(f"NOT HELD: {', '.join(failed)}")
     return 1 if failed else 0

@@ -24,6 +24,7 @@ import numpy as np
 from scipy import sparse
 
 from benchmarks.settlement import limit_of
+from benchmarks.tables import write_table
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.mechanics.bodies import Bodies, build_bodies
@@ -358,7 +359,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--steps", type=int, default=STEPS)
     parser.add_argument("--first", type=int, default=0, help="leave out this many at the beginning")
-    parser.add_argument("--page", type=Path, help="write the table there")
+    parser.add_argument("--table", type=Path, help="write the table there, .csv")
     given = parser.parse_args()
     began = time.process_time()
     every = trials(given.models, given.seed)[2 * given.first :]
@@ -385,11 +386,10 @@ def main() -> int:
             f"| {trial.name} | {trial.carrier.value} | {limit:.1f} | {below} | {above} "
             f"| {'yes' if held else 'NO'} |"
         )
-    lines += ["", f"{agree} of {len(every)} agree to {APART} degrees."]
-    print("\n".join(lines))
+    print("\n".join([*lines, "", f"{agree} of {len(every)} agree to {APART} degrees."]))
     print(f"{time.process_time() - began:.0f} CPU s")
-    if given.page is not None:
-        given.page.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if given.table is not None:
+        write_table(given.table, lines)
     return 0 if agree == len(every) else 1
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.machine import description
-from drystone import Assembly, Block, Contacts, LoadCase
+from drystone import Assembly, Contacts, LoadCase
 from drystone.checks import check_forces
 from drystone.detection import find_contacts
 from drystone.io import read
@@ -34,7 +33,6 @@ from drystone.models import (
     winding_column,
 )
 from drystone.reproduce.assembly_cases import niche, ring_dome
-from drystone.results import Verdict
 from drystone.sequence import (
     Order,
     Plan,
@@ -45,18 +43,11 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.checkpoint import Checkpoint
-from drystone.sequence.stages import Stage, members
-from drystone.sequence.structure import Structure
-from drystone.stability import check
+from drystone.sequence.stages import members
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "sequence.md"
 VAULT_WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3)
 VAULT_FRICTION, DOME_FRICTION = 0.6, 0.66
-COLD_STAGES = 24
-"""Checked stages of a plan, drawn at random, of which a cold check is timed."""
-AIMS = {"vault": 5.0, "dome": 10.0, "armadillo": 180.0}
-"""[s]"""
 BY_COURSE = Rules(order=Order.COURSE)
 
 
@@ -69,24 +60,12 @@ class Row:
     name
     plan
     plan_s
-    whole_s
-        A cold check of the complete structure: blocks from their corners, contacts, and a check
-        with the default options, with nothing known.
-    same_s
-        Mean cold check of stages that the planner checked, those that fall included.
     """
 
     name: str
     friction: float
     plan: Plan
     plan_s: float
-    whole_s: float
-    same_s: float
-
-    @property
-    def stage_s(self) -> float:
-        """[s], planning time by the number of stages, and parts of stages, that were checked."""
-        return self.plan_s / max(1, self.plan.solved)
 
 
 def cpu(work: Callable[[], object], least: float = 0.3) -> float:
@@ -120,59 +99,21 @@ def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row
         rest = check_forces(Model(assembly.with_fixed(others), contacts, found.model.load), force)
         if rest.largest > 1e-8:
             raise SystemExit(f"{name}: forces of a stage are out of balance by {rest.largest:.1e}")
-    whole = cpu(lambda: cold_check(assembly, friction))
-    same = [
-        cpu(lambda part=part: cold_check(stage_of(found.model, part), friction), 1e-9)
-        for part in checked_stages(model, options, found.model)
-    ]
-    return Row(name, friction, found, spent, whole, float(np.mean(same)))
-
-
-def checked_stages(model: Model, options: PlanOptions, structure: Structure) -> list[Stage]:
-    """Some of the stages, and parts of stages, that a planner checks or screens."""
-    with tempfile.TemporaryDirectory() as folder:
-        kept = Path(folder) / "stages.json"
-        plan(model, options=options, checkpoint=kept)
-        every = [
-            one
-            for one in Checkpoint(kept, structure).known
-            if one.held or any(structure.grounds[block] for block in members(one.placed))
-        ]
-    chosen = np.random.default_rng(0).permutation(len(every))[:COLD_STAGES]
-    return [every[i] for i in sorted(chosen.tolist())]
-
-
-def stage_of(structure: Structure, stage: Stage) -> Assembly:
-    """The blocks of a stage, held ones fixed, and the supports that they touch."""
-    placed, held = list(members(stage.placed)), list(members(stage.held))
-    ground = sorted({one for block in placed for one in members(structure.grounds[block])})
-    return structure.assembly.with_fixed([*ground, *held]).subset(sorted([*ground, *placed]))
-
-
-def cold_check(some: Assembly, friction: float) -> Verdict:
-    """The verdict on an assembly from nothing but the corners and faces of its blocks."""
-    blocks = tuple(
-        Block(one.vertices, one.faces, density=one.density, name=one.name) for one in some.blocks
-    )
-    anew = Assembly(blocks, some.fixed)
-    return check(Model(anew, find_contacts(anew, friction=friction).contacts)).verdict
+    return Row(name, friction, found, spent)
 
 
 def table(rows: Sequence[Row]) -> str:
     """Counts and times."""
     lines = [
-        "| model | friction | blocks | free | held | propped | stages | checks | plan [s] "
-        "| one check [s] | cold, whole [s] | cold, same stages [s] | by whole | by same |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
+        "| model | friction | blocks | free | held | propped | stages | checks | plan [s] |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         counts = row.plan.counts
         lines.append(
             f"| {row.name} | {row.friction:g} | {len(row.plan.model.assembly.free)} "
             f"| {counts['free']} | {counts['held']} | {counts['propped']} "
-            f"| {len(row.plan.steps)} | {row.plan.solved} | {row.plan_s:.2f} | {row.stage_s:.4f} "
-            f"| {row.whole_s:.3f} | {row.same_s:.3f} | {row.stage_s / row.whole_s:.2f} "
-            f"| {row.stage_s / row.same_s:.2f} |"
+            f"| {len(row.plan.steps)} | {row.plan.solved} | {row.plan_s:.2f} |"
         )
     return "\n".join(lines)
 
@@ -194,10 +135,7 @@ def shells() -> str:
             for w in VAULT_WEDGES]  # fmt: skip
     rows.append(planned("dome", ring_dome(), DOME_FRICTION, BY_COURSE))
     ring = helped(rows[-1].plan)
-    note = (
-        f"\n\nThe dome, {ring}. Aims: {AIMS['vault']:g} s for a vault, {AIMS['dome']:g} s for the "
-        "dome, a fifth of a cold check per stage."
-    )
+    note = f"\n\nThe dome, {ring}."
     return table(rows) + note
 
 
@@ -302,7 +240,7 @@ def armadillo(path: Path) -> str:
     )
     at_once = max(len(step.props) for step in row.plan.steps)
     note = f"\n\nStages: {len(row.plan.steps)}. Blocks {shares}; at most {at_once} props at once."
-    return table([row]) + note + f" Aim: {AIMS['armadillo']:g} s."
+    return table([row]) + note
 
 
 def write(part: str, text: str) -> None:

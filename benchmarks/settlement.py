@@ -1,7 +1,7 @@
 """Settlement by steps against published tilt limits: ``python -m benchmarks.settlement``.
 
-Writes the table of docs/reference/settlement.md. With another ``--overlap``, ``--pace`` or
-``--tangential`` it prints the limits and writes nothing. ``--insensitive`` asks a degree below
+Writes docs/trust/tables/settled.csv. With another ``--overlap``, ``--pace`` or ``--tangential``
+it prints the limits and writes nothing. ``--insensitive`` asks a degree below
 and above each limit of the page with a tenth of the overlap, and with steps twice as long.
 """
 
@@ -18,13 +18,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.scan import first_loss
+from benchmarks.tables import TABLES, read_table, write_part, write_table
 from drystone import LoadCase, Model, settle
 from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "settlement.md"
-BEGIN, END = "<!-- limits -->\n", "<!-- end of limits -->\n"
-BEGIN_SAME, END_SAME = "<!-- insensitive -->\n", "<!-- end of insensitive -->\n"
+LIMITS = TABLES / "settled.csv"
 
 QUICK = SettlementOptions(fall=0.05, carrier=Carrier.MOVING)
 """For limits: what went by a twentieth of its size does not stand."""
@@ -138,23 +138,20 @@ def rms(rows: Sequence[Row]) -> tuple[float, float]:
 def table(rows: Sequence[Row]) -> list[str]:
     """Markdown lines."""
     lines = [
-        "| model | axis | mu | 3DEC | settled | settled - 3DEC | flush ends on the resting block |",
-        "|---|---|---|---|---|---|---|",
+        "| model | axis | mu | 3DEC | settled | settled - 3DEC | flush ends on the resting block "
+        "| why more than a degree |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         study = row.study
         other = row.resting
         differs = f"{other:.2f}" if abs(other - row.moving) > 0.1 else ""
+        far = abs(row.miss) > 1.0
+        why = MECHANISMS.get(study.key, "Not explained yet.") if far else ""
         lines.append(
             f"| {study.model} | {study.axis_label} | {study.friction:.2f} | {study.dem:g} "
-            f"| {row.moving:.2f} | {row.miss:+.2f} | {differs} |"
+            f"| {row.moving:.2f} | {row.miss:+.2f} | {differs} | {why} |"
         )
-    mean, most = rms(rows)
-    lines += ["", f"Root mean square {mean:.2f}, largest {most:.2f} degrees.", ""]
-    for row in rows:
-        if abs(row.miss) > 1.0:
-            why = MECHANISMS.get(row.study.key, "Not explained yet.")
-            lines.append(f"- {row.study.key}, {row.miss:+.2f}: {why}")
     return lines
 
 
@@ -165,11 +162,12 @@ VARIANTS = {
 """Numerical choices that must not change a limit by a degree."""
 
 
-def limits_of_page() -> dict[str, float]:
-    """The settled limits [degrees] of the page by study."""
-    rows = PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0].splitlines()
-    cells = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows if row[:2] == "| "]
-    return {f"{row[0]} {row[1]} mu {row[2]}": float(row[4]) for row in cells[1:]}
+def known_limits() -> dict[str, float]:
+    """The settled limits [degrees] of the table by study."""
+    return {
+        f"{row['model']} {row['axis']} mu {row['mu']}": float(row["settled"])
+        for row in read_table(LIMITS)
+    }
 
 
 def insensitive(study: Study, limit: float) -> dict[str, str]:
@@ -187,7 +185,7 @@ def insensitive(study: Study, limit: float) -> dict[str, str]:
 
 def told_insensitive(chosen: Sequence[Study], workers: int) -> list[str]:
     """Markdown lines; progress is printed."""
-    limits = limits_of_page()
+    limits = known_limits()
     known = [study for study in chosen if f"{study.model} {_axis(study)}" in limits]
     asked = [limits[f"{study.model} {_axis(study)}"] for study in known]
     moved: dict[str, list[str]] = {name: [] for name in VARIANTS}
@@ -208,15 +206,6 @@ def _axis(study: Study) -> str:
     return f"{study.axis_label} mu {study.friction:.2f}"
 
 
-def written(begin: str, end: str, lines: Sequence[str]) -> None:
-    """Lines of the page between two marks."""
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
-    after = rest.partition(end)[2]
-    draft = PAGE.with_suffix(".md.new")
-    draft.write_text(before + begin + "\n".join([*lines, ""]) + end + after, encoding="utf-8")
-    draft.replace(PAGE)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--insensitive", action="store_true", help="with other numerical choices")
@@ -234,7 +223,7 @@ def main() -> None:
         lines = told_insensitive(chosen, given.workers)
         print("\n".join(lines))
         if not given.only:
-            written(BEGIN_SAME, END_SAME, lines)
+            write_part(PAGE, "insensitive", "\n".join(lines))
         return
     rows = []
     with ProcessPoolExecutor(given.workers) as pool:
@@ -249,7 +238,7 @@ def main() -> None:
     print("rms {:.3f} largest {:.2f}".format(*rms(rows)))
     if given.only or options != SettlementOptions(fall=QUICK.fall):
         return
-    written(BEGIN, END, table(rows))
+    write_table(LIMITS, table(rows))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/trust/speed.md.
+"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/trust/speed.md
 
 Every workload runs in a process of its own, on one thread. Its answer is checked first; a wrong
 answer, or one without its proof, has no time. With ``--peer PYTHON`` the same model, with the same
@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.machine import ROOT, ask, checkout_of, description
+from benchmarks.tables import TABLES, write_part, write_table
 from benchmarks.workloads import LARGE, WALLS, Workload, workloads
 
 PAGE = ROOT / "docs" / "trust" / "speed.md"
@@ -144,18 +145,19 @@ def seconds(value: float | None) -> str:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """Markdown lines of one group."""
+    """Markdown lines."""
     lines = [
-        "| model | blocks | corners | build | detect | solve | check | at most | answer "
+        "| group | model | blocks | corners | build | detect | solve | check | at most | answer "
         "| with all stiffnesses | stands for | peak MiB | peer cra_solve | peer's answer | ratio "
         "| ratio, all | detect, now by before | solve, now by before |",
-        "|---|" + "---:|" * 7 + "---|" + "---:|" * 4 + "---|" + "---:|" * 4,
+        "|---" * 19 + "|",
     ]
     for row in rows:
         ours, peer, wrong = row.ours, row.peer, row.wrong
         total, checking = row.seconds, ours.get("check_s", 0.0)
         more = ">" if peer.get("stopped") else ""
         cells = [
+            GROUPS[row.work.group],
             row.work.key,
             ours.get("blocks", ""),
             ours.get("corners", ""),
@@ -249,35 +251,6 @@ def aims(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
-    """The document."""
-    version = next((r.peer["version"] for r in rows if "version" in r.peer), None)
-    against = f" Peer: compas_cra {version} as shipped, same interfaces." if version else ""
-    text = [
-        "# Speed",
-        "",
-        f"Written by `python -m benchmarks.speed` in {took_s:.0f} s. {machine}{against}",
-        "",
-        "CPU seconds on one thread, the least of several runs, for each phase: build the blocks, "
-        "detect the contacts, solve, check the answer. *Solve* is `check` with uniform contact "
-        "stiffness (`CheckOptions(samples=0, settle=False)`): forces and motion, or a mechanism or "
-        "first motion. *With all stiffnesses* is `check` with `CheckOptions.robust()`, which also "
-        "distinguishes robust from sensitive, and follows the blocks by steps where the stiffness "
-        "decides; this takes longest. Both must give the known verdict. The ratio is the time of "
-        "`cra_solve` of the peer, divided by ours, pair by pair in one run; `>` if it was stopped. "
-        "A wrong answer has no time. [How the speed changed](speed-changes.md) has the changes of "
-        "single rows.",
-        "",
-        *aims(rows),
-        "",
-    ]
-    for group, title in GROUPS.items():
-        part = [row for row in rows if row.work.group == group]
-        if part:
-            text += [f"## {title}", "", *table(part), ""]
-    return "\n".join(text)
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
@@ -298,15 +271,14 @@ def main() -> int:
     chosen = [work for work in everything if arguments.only in f"{work.group}/{work.key}"]
     began = time.perf_counter()
     rows = run(chosen, arguments, lambda line: print(line, flush=True))
-    text = page(rows, machine, time.perf_counter() - began)
-    print(text)
+    lines = [f"Measured in {time.perf_counter() - began:.0f} s. {machine}", "", *aims(rows)]
+    print("\n".join([*lines, "", *table(rows)]))
     if arguments.json is not None:
         kept = [{"key": r.work.key, "ours": r.ours, "peer": r.peer} for r in rows]
         arguments.json.write_text(json.dumps(kept, indent=1), encoding="utf-8")
     if not arguments.only:
-        draft = PAGE.with_suffix(".md.new")
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(PAGE)
+        write_table(TABLES / "speed.csv", table(rows))
+        write_part(PAGE, "aims", "\n".join(lines))
     return 1 if any(row.wrong for row in rows) else 0
 
 

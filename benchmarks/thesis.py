@@ -1,6 +1,6 @@
 """Published tilt limits beside ours: ``python -m benchmarks.thesis``.
 
-Writes docs/trust/validation.md.
+Writes docs/trust/tables/tilt-limits.csv; with ``--extras`` structures.csv, and prints what rests.
 Every limit is found by a scan from 0 to 180 degrees, and by :func:`benchmarks.scan.first_loss`.
 With ``--rows FILE`` the rows are kept there as they come, and those that are there are not measured
 again: so it may be stopped and goes on where it was.
@@ -11,18 +11,17 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import drystone
 from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
-from benchmarks.settlement import MECHANISMS, QUICK
+from benchmarks.settlement import QUICK
 from benchmarks.shims.shims import could_hold
+from benchmarks.tables import TABLES, write_table
 from drystone import CheckOptions, LoadCase, Verdict, models
 from drystone.detection import find_contacts
 from drystone.model import Model
@@ -32,12 +31,7 @@ from drystone.reproduce.published_tilts import Study, studies
 from drystone.settlement import Carrier, Outcome, settle
 from drystone.stability import check
 
-PAGE = Path(__file__).parents[1] / "docs" / "trust" / "validation.md"
-
 UNIFORM = CheckOptions(samples=0, settle=False)
-
-BY_HAND = "## Stud-and-tube bricks"
-"""Heading from which on the page is not written here."""
 
 PREDICTED = CheckOptions(
     settlement=replace(CheckOptions().settlement, carrier=Carrier.MOVING), stiff_shear=None
@@ -158,29 +152,26 @@ def measure(study: Study, before: Row | None = None) -> Row:
     return Row(study, {name: found[name] for name in CHECKS}, spent)
 
 
-def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
-    """Markdown lines of the table, and of its notes."""
+def limits_table(rows: Sequence[Row]) -> list[str]:
+    """Markdown lines; the last column tells why an aim is not met."""
     lines = [
         "| model | axis | mu | 3DEC | Sofistik | CRA | RBE | RBE, octagon | RBE, cone "
-        "| rest, uniform | rest, search | settled | check | eq. 5.6 | 5.6 - CRA | notes |",
+        "| rest, uniform | rest, search | settled | check | eq. 5.6 | 5.6 - CRA | note |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
-    notes: list[str] = []
     for row in rows:
         study = row.study
-        marks = []
-        for column in row.exceptions():
-            why = EXPLANATIONS.get((study.key, column), "Not explained yet.")
-            notes.append(f"{len(notes) + 1}. {study.key}, {column}: {why}")
-            marks.append(str(len(notes)))
+        notes = [
+            f"{column}: {EXPLANATIONS.get((study.key, column), 'Not explained yet.')}"
+            for column in row.exceptions()
+        ]
         for name, found in row.limits.items():
             if found.islands:
                 span = f"{found.islands[0]:g} to {found.islands[-1]:g}"
                 notes.append(
-                    f"{len(notes) + 1}. {study.key}, {name}: stands again at "
-                    f"{len(found.islands)} angles of the scan, {span} degrees."
+                    f"{name}: stands again at {len(found.islands)} angles of the scan, "
+                    f"{span} degrees."
                 )
-                marks.append(str(len(notes)))
         published = [study.dem, study.sofistik, study.cra, study.rbe]
         ours = [limit.angle for limit in row.limits.values()]
         cells = [
@@ -190,10 +181,10 @@ def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
             *(f"{value:g}" if value is not None else "" for value in published),
             *(f"{value:.2f}" for value in ours),
             f"{row.limits['5.6'].angle - study.cra:+.2f}",
-            ", ".join(marks),
+            " ".join(notes),
         ]
         lines.append("| " + " | ".join(cells) + " |")
-    return lines, notes
+    return lines
 
 
 def verdict_table() -> list[str]:
@@ -232,83 +223,8 @@ def structures_table() -> list[str]:
     return lines
 
 
-def extras() -> str:
-    """The parts of the page that take seconds: verdicts, structures, times."""
-    body = [
-        "## At rest",
-        "",
-        *verdict_table(),
-        "",
-        "## The structures of the source",
-        "",
-        "Written by `drystone reproduce all`, under the source's own section numbers. The bridge,",
-        "the snake and the shelf are built from the vertices that the source published; where a",
-        "note says so, the shape is ours. No dimensions are published of the three-legged pi of",
-        "table 6.1, the leaning tower (7.2.1), the vault (7.5.1), the dome (7.5.2) and the shells",
-        "(6.4.2, 7.5.3). Of section 7.5 the source says that the vault has 17 free blocks, two",
-        "that are placed together and two that are propped, and that the dome needs no prop.",
-        "",
-        *structures_table(),
-        "",
-    ]
-    return "\n".join(body)
-
-
-def page(rows: Sequence[Row]) -> str:
-    """The document."""
-    table, notes = limits_table(rows)
-    missed = sum(len(row.exceptions()) for row in rows)
-    text = f"""# Validation: published tilt limits
-
-Written by `python -m benchmarks.thesis`, drystone {drystone.__version__}, Python
-{platform.python_version()}, {platform.machine()}. Angles in degrees, to 0.05: the largest
-counter-clockwise tilt about the axis up to which the model stands, by a scan from 0, a bisection to
-a degree and a scan to the first fall; 180 where it never falls.
-
-Published: Kao 2023 (doctoral dissertation, ETH Zurich), with 3DEC as its reference. Ours:
-RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a rest
-state with uniform contact stiffness (as in a discrete-element program); a rest state with some
-contact stiffness, found by a search, with a stiffness ratio of at most 200; rest after [finite
-steps](settlement.md); the verdict of `check`, which is that of the steps where not every stiffness
-stands or a joint slides far ([why the two may differ by up to
-0.2](settlement.md#published-limits)); and the conditions of eq. 5.6. In the columns *settled* and
-*check*
-the block that moves carries the ends of joints, and the face of the other one goes on (`--ends
-longer`): the corners of 3DEC go with their block in the same way. So its figures, and those of CRA,
-hold for a groove that is a little longer than its wedge. By default `check` tries either block as
-carrier, and is undecided where the two differ: for the wedges b and c some degrees below the
-column, because wedge and groove end in one line. Wedge b at 50 degrees about x stands where the
-groove is longer by 3.5 mm at both ends.
-The hooked planks show how much the joints decide. After a small rotation they jam between their
-walls if one corner is 3 to 10 times as stiff as another. Sofistik as published for the curved
-joints (table 6.4).
-
-Some axes are relabelled. The column has the axis of our models, and in brackets the axis in the
-source if it differs. The source calls the axis of concave-short x and that of concave-long xy; its
-figures agree with a tilt about +y only. Its x of cube-curve is -x in the coordinates of the files.
-
-Aims: RBE with the octagon within 0.2 of the published RBE (which is cut to whole degrees in many
-places); eq. 5.6 within 1 degree of the published CRA; 3DEC between uniform stiffness and search, to
-0.5 degree, or 1.5 where the published figures are whole degrees. {missed} exceptions are explained
-in the notes.
-
-"""
-    body = [
-        *table,
-        "",
-        "Notes",
-        "",
-        *(notes or ["None."]),
-        "",
-        *misses(rows),
-        "",
-        extras(),
-    ]
-    return text + "\n".join(body)
-
-
 def misses(rows: Sequence[Row]) -> list[str]:
-    """How far the predicted limits are from 3DEC, and why where that is more than a degree."""
+    """How far the predicted limits are from 3DEC, and which by more than a degree."""
     found = {
         name: {row.study.key: row.limits[name].angle - row.study.dem for row in rows}
         for name in ("check", "settled")
@@ -321,12 +237,10 @@ def misses(rows: Sequence[Row]) -> list[str]:
             f"*{name}* less 3DEC: root mean square {mean:.2f} degrees over {len(rows)} rows, "
             f"largest {miss[largest]:+.2f} ({largest})."
         )
-    lines += ["", "Where one of them is more than a degree, *check* first:", ""]
     for key, one in found["check"].items():
         other = found["settled"][key]
         if max(abs(one), abs(other)) > 1.0:
-            why = MECHANISMS.get(key, "Not explained yet.")
-            lines.append(f"- {key}, {one:+.2f} and {other:+.2f}: {why}")
+            lines.append(f"{key}, {one:+.2f} and {other:+.2f}")
     return lines
 
 
@@ -383,25 +297,16 @@ def keep_rows(kept: Path | None, rows: Mapping[str, Row]) -> None:
     draft.replace(kept)
 
 
-def written(text: str) -> None:
-    """Write the page, with what was written by hand at its end."""
-    _, heading, rest = PAGE.read_text(encoding="utf-8").partition(BY_HAND)
-    draft = PAGE.with_suffix(".md.new")
-    draft.write_text(text + "\n" + heading + rest, encoding="utf-8")
-    draft.replace(PAGE)
-    print(f"wrote {PAGE}")
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default="", help="models whose name contains this")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--rows", type=Path, help="keep the rows in this file, and go on from it")
-    parser.add_argument("--extras", action="store_true", help="only what follows the tilt limits")
+    parser.add_argument("--extras", action="store_true", help="only the structures of the source")
     arguments = parser.parse_args()
     if arguments.extras:
-        before = PAGE.read_text(encoding="utf-8").partition("## At rest")[0]
-        written(before + extras())
+        write_table(TABLES / "structures.csv", structures_table())
+        print("\n".join(verdict_table()))
         return
     chosen = [study for study in studies() if arguments.only in study.key]
     if arguments.workers > 1:
@@ -411,7 +316,8 @@ def main() -> None:
         rows = run(None, chosen, arguments.rows)
     if arguments.only:
         return
-    written(page(rows))
+    write_table(TABLES / "tilt-limits.csv", limits_table(rows))
+    print("\n".join(misses(rows)))
 
 
 if __name__ == "__main__":

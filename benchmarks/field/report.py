@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 import platform
 from collections import Counter
@@ -36,7 +38,7 @@ def place() -> str:
 
 
 def tables(rows: list[dict[str, Any]]) -> str:
-    """The counts, and every state."""
+    """The counts of each program."""
     names = list(dict.fromkeys(name for row in rows for name in row["answers"]))
     lines = [
         "| program | asked | right | wrong: said to stand | wrong: said to fall | no answer "
@@ -56,8 +58,15 @@ def tables(rows: list[dict[str, Any]]) -> str:
             f"| {name} | {marks.total()} | {marks['right']} | {marks['wrong True']} "
             f"| {marks['wrong False']} | {marks['none']} | {middle} | {sum(spent):.0f} |"
         )
-    lines += ["", f"| model | state | stands | limit | {' | '.join(names)} |"]
-    lines.append("|---" * (4 + len(names)) + "|")
+    return "\n".join(lines)
+
+
+def states(rows: list[dict[str, Any]]) -> str:
+    """Every state with the answer of each program, as comma-separated values."""
+    names = list(dict.fromkeys(name for row in rows for name in row["answers"]))
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["model", "state", "stands", "limit", *names])
     for row in rows:
         state = row["state"]
         cells = []
@@ -71,9 +80,8 @@ def tables(rows: list[dict[str, Any]]) -> str:
             took = "" if answer["seconds"] is None else f" {answer['seconds']:.2g} s"
             cells.append(told + took)
         stands = "yes" if state["stands"] else "no"
-        told = [row["model"], state["name"], stands, state["limit"], *cells]
-        lines.append(f"| {' | '.join(told)} |")
-    return "\n".join(lines)
+        table.writerow([row["model"], state["name"], stands, state["limit"], *cells])
+    return text.getvalue()
 
 
 def write_between(page: Path, text: str) -> None:
@@ -83,4 +91,4 @@ def write_between(page: Path, text: str) -> None:
     write_bytes(page, f"{before}{BEGIN}\n{text}\n{END}{after}".encode())
 
 
-__all__ = ["mark", "place", "tables", "write_between"]
+__all__ = ["mark", "place", "states", "tables", "write_between"]

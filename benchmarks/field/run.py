@@ -34,11 +34,12 @@ import numpy as np
 
 from drystone import Assembly, Model, io
 from drystone.base.arrays import Floats
+from drystone.base.files import write_bytes
 from drystone.io import Contents
 from drystone.io.simulator_bodies import gravity_of
 
 from . import MODELS
-from .report import mark, place, tables, write_between
+from .report import mark, place, states, tables, write_between
 
 HERE = Path(__file__).parent
 Row: TypeAlias = dict[str, Any]
@@ -295,8 +296,9 @@ def main() -> None:
     text += f"At most {asked.limit:g} s of CPU for one state. Measured with {machine}"
     if asked.page:
         write_between(asked.page, text)
+        write_bytes(asked.page.with_suffix(".csv"), states(rows).encode())
     else:
-        print(text)
+        print(text, states(rows), sep="\n\n")
 
 
 if __name__ == "__main__":
