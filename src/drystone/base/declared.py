@@ -161,7 +161,7 @@ class Offered(OneLine):
     """
 
     analysis: Callable[..., Any]
-    example: str
+    example: str = ""
     shown: tuple[str, ...] = ()
     writes: Literal["", "joints", "model"] = ""
 
@@ -217,7 +217,8 @@ def options_of(of: Callable[..., Any]) -> list[str]:
     found = []
     for name, one in declared(of).items():
         kind = one.kinds[0] if one.kinds else None
-        if isinstance(kind, type) and issubclass(kind, Options):
+        words = hasattr(kind, "named") or hasattr(kind, "of_words")
+        if isinstance(kind, type) and issubclass(kind, Options) and not words:
             found += [f"{name}.{inner}" for inner in declared(kind)]  # type: ignore[arg-type]
         elif one.default is not inspect.Parameter.empty:
             found.append(name)

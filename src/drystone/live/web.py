@@ -332,4 +332,4 @@ def calls_of() -> dict[str, list[str]]:
     """The calls of the JSON interface, and their arguments."""
     from drystone.mcp.answers import TOOLS  # the page is served before the analyses are imported
 
-    return {name: list(one.names_of_all) for name, one in TOOLS.items()}
+    return {name: list(one.names) for name, one in TOOLS.items()}

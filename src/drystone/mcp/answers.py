@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from inspect import Parameter
 from typing import Any, Literal
 
 from drystone.answer import Answer
 from drystone.base.declared import (
     Declared,
+    Offered,
     declared,
     declared_at,
-    made_of,
     nested,
     options_of,
     refuse_unknown,
 )
 from drystone.base.errors import DrystoneError, InputError
-from drystone.design import DiagnosisOptions, MendOptions, diagnose, find_mends
+from drystone.design import diagnose, find_mends
 from drystone.detection import find_contacts
 from drystone.io import Inspection, read
 from drystone.io import inspect as inspect_file
@@ -29,7 +30,7 @@ from drystone.io.opening import tolerances
 from drystone.limits import LIMITS
 from drystone.loads import LoadCase
 from drystone.mcp.folder import Folder, how_of, model_of, opened
-from drystone.sequence import PlanOptions, plan
+from drystone.sequence import plan
 from drystone.stability import check
 
 _MOST = 20
@@ -53,44 +54,22 @@ class Tool:
     text
         What it answers, for whoever chooses one.
     run
-        From the model, the options and the time at which it has to end.
-    options
-        Class of the options that it takes.
-    names
-        Those that are offered, such as ``rules.hands``; all when left out.
-    more
-        Further arguments.
+        From the model, the arguments, the folder and the time at which it has to end.
+    arguments
+        Beside the model, by their names.
     of_model
         Whether it takes a model.
     """
 
     text: str
-    run: Callable[..., dict[str, Any]]
-    options: Callable[..., Any] | None = None
-    names: tuple[str, ...] = ()
-    more: Mapping[str, Declared] = field(default_factory=dict)
+    run: Callable[[Mapping[str, Any], dict[str, Any], Folder, float], dict[str, Any]]
+    arguments: Mapping[str, Declared] = field(default_factory=dict)
     of_model: bool = True
 
     @property
-    def names_of_all(self) -> tuple[str, ...]:
+    def names(self) -> tuple[str, ...]:
         """The names of all its arguments."""
         return (*(("model",) if self.of_model else ()), *self.arguments)
-
-    @property
-    def arguments(self) -> dict[str, Declared]:
-        """Its arguments beside the model, by their names."""
-        if self.options is None:
-            return dict(self.more)
-        names = self.names or tuple(declared(self.options))
-        own = {name.rpartition(".")[2]: declared_at(self.options, name) for name in names}
-        return {**own, **self.more}
-
-    def chosen(self, given: Mapping[str, Any]) -> Any:
-        """The options of the arguments."""
-        names = self.names or tuple(declared(self.options or dict))
-        own = {name: given[name.rpartition(".")[2]] for name in names
-               if name.rpartition(".")[2] in given}  # fmt: skip
-        return made_of(self.options or dict, own)
 
 
 def answer(tool: str, given: Mapping[str, Any], folder: Folder, seconds: float) -> dict[str, Any]:
@@ -111,7 +90,7 @@ def answer(tool: str, given: Mapping[str, Any], folder: Folder, seconds: float) 
     try:
         one = TOOLS[tool]
         model, values = arguments_of(one, given)
-        said = one.run(one, model, values, folder, end)
+        said = one.run(model, values, folder, end)
     except DrystoneError as error:
         return {"error": str(error), **error.parts()}
     return {**_short(said), "time_s": round(time.monotonic() - began, 2)}
@@ -126,7 +105,7 @@ def arguments_of(tool: Tool, given: Mapping[str, Any]) -> tuple[Mapping[str, Any
         One is not known, or has a value that it cannot have; its place is named.
     """
     known = tool.arguments
-    refuse_unknown(given, tool.names_of_all)
+    refuse_unknown(given, tool.names)
     model = given.get("model", {} if not tool.of_model else None)
     if not isinstance(model, Mapping):
         raise InputError("is missing", where="model", remedy="give an object with file or content")
@@ -134,15 +113,13 @@ def arguments_of(tool: Tool, given: Mapping[str, Any]) -> tuple[Mapping[str, Any
     return model, values
 
 
-def _files(
-    _: Tool, __: Mapping[str, Any], ___: Mapping[str, Any], folder: Folder, ____: float
-) -> dict[str, Any]:
+def _files(_: Mapping[str, Any], __: dict[str, Any], folder: Folder, ___: float) -> dict[str, Any]:
     found = [{"file": name, "bytes": size} for name, size in folder.files()]
     return {"count": len(found), "files": found[:200]}
 
 
 def _inspect(
-    _: Tool, subject: Mapping[str, Any], __: Mapping[str, Any], folder: Folder, ___: float
+    subject: Mapping[str, Any], _: dict[str, Any], folder: Folder, __: float
 ) -> dict[str, Any]:
     how = how_of(subject, folder)
     names = ("units", "split", "repair", "layers", "hidden", "thickness", "max_size", "supports")
@@ -156,70 +133,65 @@ def _inspect(
     return told(Inspection(blocks, found, None, built), notes)
 
 
-def _analysed(analysis: Callable[..., Answer], timed: bool = True) -> Callable[..., dict[str, Any]]:
-    """A tool of an analysis that takes a model and options."""
+def _paths(analysis: Callable[..., Any]) -> dict[str, str]:
+    """What an analysis takes, by the last part of names such as ``options.rules.hands``."""
+    late = ("executor", "time_limit_s")
+    paths = (*Offered(analysis).arguments, *options_of(analysis))
+    return {path.rpartition(".")[2]: path for path in paths if path not in late}
 
-    def run(
-        tool: Tool,
-        subject: Mapping[str, Any],
-        values: Mapping[str, Any],
-        folder: Folder,
-        end: float,
-    ) -> dict[str, Any]:
-        model = model_of(subject, folder)
-        late = _late(end)
-        limit: dict[str, Any] = {"time_limit_s": _left(end)} if timed else {"stop": late}
-        options = {} if tool.options is None else {"options": tool.chosen(values)}
-        said = told(analysis(model, **options, **limit), model.notes)
-        return said if timed or not late() else {**said, "stopped": UP}
 
-    return run
+def _arguments(analysis: Callable[..., Any], paths: Iterable[str]) -> dict[str, Declared]:
+    """What an analysis takes, a load as :func:`drystone.read` does."""
+    known = [declared_at(analysis, path) for path in paths]
+    load = declared(read)["load"].hint
+    return {one.name: replace(one, hint=load) if LoadCase in one.kinds else one for one in known}
+
+
+def _tool(text: str, analysis: Callable[..., Answer], *names: str) -> Tool:
+    """A tool of an analysis of a model, with some of its options."""
+    paths = {name.rpartition(".")[2]: name for name in names}
+    return Tool(text, partial(_analysed, analysis, paths), _arguments(analysis, names))
+
+
+def _analysed(
+    analysis: Callable[..., Answer],
+    paths: Mapping[str, str],
+    subject: Mapping[str, Any],
+    values: dict[str, Any],
+    folder: Folder,
+    end: float,
+) -> dict[str, Any]:
+    """The answer of an analysis with values by the names of its options."""
+    model, known = model_of(subject, folder), declared(analysis)
+    for name, value in values.items():
+        if LoadCase in declared_at(analysis, paths[name]).kinds:
+            values[name] = grown(value, model, subject.get("gravity"))
+    chosen = nested(analysis, {paths[name]: value for name, value in values.items()})
+    left = {"time_limit_s": max(end - time.monotonic(), 1e-3)}
+    said = told(analysis(model, **chosen, **(left if "time_limit_s" in known else {})), model.notes)
+    return {**said, "stopped": UP} if said.get("stopped") or time.monotonic() > end else said
 
 
 def _limit(
-    _: Tool, subject: Mapping[str, Any], values: Mapping[str, Any], folder: Folder, end: float
+    subject: Mapping[str, Any], values: dict[str, Any], folder: Folder, end: float
 ) -> dict[str, Any]:
-    model = model_of(subject, folder)
-    of = values.get("of")
+    how_of(subject, folder)  # what is wrong with the model is told first
+    of = values.pop("of", None)
     if of is None:
         raise InputError("is missing", where="of", remedy=f"give {', '.join(LIMITS)}")
-    one, given = LIMITS[of], {}
-    takes = (*one.arguments, *options_of(one.analysis))
-    paths = {name.rpartition(".")[2]: name for name in takes}
-    for name in [*one.arguments, *values]:
+    one = LIMITS[of]
+    paths = _paths(one.analysis)
+    for name in (*one.arguments, *values):
         if name not in values:
             raise InputError(f"is missing for the limit of {of}", where=name, remedy="give it")
-        if name not in paths and name != "of":
+        if name not in paths:
             raise InputError(f"is not used by the limit of {of}", where=name, remedy="leave it out")
-        if name != "of":
-            given[paths[name]] = values[name]
-            if LoadCase in declared_at(one.analysis, paths[name]).kinds:
-                given[name] = grown(values[name], model, subject.get("gravity"))
-    chosen, stop = nested(one.analysis, given), {"stop": _late(end)}
-    known = declared(one.analysis)
-    found = one.analysis(model, **chosen, **(stop if "stop" in known else {}))
-    return told(found, model.notes)
-
-
-def _of_limits() -> dict[str, Declared]:
-    """What the limits take, a load as :func:`drystone.read` does."""
-    found = {"of": _OF}
-    for one in LIMITS.values():
-        for path in (*one.arguments, *options_of(one.analysis)):
-            known = declared_at(one.analysis, path)
-            if LoadCase in known.kinds:
-                known = replace(known, hint=declared(read)["load"].hint)
-            if known.name not in ("executor", "time_limit_s"):
-                found.setdefault(known.name, known)
-    return found
+    return _analysed(one.analysis, paths, subject, values, folder, end)
 
 
 def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
-    """What an answer says of itself, with the first entries of long lists."""
-    said = answer.to_dict()
-    if said.get("stopped"):
-        said["stopped"] = UP
-    return {**said, "notes": list(notes)}
+    """What an answer says of itself, and notes on the model."""
+    return {**answer.to_dict(), "notes": list(notes)}
 
 
 _OF = Declared(
@@ -234,51 +206,48 @@ TOOLS: Mapping[str, Tool] = {
         "Blocks, volumes and defects of a model, and the contacts that are found and missed.",
         _inspect,
     ),
-    "check": Tool(
+    "check": _tool(
         "Does a model stand? Verdict, blocks that fall, what a prop would carry, largest forces. "
         "'stable' and 'unstable' are proved. 'sensitive': it stands for some contact stiffnesses "
         "of those that were tried, and not for all.",
-        _analysed(check),
+        check,
     ),
-    "diagnose": Tool(
+    "diagnose": _tool(
         "Why does a model fall, and what would hold it? One sentence for each region that falls. "
         "'needs' of a region: the force that is missing and its point, a support from below, the "
         "least friction, ballast on one block, turn of one joint, and whether glue would hold.",
-        _analysed(diagnose),
-        DiagnosisOptions,
+        diagnose,
+        "options.needs",
+        "options.regions",
     ),
     "limit": Tool(
         "By how much does a model stand? A bracket: stands at one value, falls at the other. "
         "'equilibrium' is where some forces balance the loads, 'rest' where it comes to rest for "
         "some contact stiffness, 'uniform' for a uniform one.",
         _limit,
-        more=_of_limits(),
+        {"of": _OF}
+        | {
+            name: argument
+            for one in LIMITS.values()
+            for name, argument in _arguments(one.analysis, _paths(one.analysis).values()).items()
+        },
     ),
-    "mend": Tool(
+    "mend": _tool(
         "Which changes make a model stand? Each was checked on the whole model, cheapest first. "
         "'mends' lists them by region, 'tried' those that are not enough.",
-        _analysed(find_mends, timed=False),
-        MendOptions,
+        find_mends,
+        "options.margin",
+        "options.kinds",
+        "options.keep",
     ),
-    "plan": Tool(
+    "plan": _tool(
         "In which order to assemble a model so that every stage stands: what to hold and to prop. "
         "Counts of free, held, propped and impossible blocks, the order, the force of each prop.",
-        _analysed(plan),
-        PlanOptions,
-        ("rules.hands", "rules.payload", "rules.order", "anyway"),
+        plan,
+        *(f"options.{name}" for name in ("rules.hands", "rules.payload", "rules.order", "anyway")),
     ),
 }
 """The tools by name."""
-
-
-def _left(end: float) -> float:
-    """Seconds until then; at least a short time."""
-    return max(end - time.monotonic(), 1e-3)
-
-
-def _late(end: float) -> Callable[[], bool]:
-    """Whether the time is up."""
-    return lambda: time.monotonic() > end
 
 
 def _short(value: Any) -> Any:

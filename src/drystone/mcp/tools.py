@@ -46,7 +46,7 @@ class _Server(MCPServer[Any]):
         if name not in TOOLS:
             raise ToolError(f"there is no tool '{name}'; {meant(name, tuple(TOOLS))}")
         try:
-            refuse_unknown(arguments, TOOLS[name].names_of_all)
+            refuse_unknown(arguments, TOOLS[name].names)
         except InputError as error:
             raise ToolError(str(error)) from None
         return await super().call_tool(name, arguments, *more, **named)
