@@ -53,6 +53,24 @@ def distance_of_the_eye(tab: Tab) -> float:
     return float(view["v"][0].split(",")[2])
 
 
+def test_where_clicks_change_blocks_a_joint_takes_none(tab: Tab, live: Live) -> None:
+    model = io.read(live.desk.file)
+    blocks = model.assembly
+    middle = 0.5 * (blocks.bounds[:, 0].min(axis=0) + blocks.bounds[:, 1].max(axis=0))
+    joint = 6  # its middle is under the pointer: with Look its card is opened
+    at = seen_from_the_front(tab, model.contacts.centroid[joint] - middle)
+    tab.press(*at)
+    assert tab.run("document.querySelector('#card h2').textContent").startswith("Joint")
+    tab.click("[data-mode=remove]")
+    tab.mouse("mouseMoved", *at)
+    tab.frames(5)
+    told = tab.text("#tip")
+    tab.press(*at)
+    verdict(tab, "UNSTABLE")
+    name = next(one for one in blocks.names if told == f"{one}: a click takes it out")
+    assert name in tab.text("#live-changes")
+
+
 def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> None:
     near = distance_of_the_eye(tab)
     tab.click("[data-mode=move]")

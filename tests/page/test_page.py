@@ -102,6 +102,7 @@ def test_a_curved_joint_is_one_joint_wherever_it_is_clicked(opened):
     assert (curved.contacts.count, curved.contacts.joints.count) == (15, 2)
     tab = opened(curved, size=(1000, 700))
     tab.click("[data-preset=contacts]")
+    tab.click("#fit")
     for joint, facets in {
         "Joint 1: cradle – roller": [(300, 280), (340, 300), (420, 320), (360, 340)],
         "Joint 0: base – cradle": [(260, 360), (300, 400), (340, 420), (340, 460)],

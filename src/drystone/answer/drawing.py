@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.answer.question import Question
+from drystone.answer.question import Question, directions
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.errors import counted
+from drystone.base.units import quantity
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
+from drystone.geometry.frames import frames_from_normals
+from drystone.loads import LoadCase
+from drystone.loads.applied import applied_loads
+from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 
 PLAYED = 0.3
@@ -31,7 +36,10 @@ def bare_scene(
     if contacts is not None:
         count += f", {counted(contacts.count, 'interface')}"
     notes = "" if model is None else "; ".join(model.notes)
-    stage = SceneStage("model", count, notes, state_of(assembly), layers=interface_layers(found))
+    drawn = interface_layers(found)
+    if model is not None:
+        drawn += load_layers(assembly, model.load)
+    stage = SceneStage("model", count, notes, state_of(assembly), layers=drawn)
     asked = Question.of_blocks(assembly, found) if model is None else Question.of(model)
     return Scene(assembly, found, (stage,), f"drystone: {count}", asked.facts())
 
@@ -74,6 +82,73 @@ def areas(contacts: Contacts, shown: Bools | None) -> tuple[Contacts | None, Int
         flat = flat & shown
     number = np.flatnonzero(flat)
     return (contacts.select(flat) if len(number) else None), number
+
+
+def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
+    """What is applied beside the weight: forces, moments, and an acceleration of all masses.
+
+    A force is an arrow that ends where it acts. A moment is three quarters of a circle about its
+    axis, in its sense. The part across the weight of an acceleration that most masses have is one
+    arrow, with the sum of their forces, that ends at their centre.
+    """
+    applied = applied_loads(assembly, load)
+    layers = []
+    pushed = np.flatnonzero(applied.force.any(axis=1))
+    if len(pushed):
+        layers.append(
+            Layer(
+                "loads", "loads", LayerKind.ARROWS, "load", applied.point[pushed],
+                applied.force[pushed], block=applied.block[pushed], single=True, width=2.0,
+                group="loads",
+            )
+        )  # fmt: skip
+    turned = np.flatnonzero(applied.moment.any(axis=1))
+    if len(turned):
+        most = quantity(float(lengths(applied.moment).max()), "N m")
+        start, way = _turns(assembly, applied.block[turned], applied.moment[turned])
+        at, sides = applied.point[turned], start.shape[1]
+        layers.append(
+            Layer(
+                "moments", f"moments, up to {most}", LayerKind.LINES, "load",
+                (at[:, None] + start).reshape(-1, 3), way.reshape(-1, 3),
+                block=np.repeat(applied.block[turned], sides), width=2.0,
+            )
+        )  # fmt: skip
+    return (*layers, *_body_layer(assembly, load, applied.acceleration))
+
+
+def _turns(assembly: Assembly, block: Ints, moment: Floats) -> tuple[Floats, Floats]:
+    """Sides (a, s, 3) of three quarters of a circle about moments (a, 3), with a head at the end.
+
+    Returns the starts of the sides, from the middle of the circle, and the sides.
+    """
+    frame = frames_from_normals(moment / lengths(moment)[:, None])
+    angle = np.linspace(0.0, 1.5 * np.pi, 13)
+    rim = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    head = np.array([[-0.25, -0.75], [-0.25, -1.25]])  # beside the end, at (0, -1)
+    flat_start = np.concatenate([rim[:-1], rim[[-1, -1]]])
+    flat_end = np.concatenate([rim[1:], head])
+    radius = 0.35 * assembly.size[block][:, None, None]
+    start = radius * np.einsum("si,aij->asj", flat_start, frame[:, 1:])
+    end = radius * np.einsum("si,aij->asj", flat_end, frame[:, 1:])
+    return start, end - start
+
+
+def _body_layer(assembly: Assembly, load: LoadCase, acceleration: Floats) -> tuple[Layer, ...]:
+    up, _ = directions(assembly, load)
+    free = np.flatnonzero(~assembly.fixed)
+    mass = assembly.mass[free]
+    across = acceleration - (acceleration @ up) * up
+    size = float(np.linalg.norm(across))
+    if size <= 1e-9 * float(np.linalg.norm(acceleration)):
+        return ()
+    return (
+        Layer(
+            "acceleration", f"acceleration of all masses, {size / STANDARD_GRAVITY:.3g} g",
+            LayerKind.ARROWS, "load", (mass @ assembly.centroid[free] / mass.sum())[None],
+            (mass.sum() * across)[None], single=True, width=4.0, group="acceleration",
+        ),
+    )  # fmt: skip
 
 
 def help_layer(

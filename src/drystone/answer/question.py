@@ -18,6 +18,7 @@ from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
+from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 
@@ -25,8 +26,6 @@ UP = frozen(np.array([0.0, 0.0, 1.0]))
 """The vertical axis of a picture, unless gravity is turned."""
 _NAMED = 4
 """Supports named in a line; more are counted."""
-_OWN = 1e-9
-"""Share of the largest load below which a load is rounding."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,9 @@ class Question(OneLine):
     acceleration : [m/s2]
         That most of the masses have under the load.
     loads
-        Of each block with other loads: force [N] and moment [N m] about its centroid, where that is
-        [m], and the motion [m, rad] of a support.
+        Of each block with other loads: the force [N], the point at which it acts [m], the moment
+        [N m] about this point, and the motion [m, rad] of a support. See
+        :class:`drystone.loads.applied.AppliedLoads`.
     joint_capacity
         Least and largest tension, cohesion and shear of the joints [N].
     notes
@@ -226,57 +226,38 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
 def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
     """The directions of up in the picture and of gravity, both (3,) unit.
 
-    If all free masses have the same acceleration of the size of standard gravity, gravity is
-    turned: the picture is tilted until it points down. Otherwise up is along z.
+    If most free masses have an acceleration of the size of standard gravity, gravity is turned:
+    the picture is tilted until it points down. Otherwise up is along z.
     """
-    free = ~assembly.fixed
-    force, mass = load.wrench[free, :3], assembly.mass[free]
-    total = force.sum(axis=0)
-    size = float(np.linalg.norm(total))
+    pull = common_acceleration(assembly, load)
+    size = float(np.linalg.norm(pull))
     if size == 0.0:
         return UP, -UP
-    pull = total / size
-    mean = total / mass.sum()
-    alike = np.abs(force - mass[:, None] * mean).max() <= 1e-6 * np.abs(force).max()
-    turned = alike and abs(size / mass.sum() / STANDARD_GRAVITY - 1.0) < 1e-3
-    return (frozen(-pull) if turned else UP), frozen(pull)
+    turned = abs(size / STANDARD_GRAVITY - 1.0) < 1e-6
+    return (frozen(-pull / size) if turned else UP), frozen(pull / size)
 
 
 def _loads(
     assembly: Assembly, load: LoadCase
 ) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...]]:
     """The acceleration that most masses have, and the other loads of each block."""
-    free, mass = ~assembly.fixed, assembly.mass
-    common = _commonest(load.wrench[free, :3] / mass[free, None])
-    rest = load.wrench.copy()
-    rest[:, :3] -= mass[:, None] * common
-    rest[~free] = 0.0
-    least = _OWN * np.abs(load.wrench[:, :3]).max(initial=0.0)
-    size = np.abs(rest[:, :3]).max(axis=1) + np.abs(rest[:, 3:]).max(axis=1) / assembly.size
-    motion = np.zeros((len(assembly), 6)) if load.motion is None else load.motion
-    moved = np.abs(motion).max(axis=1) > 0.0
-    told = []
-    for i in np.flatnonzero((size > least) | moved).tolist():
-        one: dict[str, Any] = {"block": assembly.names[i], "at": assembly.centroid[i].tolist()}
-        if size[i] > least:
-            one |= {"force": rest[i, :3].tolist(), "moment": rest[i, 3:].tolist()}
-        if moved[i]:
-            one["motion"] = motion[i].tolist()
-        told.append(one)
-    return tuple(common.tolist()), tuple(told)
-
-
-def _commonest(acceleration: Floats) -> Floats:
-    """The acceleration (3,) that most masses have; of two, that of about the size of gravity."""
-    largest = float(np.abs(acceleration).max(initial=0.0))
-    if largest == 0.0:
-        return np.zeros(3)
-    each, count = np.unique((acceleration / largest).round(9), axis=0, return_counts=True)
-    far = np.abs(np.linalg.norm(each, axis=1) * largest - STANDARD_GRAVITY)
-    chosen = each[np.lexsort((far, -count))[0]]
-    alike = np.abs(acceleration / largest - chosen).max(axis=1) < 1e-8
-    mean: Floats = acceleration[alike].mean(axis=0)
-    return mean
+    applied = applied_loads(assembly, load)
+    told: dict[int, dict[str, Any]] = {
+        i: {"at": at, "force": force, "moment": moment}
+        for i, at, force, moment in zip(
+            applied.block.tolist(),
+            applied.point.tolist(),
+            applied.force.tolist(),
+            applied.moment.tolist(),
+            strict=True,
+        )
+    }
+    if load.motion is not None:
+        for i in np.flatnonzero(load.motion.any(axis=1)).tolist():
+            told.setdefault(i, {"at": assembly.centroid[i].tolist()})
+            told[i]["motion"] = load.motion[i].tolist()
+    rows = tuple({"block": assembly.names[i], **told[i]} for i in sorted(told))
+    return tuple(applied.acceleration.tolist()), rows
 
 
 def _ends(values: Floats | None) -> tuple[float, float] | None:

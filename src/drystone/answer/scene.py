@@ -22,6 +22,7 @@ from drystone.contacts import Contacts
 
 ROLES = (
     "interface", "pressure", "network", "resultant", "hinge", "help", "missed", "added", "kern",
+    "load", "reaction",
 )  # fmt: skip
 """What the colour of a layer says."""
 _COMMON = 0.97
@@ -118,7 +119,8 @@ class Layer(OneLine):
     width
         Of lines and arrows, relative to the usual one.
     group
-        Arrows of one group have one scale: ``forces``, or ``help`` for what is needed to stand.
+        Arrows of one group have one scale: ``forces``, ``help`` for what is needed to stand,
+        ``loads``, ``reactions``, ``acceleration`` of all masses.
     shape
         Of markers.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -268,8 +268,4 @@ class DesignMargin(Options):
 
 def tilted(model: Model, axis: tuple[float, float, float], angle: float) -> Model:
     """The model turned counter-clockwise about an axis; its load keeps its direction in space."""
-    turn = rotation_about(np.array(axis), angle)
-    wrench = np.concatenate(
-        [model.load.wrench[:, :3] @ turn, model.load.wrench[:, 3:] @ turn], axis=1
-    )
-    return model.with_load(replace(model.load, wrench=wrench))
+    return model.with_load(model.load.turned(rotation_about(np.array(axis), angle)))

@@ -94,11 +94,8 @@ class Tilt(OneLine):
 
     def turned(self, angle_deg: float) -> LoadCase:
         """The load in the axes of the rotated model."""
-        turn = rotation_about(self.axis, angle_deg)
-        wrench = self.model.load.wrench
-        both = np.concatenate([wrench[:, :3] @ turn, wrench[:, 3:] @ turn], axis=1)
-        name = f"{self.model.load.name}, tilt {angle_deg:g} deg"
-        return replace(self.model.load, wrench=both, name=name)
+        load = self.model.load.turned(rotation_about(self.axis, angle_deg))
+        return replace(load, name=f"{self.model.load.name}, tilt {angle_deg:g} deg")
 
     def is_planar(self) -> bool:
         """Whether forces are normal to the axis, and moments along it."""

@@ -9,12 +9,11 @@ import numpy as np
 
 from drystone.answer.question import Question
 from drystone.answer.widening import stage_among
-from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.live.wish import Wish, WishedModel
 from drystone.loads import DOWN
 from drystone.results import Result, Verdict
-from drystone.view import Layer, LayerKind, Scene, SceneStage
+from drystone.view import Scene, SceneStage
 from drystone.view.encode import encode_stage
 
 QUICK = {
@@ -60,28 +59,12 @@ def snapshot(asked: WishedModel, wish: Wish, found: Found) -> dict[str, Any]:
     """
     stage = widened(found.stage, asked)
     turn = rotation_about(asked.axis, wish.tilt)
-    layers = (*stage.layers, *pushes(asked, wish, turn))
     part = asked.part
     facts = Question.of(part).facts()
-    stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
+    stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, facts=facts)
     encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
     encoded["stage"]["moved"] = found.moved
     return encoded
-
-
-def pushes(asked: WishedModel, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
-    """The forces with which blocks are pushed, as arrows that end at their centroids."""
-    if not wish.pushes:
-        return ()
-    assembly = asked.whole.assembly
-    block = assembly.indices([name for name, _ in wish.pushes])
-    force = np.array([force for _, force in wish.pushes]) @ turn
-    return (
-        Layer(
-            "pushes", "pushes", LayerKind.ARROWS, "resultant", assembly.centroid[block], force,
-            block=block, single=True, width=2.4, group="pushes",
-        ),
-    )  # fmt: skip
 
 
 def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, SupportsFloat
 
 import numpy as np
@@ -42,6 +42,8 @@ class LoadCase(OneLine):
     motion : (n, 6) [m, rad], optional
         Prescribed motion of supports: translation of the centroid and rotation vector about it,
         world axes. Only :func:`drystone.settle` uses it; every other analysis refuses it.
+    acceleration : (3,) [m/s2]
+        Of all masses, as far as it is known: a part of the wrenches, for tables and pictures.
 
     Examples
     --------
@@ -57,8 +59,11 @@ class LoadCase(OneLine):
     name: str = "load"
     notes: tuple[str, ...] = ()
     motion: Floats | None = None
+    acceleration: Floats = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
+        given = frozen_floats(self.acceleration, (3,), "acceleration")
+        object.__setattr__(self, "acceleration", given)
         object.__setattr__(self, "wrench", frozen_floats(self.wrench, (None, 6), "wrench"))
         if self.motion is not None:
             given = frozen_floats(self.motion, (len(self.wrench), 6), "motion")
@@ -112,7 +117,7 @@ class LoadCase(OneLine):
             ) from error
         if given.ndim == 0:
             return cls.gravity(assembly, float(given) * STANDARD_GRAVITY)
-        return cls(wrench_of_masses(assembly, 1.0, given), "gravity")
+        return cls(wrench_of_masses(assembly, 1.0, given), "gravity", acceleration=given)
 
     @classmethod
     def gravity(
@@ -127,7 +132,8 @@ class LoadCase(OneLine):
         direction : (3,)
             Any length; gravity acts along it.
         """
-        return cls(wrench_of_masses(assembly, g, unit(direction, "gravity direction")), "gravity")
+        down = unit(direction, "gravity direction")
+        return cls(wrench_of_masses(assembly, g, down), "gravity", acceleration=g * down)
 
     @classmethod
     def tilt(
@@ -145,7 +151,7 @@ class LoadCase(OneLine):
         g : [m/s2]
         """
         direction = rotation_about(axis, angle_deg).T @ np.array(DOWN)
-        return cls(cls.gravity(assembly, g, direction).wrench, f"tilt {angle_deg:g} deg")
+        return replace(cls.gravity(assembly, g, direction), name=f"tilt {angle_deg:g} deg")
 
     @classmethod
     def seismic(
@@ -161,7 +167,9 @@ class LoadCase(OneLine):
         g : [m/s2]
         """
         x, y = number(kx, "kx"), number(ky, "ky")
-        return cls(wrench_of_masses(assembly, g, np.array([x, y, 0.0])), f"seismic {x:g}, {y:g}")
+        level = np.array([x, y, 0.0])
+        name = f"seismic {x:g}, {y:g}"
+        return cls(wrench_of_masses(assembly, g, level), name, acceleration=g * level)
 
     @classmethod
     def point_load(
@@ -298,6 +306,11 @@ class LoadCase(OneLine):
         moved[i, : len(values)] = values
         return cls(np.zeros_like(moved), "settlement", (), moved)
 
+    def turned(self, rotation: Floats) -> LoadCase:
+        """The same loads in the axes of a model that was turned by a matrix (3, 3)."""
+        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+        return replace(self, wrench=wrench, acceleration=self.acceleration @ rotation)
+
     @classmethod
     def combine(
         cls, parts: Iterable[tuple[float, LoadCase]], name: str = "combination"
@@ -330,9 +343,10 @@ class LoadCase(OneLine):
         motions = [one.motion for one in (self, other) if one.motion is not None]
         return LoadCase(
             self.wrench + other.wrench,
-            f"{self.name} + {other.name}",
+            name_of_sum([self.name, other.name]),
             tuple(notes),
             sum(motions[1:], motions[0]) if motions else None,
+            self.acceleration + other.acceleration,
         )
 
     def __mul__(self, factor: float) -> LoadCase:
@@ -340,10 +354,27 @@ class LoadCase(OneLine):
             return NotImplemented
         by = float(factor)
         moved = None if self.motion is None else self.motion * by
-        return LoadCase(self.wrench * by, f"{by:g} {self.name}", self.notes, moved)
+        name = f"({self.name})" if " + " in self.name else self.name
+        known = self.acceleration * by
+        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known)
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case
+
+
+def name_of_sum(names: Iterable[str]) -> str:
+    """Three of the names, and how many more there are.
+
+    Examples
+    --------
+    >>> name_of_sum([name_of_sum(["gravity", "snow", "wind", "a tank"]), "a crane"])
+    'gravity + snow + wind + 2 more'
+    """
+    parts = [part for name in names for part in name.split(" + ")]
+    more = [int(part[:-5]) for part in parts if part.endswith(" more") and part[:-5].isdecimal()]
+    named = [part for part in parts if not (part.endswith(" more") and part[:-5].isdecimal())]
+    others = sum(more) + len(named[3:])
+    return " + ".join([*named[:3], *([f"{others} more"] if others else [])])
 
 
 def _listed(vector: Floats) -> str:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.loads.case import LoadCase
+from drystone.loads.case import LoadCase, name_of_sum
 
 _Direction: TypeAlias = tuple[float, float, float]
 
@@ -155,7 +155,7 @@ def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
                 f"no load case is called '{name}'", where="case", remedy=f"the file has {names}"
             )
         parts.append((_number(factor, "case") if star else 1.0, known[name]))
-    return LoadCase.combine(parts, " + ".join(texts))
+    return LoadCase.combine(parts, name_of_sum(texts))
 
 
 def chosen_case(

@@ -22,6 +22,8 @@ from drystone.joints import (
     on_an_edge,
     thrust_line,
 )
+from drystone.loads.applied import applied_loads
+from drystone.results.reactions import reaction_table
 from drystone.results.solution import Sensitivity, Solution
 from drystone.results.stage import stage_of
 
@@ -112,8 +114,9 @@ class Result(Solution, Answer):
         ]
 
     def tables(self) -> Sequence[Table]:
-        """The blocks that give way with the props that they need; the joints that carry most."""
-        return [table for table in (self._props(), self._largest()) if len(table)]
+        """What gives way with its props, the joints that carry most, reactions, applied loads."""
+        told = (self._props(), self._largest(), self._reactions(), self.loads())
+        return [table for table in told if len(table)]
 
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
@@ -164,6 +167,9 @@ class Result(Solution, Answer):
         columns |= {"prop_force": force, "prop_moment": moment}
         return Table("gives way", columns, {"prop_force": "N", "prop_moment": "N m"})
 
+    def _reactions(self) -> Table:
+        return Table("reactions", {"support": []}) if self.force is None else reaction_table(self)
+
     def _largest(self) -> Table:
         """The joints with the largest normal force and with most of the friction used."""
         if self.force is None or self.contacts.count == 0:
@@ -204,6 +210,49 @@ class Result(Solution, Answer):
     def falls(self) -> bool:
         """Whether it was shown to fall."""
         return self.verdict is Verdict.UNSTABLE
+
+    def loads(self) -> Table:
+        """What is applied beside a common acceleration: block, point, force and moment.
+
+        Columns
+        -------
+        block
+        point [m]
+            Where the force acts: where its line enters the block.
+        force [N]
+        moment [N m]
+            About the point.
+        """
+        return applied_loads(self.assembly, self.load).table(self.assembly.names)
+
+    def reactions(self) -> Table:
+        """What each support gives to the free blocks on it.
+
+        Columns
+        -------
+        support
+        point [m]
+            The middle of its corners of contact, weighted by the normal forces on them.
+        force [N]
+            The sum of the forces on free blocks, world axes.
+        moment [N m]
+            On free blocks, about the point.
+
+        Raises
+        ------
+        InputError
+            There are no forces.
+
+        Examples
+        --------
+        >>> import drystone
+        >>> from drystone.models import tower
+        >>> found = drystone.check(tower(2)).reactions()
+        >>> found["support"].tolist(), found["force"][:, 2].round(1).tolist()
+        (['block-0'], [23544.0])
+        """
+        self._require_forces()
+        return reaction_table(self)
 
     def joints(self, *, strength: float | None = None) -> Table:
         """Forces, utilisation, eccentricity and pressure of every joint.

@@ -6,7 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.answer.drawing import areas, help_layer, interface_layers, marks, seen, state_of
+from drystone.answer.drawing import (
+    areas,
+    help_layer,
+    interface_layers,
+    load_layers,
+    marks,
+    seen,
+    state_of,
+)
 from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
@@ -21,6 +29,7 @@ from drystone.joints import (
     hinged,
 )
 from drystone.model import Model
+from drystone.results.reactions import reaction_layer
 from drystone.results.solution import Solution
 
 NEGLIGIBLE = 1e-3
@@ -42,6 +51,7 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     up, gravity = directions(assembly, result.load)
     needed = _needed(result)
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
+    layers += load_layers(assembly, result.load)
     stage = SceneStage(
         label, headline, "; ".join([result.message, *result.model.notes]), state,
         result.verdict, prop=needed, up=up, gravity=gravity,
@@ -159,6 +169,8 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
         resultants.position, turning, "hinge: presses on one edge", spent, "friction is spent",
         first,
     )  # fmt: skip
+    if shown.all():
+        layers += reaction_layer(result, resultants)
     return (*layers, *_arrow_layers(result, resultants, shown))
 
 

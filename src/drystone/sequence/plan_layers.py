@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.answer import SceneStage, State
-from drystone.answer.drawing import help_layer, interface_layers
+from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
@@ -144,5 +144,9 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
     up, gravity = directions(plan.model.assembly, plan.model.load)
     return SceneStage(
         f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
-        up=up, gravity=gravity, layers=interface_layers(plan.model.contacts),
+        up=up, gravity=gravity,
+        layers=(
+            *interface_layers(plan.model.contacts),
+            *load_layers(plan.model.assembly, plan.model.load),
+        ),
     )  # fmt: skip

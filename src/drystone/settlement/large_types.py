@@ -23,7 +23,7 @@ from drystone.answer import (
     State,
 )
 from drystone.answer.chart import Chart, MarkKind, Marks
-from drystone.answer.drawing import interface_layers, state_of
+from drystone.answer.drawing import interface_layers, load_layers, state_of
 from drystone.answer.question import directions
 from drystone.base import units
 from drystone.base.arrays import Bools, Floats
@@ -343,7 +343,11 @@ class LargeDisplacement(Answer):
             "all states", self.title, "; ".join([self.message, *self.model.notes]), state,
             motion=path[-1], motion_name=_NAMES[self.drive], path=path if len(path) > 1 else None,
             seconds=SECONDS, plays=True, up=up, gravity=gravity,
-            layers=(*interface_layers(self.contacts), *self._marks(self.states[-1])),
+            layers=(
+                *interface_layers(self.contacts),
+                *load_layers(self.assembly, self.model.load),
+                *self._marks(self.states[-1]),
+            ),
         )  # fmt: skip
         return Scene(
             self.assembly, self.contacts, (stage,),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State, Verdict
-from drystone.answer.drawing import enlargement, interface_layers, state_of
+from drystone.answer.drawing import enlargement, interface_layers, load_layers, state_of
 from drystone.answer.question import directions
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
@@ -348,7 +348,7 @@ class Settlement(Answer):
             plays=falls,
             up=up,
             gravity=gravity,
-            layers=interface_layers(model.contacts),
+            layers=interface_layers(model.contacts) + load_layers(assembly, model.load),
         )
 
 

@@ -65,6 +65,8 @@ ROLE_COLOUR = {
         "missed": "#e69f00",
         "added": "#d55e00",
         "kern": "#cc79a7",
+        "load": "#1d1b18",
+        "reaction": "#46566b",
     },
     "dark": {
         "background": "#14171b",
@@ -80,6 +82,8 @@ ROLE_COLOUR = {
         "missed": "#e69f00",
         "added": "#d55e00",
         "kern": "#e3a3c6",
+        "load": "#eceae5",
+        "reaction": "#a9bad0",
     },
 }
 
@@ -159,11 +163,12 @@ class Preset(OneLine):
     ghost: bool = False
 
 
-_MARKS = frozenset({"hinges", "sliding", "help", "tension"})
-_ASKED = frozenset({"missed", "missed-points", "defects", "lines", "opening"})
+_LOADS = frozenset({"loads", "moments", "acceleration"})
+_MARKS = _LOADS | {"hinges", "sliding", "help", "tension"}
+_ASKED = _LOADS | {"missed", "missed-points", "defects", "lines", "opening"}
 
 PRESETS: Mapping[str, Preset] = {
-    "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening"}),
+    "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening", "reactions"}),
     "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
     "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
     "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),

@@ -7,12 +7,20 @@ const MODE_HELP = {
   push: "Drag a free block: the arrow is the force. As long as the block is its weight.",
   move: "Drag a support: it moves as far as you drag, and the blocks follow.",
 };
+// What a click or a drag on a block does, for the text beside the pointer.
+const DOES = {
+  support: (block) => (supportsNow().includes(nameOf(block)) ? "a click frees it" : "a click makes it a support"),
+  remove: () => "a click takes it out",
+  push: (block) => (supportsNow().includes(nameOf(block)) ? "a support: not pushed" : "drag to push it"),
+  move: (block) => (supportsNow().includes(nameOf(block)) ? "drag to move it" : "no support: not moved"),
+};
 let mode = "look";
 
 function setMode(wanted) {
   canvas.classList.remove(`live-${mode}`);
   mode = wanted;
   canvas.classList.add(`live-${mode}`);
+  page.onlyBlocks = DOES[mode] ? (block) => `${nameOf(block)}: ${DOES[mode](block)}` : null;
   byId("mode-help").textContent = MODE_HELP[mode];
   for (const one of byId("modes").children) {
     one.setAttribute("aria-pressed", String(one.dataset.mode === mode));

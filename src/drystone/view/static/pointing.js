@@ -9,7 +9,8 @@ function under(event) {
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
   interrupt();
   const view = currentView(canvas.width / Math.max(1, canvas.clientWidth));
-  const polygons = view.time === 0 ? view.layers.filter((layer) => layer.kind === "polygons") : [];
+  const joints = view.time === 0 && !page.onlyBlocks;
+  const polygons = joints ? view.layers.filter((layer) => layer.kind === "polygons") : [];
   const joint = polygons.some((layer) => layer.interface) ? jointNear(x, y, view) : -1;
   if (joint >= 0) return { joint };
   const row = canvas.height - 1 - Math.floor(y * view.ratio);
@@ -60,6 +61,7 @@ function hovered(event) {
 
 function tipText({ block, joint }) {
   const { normal, utilisation, state } = stage();
+  if (page.onlyBlocks) return page.onlyBlocks(block);
   if (joint !== undefined) {
     const name = jointName(data, joint);
     if (!normal) return `${name}: ${plain(data.contacts.area[joint], "m\u00b2")}`;

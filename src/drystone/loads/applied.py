@@ -1,0 +1,141 @@
+"""A load case by where its loads act: an acceleration of all masses, and forces on blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints, dot, lengths
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
+from drystone.base.table import Table
+from drystone.geometry.polyhedron import fan_triangles
+from drystone.loads.case import STANDARD_GRAVITY, LoadCase
+
+_OWN = 1e-9
+"""Share of the largest load below which a load is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class AppliedLoads(OneLine):
+    """Loads by where they act.
+
+    Attributes
+    ----------
+    acceleration : (3,) [m/s2]
+        That most of the masses have.
+    block : (a,)
+        Blocks with other loads.
+    point : (a, 3) [m]
+        Where the force acts. A load case has the wrench of each block: of the line on which the
+        force acts it is the point where the line enters the block, or passes the centroid most
+        closely. The centroid where there is no force.
+    force : (a, 3) [N]
+    moment : (a, 3) [N m], about the point
+    """
+
+    acceleration: Floats
+    block: Ints
+    point: Floats
+    force: Floats
+    moment: Floats
+
+    def _summary(self) -> str:
+        along = ", ".join(f"{x:.4g}" for x in self.acceleration + 0.0)
+        return f"[{along}] m/s2, {counted(len(self.block), 'loaded block')}"
+
+    def table(self, names: tuple[str, ...]) -> Table:
+        """One row per loaded block; ``names`` are those of all blocks."""
+        columns = {
+            "block": [names[i] for i in self.block],
+            "point": self.point,
+            "force": self.force,
+            "moment": self.moment,
+        }
+        return Table("loads", columns, {"point": "m", "force": "N", "moment": "N m"})
+
+
+def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
+    """The loads of a load case on free blocks.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> assembly = tower(2)
+    >>> load = LoadCase.gravity(assembly) + LoadCase.point_load(
+    ...     assembly, "block-1", (0.0, 0.0, -1000.0), at=(0.2, 0.0, 2.0))
+    >>> found = applied_loads(assembly, load)
+    >>> found
+    AppliedLoads([0, 0, -9.81] m/s2, 1 loaded block)
+    >>> found.point.round(6).tolist(), found.moment.tolist()
+    ([[0.2, 0.0, 2.0]], [[0.0, 0.0, 0.0]])
+    """
+    common = common_acceleration(assembly, load)
+    rest = load.wrench.copy()
+    rest[:, :3] -= assembly.mass[:, None] * common
+    rest[assembly.fixed] = 0.0
+    least = _OWN * float(np.abs(load.wrench[:, :3]).max(initial=0.0))
+    rest[:, :3][np.abs(rest[:, :3]).max(axis=1) <= least] = 0.0
+    rest[:, 3:][np.abs(rest[:, 3:]).max(axis=1) <= least * assembly.size] = 0.0
+    block = np.flatnonzero(rest.any(axis=1))
+    force, moment = rest[block, :3], rest[block, 3:]
+    square = np.maximum(dot(force, force), 1e-300)[:, None]
+    arm = np.cross(force, moment) / square
+    along = dot(force, moment)[:, None] * force / square
+    along = np.where(lengths(along)[:, None] > least * assembly.size[block, None], along, 0.0)
+    left = np.where(lengths(force)[:, None] > 0.0, along, moment)
+    point = _entered(assembly, block, assembly.centroid[block] + arm, force)
+    return AppliedLoads(common, block, point, force, left)
+
+
+def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> Floats:
+    """Where lines through points (a, 3) along forces (a, 3) enter blocks (a,), if they do.
+
+    Source: Moller and Trumbore 1997, of a line and a triangle.
+    """
+    size = lengths(force)
+    if not size.any():
+        return point
+    faces = assembly.subset(block).faces
+    triangle, face = fan_triangles(faces)
+    line = faces.owner[face]
+    way = (force / np.maximum(size, 1e-300)[:, None])[line]
+    sides = triangle[:, 1:] - triangle[:, :1]
+    across = np.cross(way, sides[:, 1])
+    volume = dot(sides[:, 0], across)
+    area = lengths(np.cross(sides[:, 0], sides[:, 1]))
+    crossed = np.abs(volume) > _OWN * area
+    begin = point[line] - triangle[:, 0]
+    turned = np.cross(begin, sides[:, 0])
+    u, v, way_to = (
+        np.divide(one, volume, out=np.full(len(line), np.inf), where=crossed)
+        for one in (dot(begin, across), dot(way, turned), dot(sides[:, 1], turned))
+    )
+    hit = crossed & (np.minimum(u, v) >= -_OWN) & (u + v <= 1.0 + _OWN)
+    first = np.full(len(block), np.inf)
+    np.minimum.at(first, line[hit], way_to[hit])
+    first = np.where(np.isfinite(first), first, 0.0)
+    entered: Floats = point + (first / np.maximum(size, 1e-300))[:, None] * force
+    return entered
+
+
+def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
+    """The acceleration (3,) [m/s2] of most free masses; of two, that of about gravity's size.
+
+    It is the one that the load case knows, where it knows one.
+    """
+    if load.acceleration.any():
+        return load.acceleration
+    free = ~assembly.fixed
+    acceleration = load.wrench[free, :3] / assembly.mass[free, None]
+    largest = float(np.abs(acceleration).max(initial=0.0))
+    if largest == 0.0:
+        return np.zeros(3)
+    each, count = np.unique((acceleration / largest).round(9), axis=0, return_counts=True)
+    far = np.abs(np.linalg.norm(each, axis=1) * largest - STANDARD_GRAVITY)
+    chosen = each[np.lexsort((far, -count))[0]]
+    alike = np.abs(acceleration / largest - chosen).max(axis=1) < 1e-8
+    mean: Floats = acceleration[alike].mean(axis=0)
+    return mean

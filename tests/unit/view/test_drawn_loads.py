@@ -1,0 +1,128 @@
+"""Loads and reactions as layers of pictures, and as tables."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import LoadCase
+from drystone.loads.applied import applied_loads
+from drystone.models import arch, box, tower
+from drystone.view import Layer, save_cad
+
+MODEL = drystone.Model.of(arch(0.3, 12), friction=0.9)
+KEY = "voussoir-05"
+TOP = MODEL.assembly.bounds[:, 1, 2].max()
+
+
+def layers(result: drystone.Result) -> dict[str, Layer]:
+    """Those of a result, by their keys."""
+    return {layer.key: layer for layer in result.stage().layers}
+
+
+@pytest.fixture(scope="module")
+def loaded() -> drystone.Result:
+    """The arch with a force, a moment and an earthquake."""
+    assembly = MODEL.assembly
+    return drystone.check(
+        MODEL.with_load(
+            LoadCase.gravity(assembly)
+            + LoadCase.seismic(assembly, 0.05)
+            + LoadCase.point_load(assembly, KEY, (0.0, 0.0, -500.0), at=(0.0, 0.1, 0.9))
+            + LoadCase.moment(assembly, 3, (0.0, 30.0, 0.0))
+        )
+    )
+
+
+def test_reactions_and_loads_are_in_balance(loaded: drystone.Result) -> None:
+    reactions, free = loaded.reactions(), ~loaded.assembly.fixed
+    assert reactions["support"].tolist() == [
+        loaded.assembly.names[i] for i in np.flatnonzero(~free)
+    ]
+    wrench, at = loaded.load.wrench[free], loaded.assembly.centroid[free]
+    near = 1e-6 * np.abs(wrench[:, 2]).sum()
+    assert reactions["force"].sum(axis=0) == pytest.approx(-wrench[:, :3].sum(axis=0), abs=near)
+    turned = np.cross(reactions["point"], reactions["force"]) + reactions["moment"]
+    loads = np.cross(at, wrench[:, :3]) + wrench[:, 3:]
+    assert turned.sum(axis=0) == pytest.approx(-loads.sum(axis=0), abs=near)
+
+
+def test_a_reaction_is_drawn_at_each_support_toward_the_free_block(loaded: drystone.Result) -> None:
+    drawn = layers(loaded)["reactions"]
+    assert drawn.single
+    assert drawn.vector is not None
+    assert (drawn.vector[:, 2] > 0.0).all()
+    total = loaded.reactions()["force"].sum(axis=0)
+    assert drawn.vector.sum(axis=0) == pytest.approx(total, rel=1e-9)
+
+
+def test_a_force_ends_where_its_line_enters_the_block(loaded: drystone.Result) -> None:
+    drawn = layers(loaded)["loads"]
+    assert drawn.position[0, :2] == pytest.approx([0.0, 0.1])
+    assert drawn.position[0, 2] == pytest.approx(TOP, abs=0.02)
+    assert drawn.vector is not None
+    assert drawn.vector[0] == pytest.approx([0.0, 0.0, -500.0])
+    table = loaded.loads()
+    assert table["block"].tolist() == [loaded.assembly.names[3], KEY]
+    assert table["moment"][0] == pytest.approx([0.0, 30.0, 0.0])
+    assert dict(table.units) == {"point": "m", "force": "N", "moment": "N m"}
+
+
+def test_an_earthquake_is_one_arrow_with_the_force_of_all_masses(loaded: drystone.Result) -> None:
+    drawn = layers(loaded)["acceleration"]
+    mass = loaded.assembly.mass[~loaded.assembly.fixed].sum()
+    assert drawn.vector is not None
+    assert drawn.vector.tolist() == [pytest.approx([0.05 * 9.81 * mass, 0.0, 0.0])]
+    assert "0.05 g" in drawn.label
+
+
+def test_weight_alone_and_a_tilt_are_not_drawn_as_loads() -> None:
+    for load in (LoadCase.gravity(MODEL.assembly), LoadCase.tilt(MODEL.assembly, (0, 1, 0), 4.0)):
+        found = layers(drystone.check(MODEL.with_load(load)))
+        assert not {"loads", "moments", "acceleration"} & set(found)
+
+
+def test_a_tilted_model_with_a_force_is_drawn_tilted() -> None:
+    assembly = MODEL.assembly
+    tilted = LoadCase.tilt(assembly, (0, 1, 0), 4.0)
+    force = LoadCase.point_load(assembly, KEY, (0.0, 0.0, -50.0))
+    stage = drystone.check(MODEL.with_load(tilted + force)).stage()
+    assert stage.up @ [0.0, 0.0, 1.0] == pytest.approx(np.cos(np.deg2rad(4.0)))
+    assert stage.gravity == pytest.approx(-stage.up)
+
+
+def test_reactions_of_two_blocks_on_one_slab_are_drawn_apart() -> None:
+    slab = box((4.0, 1.0, 1.0), (-2.0, 0.0, 0.0), "slab")
+    two = [box((1.0, 1.0, 1.0), (x, 0.0, 1.0), name=f"at {x:g}") for x in (-1.5, 1.5)]
+    assembly = drystone.Assembly((slab, *two), np.array([True, False, False]))
+    result = drystone.check(drystone.Model.of(assembly))
+    drawn = layers(result)["reactions"]
+    assert sorted(drawn.position[:, 0].tolist()) == [pytest.approx(-1.0), pytest.approx(2.0)]
+    assert len(result.reactions()) == 1
+
+
+def test_the_lines_of_forces_pass_where_they_act() -> None:
+    assembly = tower(2)
+    push = LoadCase.point_load(assembly, "block-1", (10.0, 0.0, 0.0), at=(9.0, 0.5, 1.2))
+    found = applied_loads(assembly, LoadCase.gravity(assembly) + push)
+    assert found.point.tolist() == [pytest.approx([0.0, 0.5, 1.2])]
+    assert not found.moment.any()
+
+
+def test_names_of_many_loads_stay_short() -> None:
+    assembly = tower(2)
+    load = LoadCase.gravity(assembly)
+    for _ in range(40):
+        load = load + LoadCase.point_load(assembly, "block-1", (1.0, 0.0, 0.0))
+    assert load.name.endswith(" + 38 more")
+    assert len(load.name) < 80
+    both = LoadCase.gravity(assembly) + LoadCase.seismic(assembly, 0.1)
+    assert (2.0 * both).name == "2 (gravity + seismic 0.1, 0)"
+
+
+def test_loads_and_reactions_are_in_cad_files(loaded: drystone.Result, tmp_path: Path) -> None:
+    save_cad(loaded, tmp_path / "arch.glb")
+    content = (tmp_path / "arch.glb").read_bytes()
+    for name in (b"loads", b"moments, up to 30 N m", b"reactions of supports", b"0.05 g"):
+        assert name in content
