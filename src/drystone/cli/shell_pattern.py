@@ -67,6 +67,13 @@ class ShellPattern:
             "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
         ),
     ] = 0.0
+    fix_springers: Annotated[
+        bool,
+        Option(
+            "Fix the springers themselves, as where they are let into a wall, and add no blocks "
+            "under them."
+        ),
+    ] = False
     straight: Annotated[bool, Option("Make the inner face of every block planar.", expert=True)] = (
         False
     )
@@ -108,12 +115,13 @@ class ShellPattern:
 
     def body(self, thickness: float | None) -> ShellBody:
         """What blocks of a thickness [m] are like."""
-        from drystone.shells import Intrados, ShellBody
+        from drystone.shells import Ground, Intrados, ShellBody
 
         return ShellBody(
             thickness=thickness,
             joggle_deg=self.joggle,
             intrados=Intrados.STRAIGHT if self.straight else Intrados.OFFSET,
+            ground=Ground.SPRINGERS if self.fix_springers else Ground.BLOCKS,
         )
 
 
@@ -155,24 +163,22 @@ def varied_shell(wanted: SurfaceRequest, pattern: ShellPattern, **values: Any) -
     return shell_on(surface_of(surface), surface, division)
 
 
-_SIZES = (1.0, 0.75, 1.25)
+_COURSES, _WIDTHS = (0.5, 0.75, 1.0), (1.6, 1.3, 1.0)
 """Courses and widths that are tried, by those that are used otherwise. Chosen."""
 
 
 def _layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
-    """The layout as it is, others of other sizes, and the first one without stagger."""
-    courses = _SIZES if pattern.any_courses else (1.0,)
-    widths = _SIZES if pattern.any_width else (1.0,)
+    """Layouts of several sizes, that with the fewest blocks first, and it without stagger."""
     found = []
-    for share in courses:
-        for width in widths:
+    for share in _COURSES if pattern.any_courses else (1.0,):
+        for width in _WIDTHS if pattern.any_width else (1.0,):
             one = layout
             if pattern.any_courses and layout.courses is not None:
                 one = replace(one, courses=round(share * layout.courses))
             if pattern.any_width and layout.width is not None:
                 one = replace(one, width=width * layout.width)
             found.append(one)
-    return [*found, replace(layout, staggered=False)]
+    return [*found, replace(found[0], staggered=False)]
 
 
 def find_buildable(

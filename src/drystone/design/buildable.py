@@ -1,14 +1,20 @@
-"""Wedges deepened until a shell can be built with the least help.
+"""The layout and the wedges with which a shell is built with the least help.
 
-Source: Kao 2023, section 7.3: wedges where a plan needs help, as shallow as they can be, since
-sharp corners break.
+A course is looked at alone, on those below it, which are held. The help that it needs there depends
+on the bed lines below and above it only. So a few shells give it for every pair of wedges, and the
+best wedges of all lines follow by dynamic programming. What is found so is planned as a whole.
+
+Source: Kao 2023, sections 7.3 to 7.5: course by course, on fixed lower ones; wedges where a course
+needs help, as shallow as they can be, since sharp corners break.
 """
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,9 +25,10 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
-from drystone.design.built import Buildable, Help, helped
+from drystone.design.built import Buildable, Help
 from drystone.design.changed import Kept
-from drystone.design.search import improved
+from drystone.design.regions import local_model
+from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stages import check_both
@@ -29,11 +36,16 @@ from drystone.sequence.structure import Structure
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 
-WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.4)
-"""Wedges that are tried, the shallowest first: those of the table of the vault, and one more."""
+WEDGES = (0.02, 0.2, 0.4)
+"""Wedges that are tried, the shallowest first. Chosen: a layout takes as many shells as there are
+pairs of them."""
 
 _DEEPENED = 3
-"""Of several layouts this many are deepened, those that need least help. Chosen."""
+"""Of several layouts this many are looked at with unlike wedges, those that need least help.
+Chosen."""
+
+_Cost: TypeAlias = tuple[int, int, int, float]
+"""Blocks that cannot be placed, propped, held; and the sum of the wedges."""
 
 
 @dataclass(frozen=True)
@@ -84,16 +96,16 @@ def make_buildable(
 ) -> Buildable:
     """Search the layout and the wedges with which the fewest blocks are propped, then held.
 
-    Each layout is planned with the shallowest wedges. Of those that need least help, the bed lines
-    below courses that need help are made deeper, the lowest first, one alone or all together, as
-    long as the plan of the whole shell then needs less. Then each line is made as shallow as that
-    plan allows.
+    Each course of each layout is planned alone, on those below it, which are held: with one wedge
+    at all bed lines, and for the layouts that need least help with every pair of wedges below and
+    above it. Of the wedges that need least help in sum the shallowest are taken. Shells that
+    promise less help than the best one so far are planned as a whole.
 
     Parameters
     ----------
     shape
     layouts
-        One or several; their own wedges are not used.
+        One or several, those that are tried first first; their own wedges are not used.
     body
     options
 
@@ -101,7 +113,8 @@ def make_buildable(
     -------
     Buildable
         ``build_shell(shape, found.layout, body)`` is its shell. Its changes are the bed lines with
-        deeper wedges, its log tells what each layout needs.
+        deeper wedges, its log tells what each layout promises and needs. Stopped, it is the best
+        one so far.
 
     Raises
     ------
@@ -129,7 +142,6 @@ class _Wedged(OneLine):
     """A shell with a wedge for each bed line between two courses, and its plan."""
 
     layout: Layout
-    shell: Shell
     plan: Plan
 
     @property
@@ -138,9 +150,10 @@ class _Wedged(OneLine):
         return frozen_floats(self.layout.wedge, (None,), "wedges")
 
     @property
-    def rank(self) -> tuple[Help, float]:
-        """Least help first, then the shallowest wedges."""
-        return Help.of(self.plan), float(np.abs(self.wedges).sum())
+    def rank(self) -> tuple[bool, Help, float]:
+        """Every stage stands, then least help, then the shallowest wedges."""
+        stands = self.plan.verdict is Verdict.STABLE
+        return not stands, Help.of(self.plan), float(np.abs(self.wedges).sum())
 
 
 class _WedgeSearch:
@@ -156,107 +169,179 @@ class _WedgeSearch:
     ) -> None:
         self.shape, self.body, self.options = shape, body, options
         self.pool, self.clock, self.late = pool, clock, clock.late
-        self.seen: set[Layout] = set()
+        self.rules = Rules(hands=options.hands, order=Order.COURSE)
+        # of each layout: of a course between two wedges the help it needs alone
+        self.alone: dict[Layout, dict[tuple[int, float, float], _Cost]] = {}
+        self.promised: dict[Layout, _Cost] = {}
+        self.best: _Wedged | None = None
+        self.log: list[str] = []
+        self.tried = 0
 
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
-        starts, log = self.starts(layouts)
-        found: list[tuple[_Wedged, _Wedged]] = []
-        for first in starts[:_DEEPENED]:
-            best = improved(first, self.proposals, self.late)
-            found.append((best, first))
-            if not any(best.rank[0]) or self.late():
-                break
-        best, first = min(found, key=lambda one: one[0].rank)
-        return self.answer(best, first, log)
-
-    def starts(self, layouts: list[Layout]) -> tuple[list[_Wedged], list[str]]:
-        """The layouts with the shallowest wedges, those first that need least help; and a log."""
-        log: list[str] = []
-        starts: list[_Wedged] = []
         for done, layout in enumerate(layouts):
-            if self.late():
-                break
             self.clock.tell("planning layouts", done, len(layouts))
-            try:
-                first = self.planned(self.shallow(layout))
-            except InputError as error:
-                log.append(f"{_told(layout)}: {error}")
-                continue
-            if first is None:  # it was stopped
+            for wedge in self.options.wedges:
+                self.look(layout, wedge, wedge)
+            self.tell(layout)
+            if self.ended:
                 break
-            starts.append(first)
-            log.append(f"{_told(layout)}: {first.rank[0]}")
-        if not starts and log:
-            why = log[0].partition(": ")[2]
-            raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
-        if not starts:
+        several = sorted(self.promised, key=lambda one: self.promised[one])[:_DEEPENED]
+        for done, layout in enumerate(several):
+            self.clock.tell("planning wedges", done, len(several))
+            for even, odd in permutations(self.options.wedges, 2):
+                self.look(layout, even, odd)
+            self.tell(layout)
+        if self.best is None and self.log:
+            raise InputError(
+                f"no layout was planned: {self.log[0].partition(': ')[2]}",
+                remedy="try other courses or blocks",
+            )
+        if self.best is None:
             raise InputError("the search was stopped before its first plan", remedy="give it time")
-        return sorted(starts, key=lambda one: one.rank[0]), log
+        return self.answer(self.best)
 
-    def answer(self, best: _Wedged, first: _Wedged, log: list[str]) -> Buildable:
-        """The best shell, and the bed lines of it with deeper wedges than at first."""
-        wedges = best.wedges.tolist()
-        deeper = {i + 1: x for i, x in enumerate(wedges) if x != first.wedges[i]}
-        kept = [Kept("wedge", (), f"a wedge of {x:g} below course {i}", x)
-                for i, x in deeper.items()]  # fmt: skip
-        words, needed = str(best.rank[0]), first.rank[0]
-        if deeper:
-            below = ", ".join(map(str, deeper))
-            words += f", with deeper wedges below course{'s' * (len(deeper) > 1)} {below}"
-        words += f"; {needed} with the shallowest wedges"
-        words += "; it was stopped before all was tried" if self.late() else ""
-        model = best.plan.model.model
-        told = (*log, f"wedges from the springing: {', '.join(f'{x:g}' for x in wedges)}")
-        return Buildable(
-            model, best.plan, tuple(kept), (*told, words), len(self.seen), needed, best.layout
-        )
+    @property
+    def ended(self) -> bool:
+        """Whether nothing is left to search."""
+        return self.late() or (self.best is not None and not any(self.best.rank[1]))
 
-    def shallow(self, layout: Layout) -> Layout:
-        """A layout with the shallowest wedge at each bed line."""
-        wedge = self.options.wedges[0]
-        course = course_of(build_shell(self.shape, replace(layout, wedge=wedge), self.body))
-        return replace(layout, wedge=(wedge,) * int(course.max()))
+    def look(self, layout: Layout, even: float, odd: float) -> None:
+        """Plan each course alone, with one wedge at even bed lines and another at odd ones."""
+        known = self.alone.setdefault(layout, {})
+        if self.ended:
+            return
+        lines = max((course for course, *_ in known), default=0)  # none at first: one wedge at all
+        wedges = tuple(odd if line % 2 else even for line in range(lines))
+        try:
+            shell = build_shell(self.shape, replace(layout, wedge=wedges or even), self.body)
+        except InputError as error:
+            self.log.append(f"{_told(layout)}, wedges {even:g} and {odd:g}: {error}")
+            return
+        wedges = wedges or (even,) * line_count(shell)
+        for course, (low, high) in enumerate(zip([0.0, *wedges], [*wedges, 0.0], strict=True)):
+            if (course, low, high) not in known and not self.late():
+                found = self.course_alone(shell, course)
+                if not self.late():
+                    known[course, low, high] = found
 
-    def planned(self, layout: Layout) -> _Wedged | None:
-        """The shell of a layout and its plan; ``None`` if stopped."""
-        if self.late():
-            return None
-        self.seen.add(layout)
-        shell = build_shell(self.shape, layout, self.body)
-        rules = Rules(hands=self.options.hands, order=Order.COURSE)
+    def course_alone(self, shell: Shell, course: int) -> _Cost:
+        """The help that a course needs on those below it, which are held."""
+        model = shell.model(friction=self.options.friction)
+        level = levels_of(shell)
+        own = (course_of(shell) == course) & ~model.assembly.fixed
+        if not own.any():
+            return (0, 0, 0, 0.0)
+        below = (level < level[own].min()) | model.assembly.fixed
+        place = np.flatnonzero(own | below)
+        part = model.subset(place.tolist())
+        alone, _ = local_model(part, np.flatnonzero(own[place]).tolist())
         found = plan(
-            shell.model(friction=self.options.friction),
-            options=PlanOptions(rules=rules, anyway=True),
+            alone,
+            options=PlanOptions(rules=Rules(hands=self.options.hands), anyway=True),
             executor=self.pool.executor,
             stop=self.late,
         )
-        return None if found.stopped else _Wedged(layout, shell, found)
+        self.tried += 1
+        needed = Help.of(found)
+        return needed.unplanned + needed.impossible, needed.propped, needed.held, 0.0
 
-    def proposals(self, now: _Wedged) -> Iterator[_Wedged]:
-        """Other wedges, each tried once."""
-        for wedges in self.other_wedges(now):
-            layout = replace(now.layout, wedge=tuple(wedges.tolist()))
-            if layout in self.seen:
-                continue
-            self.clock.tell("planning wedges", len(self.seen), 0)
-            with contextlib.suppress(InputError):  # the shell cannot have them
-                found = self.planned(layout)
-                if found is not None:
-                    yield found
+    def promise(self, layout: Layout) -> tuple[_Cost, tuple[float, ...]] | None:
+        """The least help of all courses alone, and the wedges with it; ``None`` if not known."""
+        known = self.alone[layout]
+        lines = max((course for course, *_ in known), default=0)
+        ways: dict[float, tuple[_Cost, tuple[float, ...]]] = {0.0: ((0, 0, 0, 0.0), ())}
+        for course in range(lines + 1):
+            further: dict[float, tuple[_Cost, tuple[float, ...]]] = {}
+            for high in self.options.wedges if course < lines else (0.0,):
+                some = [
+                    (_sum(cost, known[course, low, high], abs(high)), (*wedges, high))
+                    for low, (cost, wedges) in ways.items()
+                    if (course, low, high) in known
+                ]
+                if some:
+                    further[high] = min(some)
+            ways = further
+        if 0.0 not in ways:
+            return None
+        cost, wedges = ways[0.0]
+        return cost, wedges[:-1]
 
-    def other_wedges(self, now: _Wedged) -> Iterator[Floats]:
-        """Deeper ones below courses that need help, then shallower ones, the highest line first."""
-        ladder, own = np.array(self.options.wedges), now.wedges
-        course, names = course_of(now.shell), now.plan.model.assembly.names
-        needy = {int(course[now.shell.assembly.index(names[b])]) for b, *_ in helped(now.plan)}
-        lines = lines_below(now.shell, needy)
-        for some in (*([line] for line in lines), *([lines] if lines else [])):
-            for deeper in ladder[np.abs(ladder) > np.abs(own[some]).min()]:
-                yield np.where(np.isin(np.arange(len(own)), some), deeper, own)
-        for line in reversed(range(len(own))):
-            for shallow in ladder[np.abs(ladder) < abs(own[line])]:
-                yield np.where(np.arange(len(own)) == line, shallow, own)
+    def tell(self, layout: Layout) -> None:
+        """Note what a layout promises; plan it where that is less than the best one so far."""
+        found = self.promise(layout)
+        if found is None or self.late():
+            return
+        cost, wedges = found
+        if self.promised.get(layout) == cost:  # unlike wedges promise no less
+            return
+        self.promised[layout] = cost
+        impossible, propped, held, _ = cost
+        told = f"{_told(layout)}: {propped} propped, {held} held where each course is planned alone"
+        if self.best is None or (impossible, propped, held) < self.needs(self.best):
+            one = self.planned(replace(layout, wedge=wedges))
+            if one is not None:
+                told += f", {one.rank[1]} as a whole"
+                if self.best is None or one.rank < self.best.rank:
+                    self.best = one
+        self.log.append(told)
+
+    @staticmethod
+    def needs(one: _Wedged) -> tuple[int, int, int]:
+        """Blocks that cannot be placed, propped and held."""
+        needed = one.rank[1]
+        return needed.unplanned + needed.impossible, needed.propped, needed.held
+
+    def planned(self, layout: Layout) -> _Wedged | None:
+        """The shell of a layout and its plan; ``None`` if stopped."""
+        self.tried += 1
+        shell = build_shell(self.shape, layout, self.body)
+        found = plan(
+            shell.model(friction=self.options.friction),
+            options=PlanOptions(rules=self.rules, anyway=True),
+            executor=self.pool.executor,
+            stop=self.late,
+        )
+        return None if found.stopped else _Wedged(layout, found)
+
+    def answer(self, best: _Wedged) -> Buildable:
+        """The best shell, and the bed lines of it with deeper wedges than the shallowest."""
+        least = self.options.wedges[0]
+        wedges = best.wedges.tolist()
+        deeper = {i + 1: x for i, x in enumerate(wedges) if x != least}
+        kept = [Kept("wedge", (), f"a wedge of {x:g} below course {i}", x)
+                for i, x in deeper.items()]  # fmt: skip
+        first = best if not deeper else self.before(best)
+        words = str(best.rank[1])
+        if deeper:
+            below = ", ".join(map(str, deeper))
+            words += f", with deeper wedges below course{'s' * (len(deeper) > 1)} {below}"
+        words += "" if first is None else f"; {first.rank[1]} with the shallowest wedges"
+        words += "; it was stopped before all was tried" if self.late() else ""
+        told = f"wedges from the springing: {', '.join(f'{x:g}' for x in wedges)}"
+        return Buildable(
+            best.plan.model.model, best.plan, tuple(kept), (*self.log, told, words), self.tried,
+            None if first is None else first.rank[1], best.layout,
+        )  # fmt: skip
+
+    def before(self, best: _Wedged) -> _Wedged | None:
+        """The same layout with the shallowest wedges; ``None`` if stopped or not to be built."""
+        if self.late():
+            return None
+        with contextlib.suppress(InputError):
+            wedges = (self.options.wedges[0],) * len(best.wedges)
+            return self.planned(replace(best.layout, wedge=wedges))
+        return None
+
+
+def _sum(one: _Cost, other: _Cost, wedge: float) -> _Cost:
+    """The help of a further course, and the wedge above it, added."""
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2], one[3] + wedge
+
+
+def line_count(shell: Shell) -> int:
+    """Number of bed lines between two courses of a patch."""
+    return int(shell.mesh.course[shell.mesh.of_patch >= 0].max())
 
 
 def _told(layout: Layout) -> str:
@@ -278,22 +363,6 @@ def levels_of(shell: Shell) -> Floats:
     level = courses(Structure(shell.model(), check_both)).astype(np.float64)
     level[shell.ground] = -1.0
     return level
-
-
-def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
-    """The bed lines between some courses and those of lower levels, the lowest first.
-
-    Line i is between the courses i and i + 1.
-    """
-    course, level = course_of(shell), levels_of(shell)
-    of_course = [float(level[course == c].min()) for c in range(int(course.max()) + 1)]
-    lines = []
-    for c in sorted(wanted, key=lambda c: of_course[c]):
-        if c > 0 and of_course[c - 1] < of_course[c]:
-            lines.append(c - 1)
-        if c + 1 < len(of_course) and of_course[c + 1] < of_course[c]:
-            lines.append(c)
-    return list(dict.fromkeys(lines))
 
 
 def course_of(shell: Shell) -> Ints:

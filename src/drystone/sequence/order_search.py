@@ -72,6 +72,8 @@ class OrderSearch(StageTree):
         self.pairs = self.local.helpless_pairs() if whole else ()
         self.exhaustive = (self.few or not self.quick) and self.width >= len(self.model.assembly)
         self.imposed = not isinstance(bound.rules.order, Order)
+        self.by_course = bound.rules.order is Order.COURSE and not (whole or self.few)
+        self.below_course = 0  # the blocks of the courses below the one that is removed
         self.queue: list[tuple[Cost, int, int, int, int, bool, Node]] = []
         self.closed: dict[tuple[int, int, frozenset[int], bool], Cost] = {}
         self.pushed = 0
@@ -83,6 +85,28 @@ class OrderSearch(StageTree):
 
     def run(self, root: Node) -> tuple[list[Node], bool]:
         """Stages that stand, from a first one to the core, and whether less help is impossible."""
+        if not self.by_course:
+            return self.removed(root)
+        proved, node = True, root
+        for below in self.courses_below(root.placed):
+            self.below_course = below
+            path, known = self.removed(node)
+            less = None if known or path[-1].cost == node.cost else self.below(node, path[-1].cost)
+            node = less[0][-1] if less is not None and less[0] else path[-1]
+            proved = proved and known
+        return node.path(), proved
+
+    def courses_below(self, placed: int) -> list[int]:
+        """Of each course, the highest first, the blocks of the courses below it."""
+        course = self.bound.course
+        blocks = members(placed & ~self.bound.core)
+        levels = sorted({float(course[b]) for b in blocks}, reverse=True)
+        return [mask_of(b for b in members(placed) if course[b] < level) for level in levels]
+
+    def removed(self, root: Node) -> tuple[list[Node], bool]:
+        """As :meth:`run`, to the courses below the one that is removed."""
+        self.closed.clear()
+        self.queue.clear()
         proved, best, waited = self.exhaustive, root, 0.0
         self.push([root])
         while self.queue:
@@ -110,8 +134,12 @@ class OrderSearch(StageTree):
         return best.path(), proved and self.done(best)
 
     def done(self, node: Node) -> bool:
-        """Whether nothing is left to remove."""
-        return not node.placed & ~self.bound.core
+        """Whether nothing is left to remove above the courses below."""
+        return not node.placed & ~self.bound.core & ~self.below_course
+
+    def removals(self, node: Node) -> list[Node]:
+        """As of every tree, but not of the courses below."""
+        return [] if self.done(node) else super().removals(node)
 
     def least(self, node: Node) -> int:
         """Number of blocks below which a node is better; one in which nothing is left always is."""

@@ -183,14 +183,20 @@ def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
 def courses(model: Structure) -> Floats:
     """Course (n,) of each block, from its name, or the number of joints between it and a support.
 
-    Names are used if all supports have lower courses than all other blocks. In a vault that springs
-    from its first and its last course, joints are counted from both sides.
+    Names are used if no course above the lowest one is a springing, all of which is fixed or stands
+    on supports. In a vault that springs from its first and its last course, joints are counted from
+    both sides.
     """
     found = [COURSE.match(name) for name in model.assembly.names]
     number = np.array([float(match[1]) if match else -1.0 for match in found])
-    free = ~model.assembly.fixed
-    if (number[free] < 0.0).any() or number[~free].max() > number[free].min(initial=np.inf):
+    fixed = model.assembly.fixed
+    if (number[~fixed] < 0.0).any():
         return distances(model)
+    stands = np.array([bool(ground) for ground in model.grounds])
+    for course in np.unique(number[number > number[~fixed].min(initial=np.inf)]):
+        own = number == course
+        if fixed[own].all() or (stands[own].all() and not fixed[own].any()):
+            return distances(model)
     return number
 
 

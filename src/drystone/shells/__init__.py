@@ -22,6 +22,7 @@ from drystone.shells.shell_families import (
     pavilion_vault,
     rectangular_plan,
     three_legged_plan,
+    three_vault_plan,
     tri_dome,
 )
 from drystone.shells.shell_of_blocks import Shell, build_shell
@@ -74,6 +75,7 @@ __all__ = [
     "shape_volume",
     "shell_by_name",
     "three_legged_plan",
+    "three_vault_plan",
     "tri_dome",
     "write_blocks",
     "write_unrolled",

@@ -15,6 +15,7 @@ from drystone.shells.shell_families import (
     pavilion_vault,
     rectangular_plan,
     three_legged_plan,
+    three_vault_plan,
     tri_dome,
 )
 from drystone.shells.shell_of_blocks import Shell, build_shell
@@ -75,7 +76,7 @@ def shape_by_name(
     if kind == "free-edge":
         plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
     else:
-        plan = three_legged_plan(span, span * 2.5 / 6.0, span * 0.4)
+        plan = three_vault_plan(span, span * 2.5 / 6.0, span * 0.4)
     form = find_form(plan, height=0.3 * span if rise is None else rise, thickness=thickness)
     return form.shape, (f"form found in {form.rounds} rounds, {form.height:.3f} m high",)
 

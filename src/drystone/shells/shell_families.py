@@ -291,6 +291,51 @@ def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4)
     return Shape(legs, seams, supports, name="three vaults")
 
 
+def three_vault_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) -> Shape:
+    """The plan of :func:`three_legged_plan`, divided into three vaults from leg to leg.
+
+    Each has its open side below and the middles of two legs above: its courses are arches from
+    foot to foot.
+
+    Parameters
+    ----------
+    reach, waist, foot : [m]
+        As there.
+    """
+    legs = three_legged_plan(reach, waist, foot)
+    vaults = tuple(
+        Patch(partial(_flat_vault, reach, waist, foot, turn), name=f"vault at {turn:g} degrees",
+              breaks=(0.5,))
+        for turn in (150.0, 270.0, 30.0)
+    )  # fmt: skip
+    seams = tuple(
+        Seam(Edge(k, Side.TOP, 1.0, 0.5), Edge((k + 1) % 3, Side.TOP, 0.0, 0.5)) for k in range(3)
+    )
+    supports = tuple(Edge(k, side) for k in range(3) for side in (Side.LEFT, Side.RIGHT))
+    return Shape(vaults, seams, supports, name=legs.name)
+
+
+def _flat_vault(
+    reach: float, waist: float, foot: float, turn: float, u: Floats, v: Floats
+) -> Floats:
+    """A vault in plan about an open side at an angle [degrees], from there to the two legs."""
+
+    def towards(degrees: float) -> Floats:
+        return np.array([math.cos(at := math.radians(turn + degrees)), math.sin(at), 0.0])
+
+    U, V = u[:, None], v[:, None]
+    first, last, open_side = reach * towards(-60.0), reach * towards(60.0), waist * towards(0.0)
+    near = 1.0 - 2.0 * V, 2.0 * V - 1.0  # the first foot, the last one
+    low = np.where(
+        V < 0.5,
+        near[0] * (first + 0.5 * foot * towards(30.0)) + 2.0 * V * open_side,
+        near[1] * (last + 0.5 * foot * towards(-30.0)) + (2.0 - 2.0 * V) * open_side,
+    )
+    high = np.where(V < 0.5, near[0] * first, near[1] * last)
+    flat: Floats = (1.0 - U) * low + U * high
+    return flat
+
+
 def _flat_leg(reach: float, waist: float, foot: float, turn: float, u: Floats, v: Floats) -> Floats:
     """A leg in plan at an angle [degrees], from its foot to the two waists that meet in it."""
 
