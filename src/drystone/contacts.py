@@ -26,7 +26,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry import facets, polygon
 from drystone.geometry.frames import frames_from_normals
-from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 
 DEFAULT_FRICTION = 0.6
 """Friction coefficient, chosen: the cautious end of dry stone on stone (0.6 to 0.75)."""
@@ -222,9 +222,9 @@ class Contacts(OneLine):
         """(m,) interfaces that press and rub only."""
         if self.capacity is None:
             return np.ones(self.count, dtype=bool)
-        some = (self.capacity.tension > 0.0) | (self.capacity.cohesion > 0.0)
-        dry: Bools = ~(some | (self.capacity.shear < NO_LIMIT))
-        return dry
+        same = [getattr(self.capacity, name) == dry for name, dry in DRY.items()]
+        every: Bools = np.all(same, axis=0)
+        return every
 
     def with_capacity(self, capacity: JointCapacity | None) -> Contacts:
         """The same interfaces with other capacities; dry ones with ``None``."""
@@ -412,11 +412,5 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
 def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
     if one.capacity is None and other.capacity is None:
         return None
-    parts = [
-        c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)
-    ]
-    tension, cohesion, shear = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("tension", "cohesion", "shear")
-    )
-    return JointCapacity(tension, cohesion, shear)
+    parts = [c.capacity or JointCapacity.dry(c.count) for c in (one, other)]
+    return JointCapacity(*(np.concatenate([getattr(p, name) for p in parts]) for name in DRY))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,6 +17,9 @@ _PerInterface: TypeAlias = float | Sequence[float] | Floats
 
 NO_LIMIT = 1e30
 """[N]. A capacity of this size or more is no limit."""
+
+DRY: Mapping[str, float] = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
+"""The capacities, and what a dry joint has of each [N]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +65,10 @@ class JointCapacity(OneLine):
 
     def __post_init__(self) -> None:
         count = len(np.atleast_1d(np.asarray(self.tension)))
-        if self.shear is None:
-            object.__setattr__(self, "shear", np.full(count, NO_LIMIT))
-        for field in fields(self):
-            object.__setattr__(
-                self, field.name, _capacities(getattr(self, field.name), count, field.name)
-            )
+        for name, dry in DRY.items():
+            given = getattr(self, name)
+            value = np.full(count, dry) if given is None else given
+            object.__setattr__(self, name, _capacities(value, count, name))
 
     def _summary(self) -> str:
         some = int(((self.tension > 0.0) | (self.cohesion > 0.0)).sum())
@@ -140,13 +141,18 @@ class JointCapacity(OneLine):
             shear=forces(shear, "shear"),
         )
 
+    @classmethod
+    def dry(cls, count: int) -> JointCapacity:
+        """Of so many dry joints."""
+        return cls(*(np.full(count, value) for value in DRY.values()))
+
     def select(self, interfaces: Bools | Ints) -> JointCapacity:
         """Those of some interfaces (mask or positions)."""
-        return JointCapacity(*(getattr(self, f.name)[interfaces] for f in fields(self)))
+        return JointCapacity(*(getattr(self, name)[interfaces] for name in DRY))
 
     def summed(self, joint: Ints) -> JointCapacity:
         """Those of joints (m,) that consist of several interfaces."""
-        each = (np.bincount(joint, getattr(self, f.name)) for f in fields(self))
+        each = (np.bincount(joint, getattr(self, name)) for name in DRY)
         return JointCapacity(*(total.astype(np.float64) for total in each))
 
 
@@ -161,4 +167,4 @@ def _capacities(values: Any, count: int, name: str) -> Floats:
     return frozen(np.minimum(out, NO_LIMIT))
 
 
-__all__ = ["NO_LIMIT", "JointCapacity"]
+__all__ = ["DRY", "NO_LIMIT", "JointCapacity"]

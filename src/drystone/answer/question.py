@@ -17,6 +17,7 @@ from drystone.base.display import OneLine, differing
 from drystone.base.errors import counted
 from drystone.base.version import commit, version
 from drystone.contacts import Contacts
+from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
@@ -128,8 +129,7 @@ class Question(OneLine):
         common, others = ((), ()) if load is None else _loads(assembly, load)
         capacity = {}
         if contacts.capacity is not None:
-            kinds = ("tension", "cohesion", "shear")
-            capacity = {name: _ends(getattr(contacts.capacity, name)) for name in kinds}
+            capacity = {name: _ends(getattr(contacts.capacity, name)) for name in DRY}
         return cls(
             blocks=len(assembly),
             interfaces=contacts.count,
@@ -141,7 +141,11 @@ class Question(OneLine):
             load="" if load is None else load.name,
             acceleration=common,
             loads=others,
-            joint_capacity={name: ends for name, ends in capacity.items() if ends},
+            joint_capacity={
+                name: ends
+                for name, ends in capacity.items()
+                if ends not in (None, (DRY[name],) * 2)
+            },
             version=version(),
             commit=commit(),
             **more,

@@ -12,7 +12,7 @@ from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
-from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 
@@ -150,8 +150,7 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
     old = model.contacts
     keys = _keys(before, old.block_a, old.block_b), _keys(after, part.block_a, part.block_b)
     friction = np.full(part.count, usual_friction(model))
-    strength = np.zeros((3, part.count))
-    strength[2] = NO_LIMIT
+    strength = np.tile(np.array([*DRY.values()])[:, None], part.count)
     capacity = old.capacity or JointCapacity.of(old)
     for key in dict.fromkeys(map(tuple, keys[1].tolist())):
         was, now = ((one == key).all(axis=1) for one in keys)
@@ -161,8 +160,8 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
         area, left = float(old.area[was].sum()), part.area[now]
         share = left / left.sum() if left.sum() > 0.0 else np.full(now.sum(), 1.0 / now.sum())
         share = share * (min(1.0, float(left.sum()) / area) if area > 0.0 else 1.0)
-        for row, value in enumerate((capacity.tension, capacity.cohesion, capacity.shear)):
-            total = float(value[was].sum())
+        for row, name in enumerate(DRY):
+            total = float(getattr(capacity, name)[was].sum())
             strength[row, now] = NO_LIMIT if total >= NO_LIMIT else total * share
     _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)

@@ -237,7 +237,7 @@ def glued(model: Model, joints: Ints, strength: float) -> Model:
     tension, cohesion = np.array(before.tension), np.array(before.cohesion)
     tension[joints] = np.maximum(tension[joints], strength)
     cohesion[joints] = np.maximum(cohesion[joints], strength)
-    return model.with_capacity(JointCapacity(tension, cohesion, before.shear))
+    return model.with_capacity(replace(before, tension=tension, cohesion=cohesion))
 
 
 def ballasted(model: Model, block: int, weight: float) -> Model:

@@ -9,10 +9,9 @@ import numpy as np
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.base.files import read_bytes
-from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.model import Model
 
-NAMES = ("tension", "cohesion", "shear")
 _WHERE = "joint_capacity"
 _EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
 
@@ -36,7 +35,7 @@ def _of_words(model: Model, text: str) -> JointCapacity:
     stress: dict[str, bool] = {}
     for part in text.split(","):
         name, equals, value = (one.strip() for one in part.partition("="))
-        if not equals or name not in (*NAMES, "moment") or name in found:
+        if not equals or name not in (*DRY, "moment") or name in found:
             raise InputError(f"'{part}' is no capacity", where=_WHERE, remedy=f"write {_EXAMPLE}")
         try:
             found[name] = units.measured(value, known[name == "moment"], what=name)
@@ -57,19 +56,18 @@ def _of_table(model: Model, path: str) -> JointCapacity:
         rows = list(csv.reader(lines, strict=True))
     except csv.Error as error:
         raise InputError(f"is no table: {error}", where=path, remedy="save it as CSV") from error
-    expected = ["block_a", "block_b", *NAMES]
+    expected = ["block_a", "block_b", *DRY]
     if not rows or [one.strip() for one in rows[0]] != expected:
         raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
     contacts, names = model.contacts, model.assembly.names
     place = {name: i for i, name in enumerate(names)}
-    values = {name: np.zeros(contacts.count) for name in NAMES}
-    values["shear"][:] = NO_LIMIT
+    values = {name: np.full(contacts.count, dry) for name, dry in DRY.items()}
     for number, row in enumerate(rows[1:], start=2):
         if not row:
             continue
         where = f"{path}, line {number}"
         if len(row) != len(expected):
-            raise InputError(f"has {len(row)} values", where=where, remedy="give five")
+            raise InputError(f"has {len(row)} values", where=where, remedy=f"give {len(expected)}")
         ends = [place.get(one.strip(), -1) for one in row[:2]]
         if min(ends) < 0:
             raise InputError("names no block", where=where, remedy="see 'drystone inspect'")
@@ -80,7 +78,7 @@ def _of_table(model: Model, path: str) -> JointCapacity:
             raise InputError("names two blocks that do not touch", where=where)
         area = np.where(own, contacts.area, 0.0)
         share = area / area.sum() if area.any() else own / own.sum()
-        for name, text in zip(NAMES, row[2:], strict=True):
+        for name, text in zip(DRY, row[2:], strict=True):
             if not text.strip():
                 continue
             try:

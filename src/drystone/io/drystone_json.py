@@ -19,7 +19,7 @@ from drystone.io import npz
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
 from drystone.io.load_parts import load_of_parts
-from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
@@ -29,7 +29,6 @@ VERSION = 1
 TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-CAPACITY = ("tension", "cohesion", "shear")
 LOAD = ("name", "wrench", "motion", "parts")
 ARRAYS = {
     "force": 3,
@@ -122,7 +121,7 @@ def _extras(top: Field, assembly: Assembly) -> Extras:
 
 
 def _contacts(field: Field, assembly: Assembly) -> Contacts:
-    field.only((*CONTACTS, *CAPACITY))
+    field.only((*CONTACTS, *DRY))
     block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
     m = len(block_a)
     for side, values in (("block_a", block_a), ("block_b", block_b)):
@@ -148,12 +147,11 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
 
 def _capacity(field: Field, count: int) -> JointCapacity | None:
     """What joints carry beyond friction, where the file says so."""
-    if not any(field.has(name) for name in CAPACITY):
+    if not any(field.has(name) for name in DRY):
         return None
-    none = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
     given = (
-        field[name].floats(count) if field.has(name) else np.full(count, none[name])
-        for name in CAPACITY
+        field[name].floats(count) if field.has(name) else np.full(count, dry)
+        for name, dry in DRY.items()
     )
     return JointCapacity(*given)
 

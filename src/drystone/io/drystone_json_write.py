@@ -20,7 +20,8 @@ from drystone.base.files import utf8, write_bytes, write_together
 from drystone.contacts import Contacts
 from drystone.io import npz
 from drystone.io.draft import Contents
-from drystone.io.drystone_json import ARRAYS, CAPACITY, CONTACTS, SCHEMA, VERSION
+from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
+from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.results import Result
 
@@ -113,7 +114,7 @@ def contacts_content(
     """Contacts as plain values; ``array`` says what stands for an array of a name."""
     content = {name: array(name, getattr(contacts, name)) for name in CONTACTS}
     if contacts.capacity is not None:
-        content |= {name: array(name, getattr(contacts.capacity, name)) for name in CAPACITY}
+        content |= {name: array(name, getattr(contacts.capacity, name)) for name in DRY}
     return content
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
-from drystone.io.jsontext import Field
+from drystone.io.jsontext import Field, parse
 from drystone.io.load_parts import load_of_parts
 from drystone.loads import LoadCase
 from drystone.loads.load_words import (
@@ -140,7 +140,7 @@ class Loads:
 
 
 def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
-    """The sum of loads in words, and of parts as in our JSON.
+    """The sum of loads in words, and of parts as in our JSON, which may be a text too.
 
     Raises
     ------
@@ -153,11 +153,16 @@ def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
         raise InputError(f"is {shortened(repr(given), 60)}", where="load", remedy=remedy)
     cases = [
         load_of_words(one, assembly, gravity=gravity)
-        if isinstance(one, str)
-        else load_of_parts(Field([one], "", Path("load")), assembly, "load")
+        if isinstance(one, str) and not one.startswith("{")
+        else load_of_parts(Field([_part(one)], "", Path("load")), assembly, "load")
         for one in each
     ]
     return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
+
+
+def _part(given: str | Mapping[str, Any]) -> Any:
+    """A part of a load case as our JSON has it."""
+    return parse(given.encode(), Path("load")).value if isinstance(given, str) else given
 
 
 def grown(given: Any, model: Model, gravity: Any = None) -> LoadCase:
@@ -169,7 +174,7 @@ def grown(given: Any, model: Model, gravity: Any = None) -> LoadCase:
         It cannot be read.
     """
     along = Loads(gravity).acceleration
-    if isinstance(given, str):
+    if isinstance(given, str) and not given.startswith("{"):
         return chosen_case(given, model.assembly, model.cases, along)
     return added(given, model.assembly, along)
 

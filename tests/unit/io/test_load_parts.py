@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import FormatError, LoadCase, io
+from drystone import FormatError, LoadCase, check, io
 from drystone.models import tower
 
 TOWER = tower(2)
@@ -111,3 +111,13 @@ def test_a_load_case_is_stated_in_one_way(tmp_path: Path) -> None:
         read(tmp_path, {"wrench": wrench, "parts": [{"kind": "gravity"}]})
     with pytest.raises(FormatError, match="has no parts"):
         read(tmp_path, {"parts": []})
+
+
+def test_a_part_of_our_json_is_a_load_in_words() -> None:
+    part = {"kind": "line", "block": 1, "force_per_length": [0, 0, -5], "start": [0, 0, 2],
+            "end": [1, 0, 2]}  # fmt: skip
+    asked = check(TOWER, load=json.dumps(part)).model.load
+    line = LoadCase.line_load(TOWER, 1, (0, 0, -5), (0, 0, 2), (1, 0, 2))
+    assert np.array_equal(asked.wrench, (LoadCase.gravity(TOWER) + line).wrench)
+    with pytest.raises(FormatError, match="'lines' is no load"):
+        check(TOWER, load=json.dumps(part | {"kind": "lines"}))
