@@ -60,7 +60,7 @@ def entry(module: str, name: str) -> str:
         if issubclass(value, enum.Enum):
             options += "   :undoc-members:\n"
         return f".. {kind}:: {module}.{name}\n{options}"
-    if callable(value):
+    if inspect.isroutine(value):
         return f".. autofunction:: {module}.{name}\n"
     return f".. py:data:: {module}.{name}\n\n   ``{value!r}``\n"
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.sequence.structure import Structure as Structure
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import check as check
@@ -76,7 +77,7 @@ _NAMES = {
     "poses": "find_poses",
     "programs": "solve_cra solve_cra_penalty solve_rbe",
     "results": "Result Verdict",
-    "sequence": "plan",
+    "sequence": "Structure plan",
     "settlement": "settle",
     "stability": "CheckOptions check check_many",
     "view": "save_figure save_page show",

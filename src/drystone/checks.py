@@ -219,6 +219,26 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     """
     assembly, contacts = model.assembly, model.contacts
     moved = corner_motion(assembly, contacts, motion)
+    violation = float(_closing(model, moved, motion).max(initial=0.0))
+    free = ~assembly.fixed
+    parts = model.load.wrench[free] * motion[free]
+    opening, slide = np.maximum(moved[:, 0], 0.0), lengths(moved[:, 1:])
+    resisted = float(_resistance(contacts, opening, slide).sum())
+    gross = float(np.abs(parts).sum()) + resisted
+    return violation, (float(parts.sum()) - resisted) / gross if gross > 0.0 else 0.0
+
+
+def closing(model: Model, motion: Floats) -> Floats:
+    """``mu |slide| - opening`` (k,) at each corner, by the largest speed of the two blocks there.
+
+    Zero where it opens fast enough; see :func:`mechanism_defects`.
+    """
+    return _closing(model, corner_motion(model.assembly, model.contacts, motion), motion)
+
+
+def _closing(model: Model, moved: Floats, motion: Floats) -> Floats:
+    """The same for known corner displacements (k, 3)."""
+    assembly, contacts = model.assembly, model.contacts
     friction = contacts.friction[contacts.interface]
     slide = lengths(moved[:, 1:])
     pull, cohesion, shear = contacts.corner_capacity
@@ -230,12 +250,8 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     a, b = _corner_blocks(contacts)
     local = np.maximum(speed[a], speed[b])
     reference = np.maximum(local, 1e-9 * max(float(speed.max(initial=0.0)), 1e-300))
-    violation = float((np.maximum(0.0, short) / reference).max(initial=0.0))
-    free = ~assembly.fixed
-    parts = model.load.wrench[free] * motion[free]
-    resisted = float(_resistance(contacts, np.maximum(moved[:, 0], 0.0), slide).sum())
-    gross = float(np.abs(parts).sum()) + resisted
-    return violation, (float(parts.sum()) - resisted) / gross if gross > 0.0 else 0.0
+    out: Floats = np.maximum(0.0, short) / reference
+    return out
 
 
 def _resistance(contacts: Contacts, opening: Floats, slide: Floats) -> Floats:

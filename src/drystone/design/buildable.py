@@ -31,8 +31,8 @@ from drystone.design.regions import local_model
 from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import check_both
-from drystone.sequence.structure import Structure
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 
@@ -360,7 +360,7 @@ def levels_of(shell: Shell) -> Floats:
     The course; or the number of joints to a support, where courses close between two supports.
     Ground blocks have none, and come first.
     """
-    level = courses(Structure(shell.model(), check_both)).astype(np.float64)
+    level = courses(StagedModel(shell.model(), check_both)).astype(np.float64)
     level[shell.ground] = -1.0
     return level
 

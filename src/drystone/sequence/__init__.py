@@ -32,8 +32,16 @@ from drystone.sequence.scaffold_items import (
 )
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffolding import Scaffolding, compare_scaffolding, scaffolding
-from drystone.sequence.stages import Stage, StageAnswer, check_both, check_once, check_thoroughly
-from drystone.sequence.structure import Structure
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import (
+    Stage,
+    StageAnswer,
+    StageCheck,
+    check_both,
+    check_once,
+    check_thoroughly,
+)
+from drystone.sequence.structure import StageAnswers, Structure
 from drystone.sequence.sweeps import Pose
 
 __all__ = [
@@ -72,6 +80,9 @@ __all__ = [
     "Scaffolding",
     "Stage",
     "StageAnswer",
+    "StageAnswers",
+    "StageCheck",
+    "StagedModel",
     "Status",
     "Step",
     "Structure",

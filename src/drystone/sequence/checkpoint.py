@@ -12,13 +12,13 @@ from drystone.base.files import PathLike
 from drystone.base.journal import Journal
 from drystone.base.version import version
 from drystone.results import Verdict
-from drystone.sequence.stages import Stage, StageAnswer
-from drystone.sequence.structure import Structure
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck
 
 FORMAT = "drystone-stages"
 
 
-def _fingerprint(model: Structure) -> str:
+def _fingerprint(model: StagedModel) -> str:
     """Hash of a model: geometry, contacts, friction, load, and the check."""
     digest = hashlib.sha256()
     contacts, assembly = model.contacts, model.assembly
@@ -33,6 +33,8 @@ def _fingerprint(model: Structure) -> str:
 
 def _named(check: Any) -> str:
     """A name of a check function that is the same in the next run."""
+    if isinstance(check, StageCheck):
+        return repr(check)
     if isinstance(check, partial):
         return f"{_named(check.func)}{check.args}{sorted(check.keywords.items())}"
     return str(getattr(check, "__qualname__", type(check).__qualname__))
@@ -47,7 +49,7 @@ class Checkpoint:
         It belongs to another model, check or version, is damaged, or cannot be read or written.
     """
 
-    def __init__(self, path: PathLike, model: Structure) -> None:
+    def __init__(self, path: PathLike, model: StagedModel) -> None:
         about = {"format": FORMAT, "version": version(), "model": _fingerprint(model)}
         self._journal = Journal(path, about, partial(_known, len(model.assembly)))
         self.known = dict(self._journal.records)

@@ -17,11 +17,14 @@ from drystone.base.display import OneLine
 from drystone.base.files import PathLike
 from drystone.base.progress import Stopped
 from drystone.base.workers import ExecutorFactory, WorkerPool
+from drystone.results import Verdict
 from drystone.sequence.checkpoint import Checkpoint
+from drystone.sequence.known_falls import KnownFalls
 from drystone.sequence.solving import PartSolver, combined
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Check, Stage, StageAnswer, members
-from drystone.sequence.structure import Structure
 from drystone.stability.attempts import Candidate
+from drystone.stability.verdict import UNBALANCED
 
 _Job: TypeAlias = tuple[Stage, Floats | None, Candidate | None]
 """A part, and its known rest states: of similar stages, and with uniform stiffness."""
@@ -40,6 +43,10 @@ class Evaluator(OneLine):
         File for all answers; if it exists and belongs to this model, the work continues from it.
     late
         Called before parts are checked; True ends the work.
+    falls
+        Whether motions with which parts fell prove other parts to fall, without a check.
+    kept
+        Largest number of parts whose answers are kept, those asked last.
 
     Attributes
     ----------
@@ -59,11 +66,13 @@ class Evaluator(OneLine):
 
     def __init__(
         self,
-        model: Structure,
+        model: StagedModel,
         *,
         executor: Executor | ExecutorFactory | None = None,
         checkpoint: PathLike | None = None,
         late: Callable[[], bool] = bool,
+        falls: bool = False,
+        kept: float = float("inf"),
     ) -> None:
         self.model = model
         self.solver = PartSolver(model)
@@ -71,6 +80,8 @@ class Evaluator(OneLine):
         self.solved = 0
         self.asked = 0
         self.solve_s = 0.0
+        self._falls = KnownFalls(model) if falls else None
+        self._kept = kept
         self._known: dict[Stage, StageAnswer] = {}
         # of parts that nobody asked for yet: from the checkpoint, and with where they begin ahead
         self._early: dict[Stage, StageAnswer] = {}
@@ -107,6 +118,7 @@ class Evaluator(OneLine):
         stages: Sequence[Stage],
         *,
         ahead: Sequence[Stage] = (),
+        pool: WorkerPool | None = None,
         forces: bool = False,
         checked: bool = False,
     ) -> list[StageAnswer]:
@@ -118,6 +130,8 @@ class Evaluator(OneLine):
         ahead
             Stages that are likely to be requested next. Their results are stored separately until
             then, so no answer depends on the number of workers.
+        pool
+            Workers of this call; those of the evaluator when left out.
         forces
             Whether to check again if the forces were not kept.
         checked
@@ -128,13 +142,16 @@ class Evaluator(OneLine):
         Stopped
             The time limit is reached; earlier results are kept. The first stage is always checked.
         """
+        while len(self._known) > self._kept:
+            del self._known[next(iter(self._known))]
         parts = [self.model.parts(stage) for stage in stages]
         asked = dict.fromkeys(part for some in parts for part in some)
         missing = [part for part in asked if self._is_missing(part, forces, checked)]
         if missing and self._known and self.late():
             raise Stopped
         if missing:
-            self._solve(missing, [part for stage in ahead for part in self.model.parts(stage)])
+            later = [part for stage in ahead for part in self.model.parts(stage)]
+            self._solve(missing, later, self._pool if pool is None else pool)
         return [
             combined(self.model, stage, [self._known[self._key(part)] for part in some])
             for stage, some in zip(stages, parts, strict=True)
@@ -149,6 +166,11 @@ class Evaluator(OneLine):
         key = part._replace(near=None)
         if enough(self._known.get(key) if checked else self._find(part)):
             return False
+        falling = 0 if self._falls is None else self._falls.falling(part)
+        if falling:
+            answer = StageAnswer(Verdict.UNSTABLE, UNBALANCED, tuple(members(falling)))
+            self._keep(key._replace(quick=False), answer)
+            return False
         self.asked += 1
         early = self._early.get(part, self._early.get(key))
         if early is None or not enough(early):
@@ -159,7 +181,7 @@ class Evaluator(OneLine):
             self._keep(key, early)
         return False
 
-    def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage]) -> None:
+    def _solve(self, missing: Sequence[Stage], ahead: Sequence[Stage], pool: WorkerPool) -> None:
         """Compute parts, and where there are workers others too, which are kept until asked for."""
         began = time.perf_counter()
         known = {*missing, *self._early}
@@ -168,7 +190,7 @@ class Evaluator(OneLine):
             if not {part, part._replace(near=None)} & known and self._find(part) is None
         ]  # fmt: skip
         parts = [*missing, *further]
-        for number, (part, found) in enumerate(zip(parts, self._solved(parts), strict=True)):
+        for number, (part, found) in enumerate(zip(parts, self._solved(parts, pool), strict=True)):
             if number < len(missing):
                 self._keep(part._replace(near=None), found)
             else:
@@ -191,6 +213,8 @@ class Evaluator(OneLine):
     def _keep(self, part: Stage, found: StageAnswer) -> None:
         """An answer, for this run and the next one."""
         self._known[part] = found
+        if self._falls is not None:
+            self._falls.add(part, found.motion)
         if self._checkpoint is not None:
             self._checkpoint.add(part, found)
 
@@ -230,11 +254,11 @@ class Evaluator(OneLine):
         found = self._find(part)
         return None if found is None else found.uniform
 
-    def _solved(self, parts: Sequence[Stage]) -> Iterator[StageAnswer]:
-        if len(parts) == 1 or not self._pool.count:
+    def _solved(self, parts: Sequence[Stage], pool: WorkerPool) -> Iterator[StageAnswer]:
+        if len(parts) == 1 or not pool.count:
             return (self._solve_here(self._job(part)) for part in parts)
         jobs = [self._job(part) for part in parts]
-        return self._pool.answers(self._task, jobs, failed=self._solve_here)
+        return pool.answers(self._task, jobs, failed=self._solve_here)
 
     def _job(self, part: Stage) -> _Job:
         return part, self._rest_near(part), self._screened(part)

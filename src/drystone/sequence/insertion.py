@@ -21,8 +21,8 @@ from drystone.sequence.freedom import (
 )
 from drystone.sequence.path_search import PathFinder
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import members
-from drystone.sequence.structure import Structure
 
 EFFORT = 1500
 """Number of swept volumes that are tested before a block counts as blocked during planning.
@@ -37,7 +37,7 @@ class RemovalTest(OneLine):
     model
     """
 
-    def __init__(self, model: Structure) -> None:
+    def __init__(self, model: StagedModel) -> None:
         self.model = model
         self._all: dict[int, Joints] = {}
         self._known: dict[tuple[int, int], Freedom] = {}

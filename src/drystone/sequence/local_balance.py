@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from drystone.base.arrays import Floats
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import members
-from drystone.sequence.structure import Structure
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
 """Directions about a friction cone. Sums of them contain the cone, and reach 2 % farther. Without
@@ -25,7 +25,7 @@ FALLING = 1e-5
 class LocalBalance:
     """Equilibrium of single blocks between held neighbours, with a cache."""
 
-    def __init__(self, model: Structure) -> None:
+    def __init__(self, model: StagedModel) -> None:
         self.model = model
         self._known: dict[tuple[int, int], bool] = {}
 

@@ -20,8 +20,8 @@ from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
 from drystone.sequence.plans import Plan
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Stage, mask_of, members
-from drystone.sequence.structure import Structure
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
@@ -181,7 +181,7 @@ def in_turn(
 
 
 def _margin_of(
-    structure: Structure,
+    structure: StagedModel,
     stage: Stage,
     *,
     widths: tuple[LimitOptions, LimitOptions],

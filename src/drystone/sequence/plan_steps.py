@@ -12,8 +12,8 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import StageAnswer, mask_of
-from drystone.sequence.structure import Structure
 
 
 class Status(enum.Enum):
@@ -110,7 +110,7 @@ class PlannedSteps:
         Blocks that cannot be inserted, and why; they count as in place from the beginning.
     """
 
-    model: Structure
+    model: StagedModel
     steps: tuple[Step, ...]
     impossible: Mapping[int, str]
 

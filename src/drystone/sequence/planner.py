@@ -25,6 +25,7 @@ from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import NO_HELP, Node
+from drystone.sequence.staged_model import CHECKED, StagedModel
 from drystone.sequence.stages import (
     Check,
     Stage,
@@ -34,7 +35,6 @@ from drystone.sequence.stages import (
     members,
 )
 from drystone.sequence.step_checks import checked_step, falling_words, without_help
-from drystone.sequence.structure import CHECKED, Structure
 from drystone.stability.screening import stage_screening
 from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole
@@ -108,8 +108,9 @@ def plan(
         A model of the complete structure; or an assembly or a file that ``how`` turns into one.
     options
     check
-        Function that gives the verdict on a stage. When left out: :func:`check_both`, after a quick
-        look for a rest state; the complete structure may also stand after settling.
+        Function that gives the verdict on a stage. When left out:
+        :data:`drystone.sequence.check_both`, after a quick look for a rest state; the complete
+        structure may also stand after settling.
     checkpoint
         File from which the search continues after an interruption.
 
@@ -135,7 +136,7 @@ def plan(
     3
     """
     chosen = PlanOptions.of(options)
-    model = Structure(as_model(given, **how), check or check_both)
+    model = StagedModel(as_model(given, **how), check or check_both)
     if check is None:
         model = replace(model, quick=stage_screening(model.largest[0]))
     bound = bind(chosen.rules, model, RemovalTest(model))

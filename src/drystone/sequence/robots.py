@@ -24,8 +24,8 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import STANDARD_GRAVITY
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Check, Stage, StageAnswer, check_both, mask_of
-from drystone.sequence.structure import Structure
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def take_turns(
     team = check_robots(robots)
     if len(team) < 2:
         raise InputError(f"{len(team)} robots cannot take turns", remedy="give two or more")
-    structure = Structure(as_model(given, **how), check)
+    structure = StagedModel(as_model(given, **how), check)
     assembly = structure.assembly
     blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
     if sorted(blocks) != assembly.free.tolist():
@@ -236,7 +236,7 @@ def take_turns(
     return Turns(tuple(turns), None, clock.reason)
 
 
-def _turn(structure: Structure, block: int, robot: Robot, answer: StageAnswer) -> Turn:
+def _turn(structure: StagedModel, block: int, robot: Robot, answer: StageAnswer) -> Turn:
     """A block that a robot places and holds, with the answer of its stage."""
     wrench = answer.reaction.get(block, -structure.load.wrench[block])
     body = structure.assembly.blocks[block]

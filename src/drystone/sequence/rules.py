@@ -15,8 +15,8 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import mask_of, members
-from drystone.sequence.structure import Structure
 
 COURSE = re.compile(r"^(?:p\d+-)?[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03``, or ``p1-c06-b03`` in a shell of several patches, give the course."""
@@ -123,7 +123,7 @@ class BoundRules:
         return not self.after[block] & placed and self.removal.free(block, placed)
 
 
-def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
+def bind(rules: Rules, model: StagedModel, removal: RemovalTest) -> BoundRules:
     """Check rules against a model.
 
     Raises
@@ -141,7 +141,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
     return BoundRules(rules, after, rank, course, hands, lifters, limit, core, reasons, removal)
 
 
-def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
+def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
     """Number of hands, hands needed per block (n,), and mass (n,) [kg] that these can hold."""
     mass = model.assembly.mass
     robots = check_robots(rules.robots)
@@ -157,7 +157,7 @@ def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
     return rules.hands, lifters, limit
 
 
-def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
+def removal_rank(order: Order | Sequence[str], model: StagedModel) -> Ints:
     """Rank (n,) of each block in the order of removal; ties in reverse numbering."""
     n = len(model.assembly)
     index = np.arange(n)
@@ -180,7 +180,7 @@ def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
     return rank
 
 
-def courses(model: Structure) -> Floats:
+def courses(model: StagedModel) -> Floats:
     """Course (n,) of each block, from its name, or the number of joints between it and a support.
 
     Names are used if no course above the lowest one is a springing, all of which is fixed or stands
@@ -200,7 +200,7 @@ def courses(model: Structure) -> Floats:
     return number
 
 
-def distances(model: Structure) -> Floats:
+def distances(model: StagedModel) -> Floats:
     """Number of joints (n,) from each block to the nearest support; infinity if there is none."""
     out = np.full(len(model.assembly), np.inf)
     out[model.assembly.fixed] = 0.0
@@ -214,7 +214,7 @@ def distances(model: Structure) -> Floats:
     return out
 
 
-def _after(rules: Rules, model: Structure) -> tuple[int, ...]:
+def _after(rules: Rules, model: StagedModel) -> tuple[int, ...]:
     assembly = model.assembly
     after = [0] * len(assembly)
     pairs = [(assembly.index(first), assembly.index(then)) for first, then in rules.before]
@@ -249,7 +249,7 @@ def _after(rules: Rules, model: Structure) -> tuple[int, ...]:
 
 def _locked(
     rules: Rules,
-    model: Structure,
+    model: StagedModel,
     removal: RemovalTest,
     after: Sequence[int],
     lifters: Ints,

@@ -21,8 +21,8 @@ from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.stages import Stage, StageAnswer, check_both, check_both_near, members
-from drystone.sequence.structure import Structure
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck, members
 from drystone.stability import PATIENT, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
@@ -54,7 +54,7 @@ class PartSolver(OneLine):
     The parts that were used last are kept as problems; they do not travel to other processes.
     """
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, structure: StagedModel) -> None:
         self.structure = structure
         self._kept: dict[tuple[int, int], _Part] = {}
         self._lock = threading.Lock()  # threads of an executor may share it
@@ -90,23 +90,31 @@ class PartSolver(OneLine):
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
-            return StageAnswer(result.verdict, result.message, falling, settled=settled)
+            moved = np.zeros((0, 6))
+            if result.falls and result.mechanism is not None:
+                moved = result.mechanism[~stage.assembly.fixed]
+            return StageAnswer(
+                result.verdict, result.message, falling, settled=settled, motion=moved
+            )
         moved = np.zeros((0, 6))
         if result.displacement is not None:
             moved = result.displacement[~stage.assembly.fixed]
         held = list(members(part.held))
-        pressing = _pressing(stage, result.force) if held else np.zeros((0, 6))
+        # where it came to rest after settling it has the joints that it met as well
+        pressing = _pressing(result.model, result.force) if held else np.zeros((0, 6))
         place = np.searchsorted(blocks, held).tolist()
         return StageAnswer(
             result.verdict,
             result.message,
             reaction={b: -pressing[i] for b, i in zip(held, place, strict=True)},
-            used=_friction_used(stage.contacts, result.force),
+            used=_friction_used(result.contacts, result.force),
             corner=np.flatnonzero(chosen[self.structure.contacts.interface]),
-            force=np.array(result.force),
+            force=np.array(result.force[: stage.contacts.corner_count]),
             rest=moved,
             settled=settled,
             uniform=_rest_of(result) if part.quick else None,
+            sensitive=result.sensitive,
+            utilisation=float(result.utilisation.max(initial=0.0)),
         )
 
     def _result(
@@ -116,9 +124,10 @@ class PartSolver(OneLine):
         if part.quick:
             level = PATIENT if self.structure.quick is None else self.structure.quick
             return try_rest(problem, screening=level, start=start)
-        if self.structure.check is check_both:
-            return check_both_near(problem, start, rest)
-        return self.structure.check(problem.model)
+        check = self.structure.check
+        if isinstance(check, StageCheck):
+            return check.begun_at(problem, start, rest)
+        return check(problem.model)
 
     def _part(self, placed: int, held: int) -> _Part | None:
         """A connected part as a problem; None if nothing supports it."""
@@ -162,7 +171,7 @@ class PartSolver(OneLine):
         return self.structure.contacts.select(chosen, new), chosen
 
 
-def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
+def combined(structure: StagedModel, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
     """The answer of a stage from those of its parts."""
     found = list(parts)
     reaction = {b: -structure.load.wrench[b] for b in members(stage.held)}
@@ -171,7 +180,8 @@ def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -
             reaction[block] = reaction[block] + wrench
     bad = [one for one in found if not one.stands]
     if bad:
-        worst = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), bad[0])
+        # one part that falls is a proof for the stage; one that was only looked at may be checked
+        worst = min(bad, key=lambda one: (one.verdict is Verdict.UNSTABLE) == stage.quick)
         falling = tuple(sorted({b for one in bad for b in one.falling}))
         return StageAnswer(worst.verdict, worst.message, falling, reaction, settled=worst.settled)
     return StageAnswer(
@@ -183,6 +193,8 @@ def combined(structure: Structure, stage: Stage, parts: Iterable[StageAnswer]) -
         np.concatenate([np.zeros(0, dtype=np.intp), *(one.corner for one in found)]),
         np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
         settled="; ".join(one.settled for one in found if one.settled),
+        sensitive=any(one.sensitive for one in found),
+        utilisation=max((one.utilisation for one in found), default=0.0),
     )
 
 

@@ -23,8 +23,8 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.local_balance import LocalBalance
 from drystone.sequence.rules import BoundRules
 from drystone.sequence.scaffold_stages import ScaffoldedStages
+from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Stage, StageAnswer, mask_of, members
-from drystone.sequence.structure import Structure
 
 Cost: TypeAlias = tuple[int, int, int]
 """Number of propped blocks, of held blocks, and of simultaneous placements (of the blocks of a
@@ -108,7 +108,7 @@ class StageTree:
         scaffold: ScaffoldedStages | None = None,
     ) -> None:
         self.evaluator = evaluator
-        self.model: Structure = evaluator.model
+        self.model: StagedModel = evaluator.model
         self.bound = bound
         self.width = len(self.model.assembly) if width is None else width
         self.scaffold = scaffold
@@ -250,7 +250,7 @@ class StageTree:
         return self.evaluator.answer(stage)
 
 
-def overloads(answer: StageAnswer, group: Sequence[int], limit: Floats, model: Structure) -> bool:
+def overloads(answer: StageAnswer, group: Sequence[int], limit: Floats, model: StagedModel) -> bool:
     """Whether a hand carries more than its payload while a group is placed.
 
     Parameters

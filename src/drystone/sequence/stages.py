@@ -16,7 +16,6 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.settlement import SettlementOptions
 from drystone.stability import PATIENT, CheckOptions, check, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
@@ -95,6 +94,12 @@ class StageAnswer(OneLine):
         ascending; empty if not kept.
     uniform
         The rest state of a part with uniform stiffness, where a quick look found it.
+    motion : (b, 6) [m, rad]
+        Mechanism of a part that falls, of its moving blocks, ascending; empty if not kept.
+    sensitive
+        Whether it stands only for some of the contact stiffnesses tried, or after settling.
+    utilisation
+        Of the joint that uses most of its friction, as a whole: see :class:`drystone.Result`.
     """
 
     verdict: Verdict
@@ -107,6 +112,16 @@ class StageAnswer(OneLine):
     rest: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     settled: str = ""
     uniform: Candidate | None = None
+    motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    sensitive: bool = False
+    utilisation: float = 0.0
+
+    @property
+    def margin(self) -> float:
+        """What is left of the friction of its most used joint, 0 to 1; 0 if it falls, else NaN."""
+        if self.verdict is Verdict.UNDECIDED:
+            return float("nan")
+        return max(0.0, 1.0 - self.utilisation) if self.stands else 0.0
 
     @property
     def stands(self) -> bool:
@@ -118,12 +133,58 @@ Check: TypeAlias = Callable[[Model], Result]
 """Gives the verdict on a model. Other processes must be able to import it."""
 
 
-FOLLOWED = CheckOptions(settlement=SettlementOptions(fall=0.05))
-"""The verdict of :func:`drystone.check`. A block that moved by a twentieth of its size is not
-followed further: the structure does not stand."""
-
-BOTH = replace(FOLLOWED, uniform=True)
 SMOOTHLY = PATIENT.with_slip_lengths(SLIP_LENGTH)
+
+
+@dataclass(frozen=True)
+class StageCheck:
+    """The verdict of :func:`drystone.check` on a stage, which may begin at a known rest state.
+
+    A stage that must stand with uniform stiffness also does so if a rest state with the smooth
+    friction law leads to it. Measured on the bridge of the source at friction 0.5 to 1.0: of four
+    stages of its order without help no other one is found.
+
+    Attributes
+    ----------
+    options
+    each_s : [s]
+        Time limit of every check; what is not decided until then is UNDECIDED.
+    """
+
+    options: CheckOptions = field(default_factory=CheckOptions)
+    each_s: float = float("inf")
+
+    def __call__(self, model: Model) -> Result:
+        """The verdict on a model."""
+        return self.begun_at(Problem.build(model))
+
+    def begun_at(
+        self, problem: Problem, near: Floats | None = None, rest: Candidate | None = None
+    ) -> Result:
+        """The verdict on the problem of a stage.
+
+        Parameters
+        ----------
+        problem
+        near : (n, 6) [m, rad]
+            The rest state of a similar stage: one with a block more or less has almost the same.
+        rest
+            The rest state with uniform stiffness, where it is known already.
+        """
+        limit = self.each_s
+        found = check_problem(
+            problem, options=self.options, near=near, rest=rest, time_limit_s=limit
+        )
+        shown = found.verdict is not Verdict.UNDECIDED or found.samples.standing > 0
+        if shown or not self.options.uniform:
+            return found
+        smooth = try_rest(problem, screening=SMOOTHLY, start=near, time_limit_s=limit)
+        if not smooth.stable:
+            return found
+        followed = replace(self.options, uniform=False)
+        return check_problem(
+            problem, options=followed, near=smooth.displacement, time_limit_s=limit
+        )
 
 
 def check_once(model: Model, start: Floats | None = None) -> Result:
@@ -131,41 +192,11 @@ def check_once(model: Model, start: Floats | None = None) -> Result:
     return check(model, options=CheckOptions(samples=0, settle=False), start=start)
 
 
-def check_both(model: Model) -> Result:
-    """Stands with uniform contact stiffness, and by the verdict of :func:`drystone.check`.
+check_both = StageCheck(CheckOptions(uniform=True))
+"""Stands with uniform contact stiffness, and by the verdict of :func:`drystone.check`.
 
-    The default for stages. A stage that falls with uniform stiffness is not relied upon, although
-    it may stand after settling. Where it slides far, settlement decides.
-    """
-    return check_both_near(Problem.build(model))
+The default for stages of a plan. A stage that falls with uniform stiffness is not relied upon,
+although it may stand after settling. Where it slides far, settlement decides."""
 
-
-def check_both_near(
-    problem: Problem, near: Floats | None = None, rest: Candidate | None = None
-) -> Result:
-    """As :func:`check_both` of the problem of a stage, begun at a known rest state.
-
-    A rest state with the smooth friction law does too, where the verdict that begins there agrees.
-    Measured on the bridge of the source at friction 0.5 to 1.0: of four stages of its order without
-    help no other one is found.
-
-    Parameters
-    ----------
-    problem
-    near : (n, 6) [m, rad]
-        The rest state of a similar stage: one with a block more or less has almost the same one.
-    rest
-        The rest state with uniform stiffness, where it is known already.
-    """
-    found = check_problem(problem, options=BOTH, near=near, rest=rest)
-    if found.verdict is not Verdict.UNDECIDED or found.samples.standing:
-        return found
-    smooth = try_rest(problem, screening=SMOOTHLY, start=near)
-    if smooth.stable:
-        return check_problem(problem, options=FOLLOWED, near=smooth.displacement)
-    return found
-
-
-def check_thoroughly(model: Model) -> Result:
-    """The verdict of :func:`drystone.check`; settlement where contact stiffness decides."""
-    return check(model, options=FOLLOWED)
+check_thoroughly = StageCheck()
+"""The verdict of :func:`drystone.check`; settlement where contact stiffness decides."""

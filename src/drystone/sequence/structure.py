@@ -1,143 +1,304 @@
-"""The complete structure: which blocks touch, which are connected, and how high they are.
-
-Blocks that are not connected through free blocks do not influence each other. So a stage is divided
-into connected parts. Each part is checked and cached separately: after the removal of a block only
-its part is checked again.
-"""
+"""Whether subsets of a structure stand: thousands of questions about one model."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.assembly.assembly import Blocks
+from drystone.base.arrays import Bools, Floats, frozen, whole
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
-from drystone.loads import LoadCase
-from drystone.model import Model, OfModel
-from drystone.sequence.stages import Check, Stage, check_both, mask_of, members
-from drystone.stability import Screening
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
+from drystone.io.opening import Given, How, Whole, supported_model
+from drystone.model import Model
+from drystone.results import Verdict
+from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck, mask_of, members
+from drystone.stability import CheckOptions
+from drystone.stability.touching_edges import may_touch_more
 
-CHECKED = 1000
-"""Most corners of a connected part with which every stage of a plan is checked, also where a quick
-look shows that it stands, and with which the complete structure may stand after settling."""
+LOADS, RECENT = 8, 200
+"""Loads of which answers are kept, and subsets among which the nearest is sought, chosen: to look
+through these takes 0.05 ms."""
 
 
 @dataclass(frozen=True, eq=False)
-class Structure(OfModel, OneLine):
-    """The complete model, and how its stages are checked.
+class StageAnswers(OneLine):
+    """The answers about several subsets, as arrays.
 
     Attributes
     ----------
-    model
-    check
-        Function that gives the verdict on a stage.
-    quick
-        How a stage is looked at before its check; None: it is checked at once.
+    answers
+        One for each subset, in the order asked.
+    blocks
+        Number of blocks of the structure, n.
     """
 
-    model: Model
-    check: Check = check_both
-    quick: Screening | None = None
+    answers: tuple[StageAnswer, ...]
+    blocks: int
 
-    def __post_init__(self) -> None:
-        self.model.require_still()
-        if not self.assembly.fixed.any():
-            raise InputError("no block is fixed", remedy="fix the supports")
+    def _summary(self) -> str:
+        return f"{counted(len(self), 'subset')}, {int(self.stands.sum())} stand"
 
-    @property
-    def load(self) -> LoadCase:
-        """The load of the model."""
-        return self.model.load
+    def __len__(self) -> int:
+        return len(self.answers)
 
-    @cached_property
-    def everything(self) -> int:
-        """The set of all free blocks."""
-        return mask_of(self.assembly.free.tolist())
-
-    @cached_property
-    def _touching(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Per block the sets of free blocks and of supports that touch it."""
-        free, grounds = [0] * len(self.assembly), [0] * len(self.assembly)
-        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
-        fixed = self.assembly.fixed.tolist()
-        for a, b in pairs:
-            (grounds if fixed[b] else free)[a] |= 1 << b
-            (grounds if fixed[a] else free)[b] |= 1 << a
-        return tuple(free), tuple(grounds)
+    def __getitem__(self, subset: int) -> StageAnswer:
+        return self.answers[subset]
 
     @property
-    def neighbours(self) -> tuple[int, ...]:
-        """Per block the set of free blocks that touch it."""
-        return self._touching[0]
-
-    @property
-    def grounds(self) -> tuple[int, ...]:
-        """Per block the set of supports that touch it."""
-        return self._touching[1]
+    def verdict(self) -> tuple[Verdict, ...]:
+        """Verdict of each subset."""
+        return tuple(one.verdict for one in self.answers)
 
     @cached_property
-    def up(self) -> Floats:
-        """Unit vector (3,) opposite to the total load; z if there is no load."""
-        total = self.load.wrench[self.assembly.free, :3].sum(axis=0)
-        size = float(np.linalg.norm(total))
-        return -total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    def stands(self) -> Bools:
+        """Whether each subset (s,) was shown to stand."""
+        return frozen(np.array([one.stands for one in self.answers], dtype=bool))
 
     @cached_property
-    def height(self) -> Floats:
-        """Heights (n,) [m] of the centroids, opposite to the load."""
-        out: Floats = self.assembly.centroid @ self.up
-        return out
-
-    def around(self, blocks: int) -> int:
-        """The set of free blocks that touch some blocks."""
-        near = 0
-        for block in members(blocks):
-            near |= self.neighbours[block]
-        return near
-
-    def _reached(self, start: int, within: int) -> int:
-        """The set of blocks that are connected to some blocks through blocks of a set."""
-        reached = frontier = start
-        while frontier:
-            frontier = self.around(frontier) & within & ~reached
-            reached |= frontier
-        return reached
-
-    def parts(self, stage: Stage) -> list[Stage]:
-        """The connected parts of a stage, each with its adjacent held blocks."""
-        left = moving = stage.placed & ~stage.held
-        out = []
-        while left:
-            reached = self._reached(left & -left, moving)
-            held = self.around(reached) & stage.held
-            out.append(Stage(reached | held, held, stage.quick, stage.near))
-            left &= ~reached
-        return out
+    def margin(self) -> Floats:
+        """What is left (s,) of the friction of the most used joint; 0 where it falls, else NaN."""
+        return frozen(np.array([one.margin for one in self.answers], dtype=np.float64))
 
     @cached_property
-    def largest(self) -> tuple[int, int]:
-        """Most free blocks and most corners of a connected part of the complete structure."""
-        part = np.full(len(self.assembly), -1)
-        for number, one in enumerate(self.parts(Stage(self.everything))):
-            part[list(members(one.placed))] = number
-        joined = np.maximum(part[self.contacts.block_a], part[self.contacts.block_b])
-        corners = joined[self.contacts.interface]
-        blocks, points = np.bincount(part[part >= 0]), np.bincount(corners[corners >= 0])
-        return int(blocks.max(initial=0)), int(points.max(initial=0))
+    def falling(self) -> Bools:
+        """The blocks (s, n) that fall."""
+        out = np.zeros((len(self), self.blocks), dtype=bool)
+        for row, one in zip(out, self.answers, strict=True):
+            row[list(one.falling)] = True
+        return frozen(out)
 
-    @property
-    def small(self) -> bool:
-        """Whether every stage of a plan is checked."""
-        return self.largest[1] <= CHECKED
 
-    def floating(self, placed: int) -> int:
-        """Blocks in place that are not connected to a support through blocks in place."""
-        return placed & ~self._reached(placed & self.grounded, placed)
+class Structure(OneLine):
+    """A model of which many subsets are asked whether they stand.
+
+    Supports are always in place. The verdict is that of :func:`drystone.check` on the model of the
+    blocks in place. It costs less, as the answers that are known already are used: of connected
+    parts that come again, of a similar subset, whose rest state is where the next one begins, and
+    of a mechanism, which proves each subset to fall that has it as well.
+
+    Parameters
+    ----------
+    given
+        A model of the complete structure; or an assembly or a file that ``how`` turns into one.
+    robust
+        Whether other contact stiffnesses are tried too. They change no verdict; what stands is then
+        known to be ``sensitive`` to them or not.
+    each_s : [s]
+        Time limit of every check; what is not decided until then is UNDECIDED.
+    kept
+        Largest number of connected parts whose answers are kept.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, or no block is fixed.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> structure = Structure(arch(0.3, 7), friction=0.7)
+    >>> structure.stands(["voussoir-00", "voussoir-01", "voussoir-02"]).verdict
+    <Verdict.UNSTABLE: 'unstable'>
+    >>> structure.stands(["voussoir-00"]).margin > 0.2
+    True
+    """
+
+    @checked_call
+    def __init__(
+        self,
+        given: Given,
+        *,
+        robust: bool = False,
+        each_s: float = float("inf"),
+        kept: int = 10_000,
+        **how: Unpack[How],
+    ) -> None:
+        options = CheckOptions.robust() if robust else CheckOptions()
+        self.model: Model = supported_model(given, **how)
+        self.robust, self.each_s = robust, each_s
+        self.kept = whole(kept, "kept", least=1)
+        self._check = StageCheck(options, each_s)
+        self._asked: dict[bytes, _Asked] = {}
+        self._of(None)  # refuses a model without supports
+
+    def _summary(self) -> str:
+        return self.model._summary()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.model, self.robust, self.each_s, self.kept)
+
+    def stands(
+        self, blocks: Blocks, *, held: Blocks = (), load: Whole | None = None
+    ) -> StageAnswer:
+        """Whether some blocks stand, with all supports and without the others.
+
+        Parameters
+        ----------
+        blocks
+            Names or positions of the blocks in place, or a mask (n,) bool.
+        held
+            Those of them that a hand, a robot or a prop holds in every direction: they count as
+            fixed. ``reaction`` of the answer has the force on each.
+        load
+            The load of this stage; that of the model when left out. See :class:`drystone.Model`.
+
+        Raises
+        ------
+        InputError
+            There is no such block, or a held block is not in place.
+        """
+        placed, fixed = (self._mask(some) for some in (blocks, held))
+        return self._answers([(placed, fixed)], self._of(load))[0]
+
+    @checked_call
+    def stands_many(
+        self,
+        masks: Bools,
+        *,
+        held: Bools | None = None,
+        load: Whole | None = None,
+        executor: Workers | None = None,
+        progress: Progress | None = None,
+        stop: Stop | None = None,
+        time_limit_s: float = float("inf"),
+    ) -> StageAnswers:
+        """Whether subsets of the blocks stand.
+
+        The largest are asked first, as what is known of them helps most with the others. Where the
+        time is up the rest is UNDECIDED.
+
+        Parameters
+        ----------
+        masks : (s, n) bool
+            The blocks in place; supports are so in any case.
+        held : (s, n) or (n,) bool
+            Those that are held; none when left out.
+        load
+            The load of these stages; that of the model when left out.
+
+        Raises
+        ------
+        InputError
+            A mask has another shape, or a held block is not in place.
+        """
+        placed = self._masks(masks, "masks")
+        if placed.ndim != 2:
+            raise InputError(f"masks has shape {placed.shape}", remedy="give (s, n)")
+        fixed = np.zeros_like(placed)
+        fixed |= False if held is None else self._masks(held, "held")
+        sets = list(zip(self._sets(placed), self._sets(fixed), strict=True))
+        order = sorted(range(len(sets)), key=lambda i: -sets[i][0].bit_count())
+        clock = Clock(time_limit_s, stop, progress)
+        late = StageAnswer(Verdict.UNDECIDED)
+        found = dict.fromkeys(range(len(sets)), late)
+        asked = self._of(load)
+        with WorkerPool(executor, needed=False) as pool:
+            size = max(1, 4 * pool.count)
+            for begin in range(0, len(order), size):
+                some = order[begin : begin + size]
+                if clock.late():
+                    late = replace(late, message=clock.reason)
+                    found |= dict.fromkeys(order[begin:], late)
+                    break
+                answers = self._answers([sets[i] for i in some], asked, pool)
+                found |= zip(some, answers, strict=True)
+                clock.tell("subsets", begin + len(some), len(order))
+        return StageAnswers(tuple(found[i] for i in range(len(sets))), len(self.model))
+
+    def _mask(self, blocks: Blocks) -> int:
+        """Some blocks as a set, without supports."""
+        free = self.model.assembly.indices(blocks)
+        return mask_of(free[~self.model.assembly.fixed[free]].tolist())
+
+    def _masks(self, given: Bools, what: str) -> Bools:
+        """Masks (..., n) of blocks."""
+        masks = np.asarray(given)
+        n = len(self.model)
+        if masks.dtype != bool or masks.ndim not in (1, 2) or masks.shape[-1] != n:
+            said = f"{what} has shape {masks.shape} and type {masks.dtype}"
+            raise InputError(said, remedy=f"give an array of bool whose rows have {n} entries")
+        return masks
+
+    def _sets(self, masks: Bools) -> list[int]:
+        """Masks (s, n) as sets, without supports."""
+        rows = np.packbits(masks & ~self.model.assembly.fixed, axis=1, bitorder="little")
+        return [int.from_bytes(row.tobytes(), "little") for row in rows]
+
+    def _of(self, load: Whole | None) -> _Asked:
+        """What is known under a load."""
+        model = self.model if load is None else self.model.with_load(load)
+        key = model.load.wrench.tobytes()
+        if key not in self._asked:
+            while len(self._asked) >= LOADS:
+                del self._asked[next(iter(self._asked))]
+            staged = StagedModel(model, self._check)
+            self._asked[key] = _Asked(Evaluator(staged, falls=True, kept=self.kept))
+        return self._asked[key]
+
+    def _answers(
+        self, sets: Sequence[tuple[int, int]], asked: _Asked, pool: WorkerPool | None = None
+    ) -> list[StageAnswer]:
+        """The answers about sets of blocks in place and of held blocks among them."""
+        for placed, held in sets:
+            if held & ~placed:
+                names = [self.model.assembly.names[b] for b in members(held & ~placed)]
+                raise InputError(
+                    f"'{names[0]}' is held and not in place", remedy="put it among the blocks"
+                )
+        stages = [Stage(*one, False, asked.nearest(one)) for one in sets]
+        found = asked.evaluator.answers(stages, pool=pool)
+        asked.standing.extend(one for one, answer in zip(sets, found, strict=True) if answer.stands)
+        return [
+            self._if_more_touches(stage, asked) if answer.verdict is Verdict.UNSTABLE
+            and self._may_touch_more else answer
+            for stage, answer in zip(stages, found, strict=True)
+        ]  # fmt: skip
 
     @cached_property
-    def grounded(self) -> int:
-        """Free blocks that touch a support."""
-        return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
+    def _may_touch_more(self) -> bool:
+        """Whether a proof of a fall may rest on blocks that were not joined."""
+        return may_touch_more(self.model)
+
+    def _if_more_touches(self, stage: Stage, asked: _Asked) -> StageAnswer:
+        """The check of a stage that falls, with the pairs of blocks that were not joined."""
+        model = asked.evaluator.model.model
+        fixed = np.flatnonzero(model.assembly.fixed).tolist()
+        blocks = np.array(sorted([*fixed, *members(stage.placed)]))
+        resting = model.with_supports([*fixed, *members(stage.held)])
+        found = self._check(replace(resting.subset(blocks), report=model.report))
+        falling = tuple(blocks[list(found.falling)].tolist())
+        used = float(found.utilisation.max(initial=0.0)) if found.stable else 0.0
+        return StageAnswer(found.verdict, found.message, falling, utilisation=used)
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What is known of a structure under one load, and some of the last subsets that stood."""
+
+    evaluator: Evaluator
+    standing: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=RECENT))
+
+    def nearest(self, asked: tuple[int, int]) -> tuple[int, int] | None:
+        """The one that differs in the fewest blocks; the last of several."""
+        placed, held = asked
+        return min(
+            reversed(self.standing),
+            key=lambda one: (one[0] ^ placed | one[1] ^ held).bit_count(),
+            default=None,
+        )
+
+
+def _again(model: Model, robust: bool, each_s: float, kept: int) -> Structure:
+    """A structure in another process; it knows nothing yet."""
+    return Structure(model, robust=robust, each_s=each_s, kept=kept)

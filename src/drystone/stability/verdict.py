@@ -110,7 +110,7 @@ def check_problem(
     options: CheckOptions,
     near: Floats | None = None,
     rest: Candidate | None = None,
-    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Result:
     """As :func:`drystone.check` of a problem that was built, for plans and limits.
 
@@ -121,9 +121,9 @@ def check_problem(
         The rest state of a similar model with the same blocks.
     rest
         The rest state of this model with uniform stiffness, where it is known already.
-    stop
+    time_limit_s
     """
-    asked = Asked(problem, options, Clock(float("inf"), stop))
+    asked = Asked(problem, options, Clock(time_limit_s))
     return decided(asked, near=near, rest=rest)
 
 

@@ -8,13 +8,13 @@ from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Verdict
-from drystone.sequence import Structure
+from drystone.sequence import StagedModel
 from drystone.sequence.local_balance import LocalBalance
 from drystone.sequence.stages import members
 
 
 def local(assembly: Assembly, friction: float) -> LocalBalance:
-    return LocalBalance(Structure(Model.of(assembly, friction=friction)))
+    return LocalBalance(StagedModel(Model.of(assembly, friction=friction)))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 0.5, 1.0])

@@ -24,7 +24,7 @@ from drystone.sequence import (
     PlanOptions,
     Rules,
     Stage,
-    Structure,
+    StagedModel,
     check_once,
     plan,
 )
@@ -80,7 +80,7 @@ def planned_in_haste(**options: object) -> Plan:
 
 
 def test_a_part_is_built_once_for_a_quick_look_and_its_check(monkeypatch):
-    structure = Structure(Model.of(arch(0.3, 7), friction=0.6))
+    structure = StagedModel(Model.of(arch(0.3, 7), friction=0.6))
     built = []
     build = Problem.build
     monkeypatch.setattr(Problem, "build", lambda model: built.append(model) or build(model))

@@ -5,7 +5,7 @@ import pytest
 
 from drystone import InputError, Model, Verdict, check, find_contacts
 from drystone.reproduce.assembly_cases import tri_dome as tri_dome_of_blocks
-from drystone.sequence import Structure
+from drystone.sequence import StagedModel
 from drystone.sequence.rules import courses
 from drystone.shells import Layout, ShellBody, barrel_vault, build_shell, tri_dome
 
@@ -46,6 +46,6 @@ def test_an_eye_that_cuts_the_openings_of_a_tri_dome_is_refused():
 
 def test_courses_of_a_shell_of_several_patches_go_round_all_of_them():
     shell = build_shell(tri_dome(keystone=False), Layout(courses=4, blocks=2))
-    of = dict(zip(shell.assembly.names, courses(Structure(shell.model())), strict=True))
+    of = dict(zip(shell.assembly.names, courses(StagedModel(shell.model())), strict=True))
     assert {of[f"p{patch}-c03-b00"] for patch in range(3)} == {3.0}
     assert of["p2-c00-b00"] < of["p0-c01-b00"]
