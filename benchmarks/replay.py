@@ -22,6 +22,7 @@ import numpy as np
 from benchmarks.field.solve_mujoco import moved
 from benchmarks.machine import description
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
+from benchmarks.tables import TABLES, write_table
 from drystone import Model
 from drystone.base.files import write_bytes
 from drystone.io.mjcf import mjcf_text
@@ -29,7 +30,6 @@ from drystone.models import bridge
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
-PAGE = Path(__file__).parents[1] / "docs" / "reference" / "robots.md"
 STAYS = 0.01
 """Largest displacement by the size of a block; after ``SECONDS`` of simulated time."""
 CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01, "dome-0.75": 0.01}
@@ -116,14 +116,9 @@ def main() -> None:
     for name in arguments.names or plans:
         lines.append(replay(name, plans[name](), CONTACT[name], arguments.rows))
         print(lines[-1], flush=True)
+    print(f"MuJoCo {mujoco.__version__}. Measured with {description()}")
     if not arguments.names:
-        text = "\n".join(lines)
-        text += f"\n\nMuJoCo {mujoco.__version__}. Measured with {description()}"
-        page = PAGE.read_text(encoding="utf-8")
-        before, _, rest = page.partition("<!-- replay -->")
-        _, _, after = rest.partition("<!-- end replay -->")
-        whole = f"{before}<!-- replay -->\n{text}\n<!-- end replay -->{after}"
-        PAGE.write_text(whole, encoding="utf-8")
+        write_table(TABLES / "replay.csv", lines)
 
 
 if __name__ == "__main__":

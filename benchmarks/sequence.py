@@ -1,7 +1,7 @@
 """Plans of towers, shells and the Armadillo: ``python -m benchmarks.sequence``.
 
 Correctness first: a plan with a stage that does not stand stops the run. Times are CPU seconds of
-one thread. Each part writes its table into docs/reference/sequence.md between its markers.
+one thread. Each part writes its table, docs/trust/tables/plans-PART.csv.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from benchmarks.machine import description
+from benchmarks.tables import TABLES, write_table
 from drystone import Assembly, Contacts, LoadCase
 from drystone.checks import check_forces
 from drystone.detection import find_contacts
@@ -45,7 +47,6 @@ from drystone.sequence import (
 )
 from drystone.sequence.stages import members
 
-PAGE = Path(__file__).parents[1] / "docs" / "reference" / "sequence.md"
 VAULT_WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3)
 VAULT_FRICTION, DOME_FRICTION = 0.6, 0.66
 BY_COURSE = Rules(order=Order.COURSE)
@@ -102,7 +103,11 @@ def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row
     return Row(name, friction, found, spent)
 
 
-def table(rows: Sequence[Row]) -> str:
+Told: TypeAlias = tuple[list[str], list[str]]
+"""The lines of a table, and what is told beside it."""
+
+
+def table(rows: Sequence[Row]) -> list[str]:
     """Counts and times."""
     lines = [
         "| model | friction | blocks | free | held | propped | stages | checks | plan [s] |",
@@ -115,7 +120,7 @@ def table(rows: Sequence[Row]) -> str:
             f"| {counts['free']} | {counts['held']} | {counts['propped']} "
             f"| {len(row.plan.steps)} | {row.plan.solved} | {row.plan_s:.2f} |"
         )
-    return "\n".join(lines)
+    return lines
 
 
 def helped(found: Plan) -> str:
@@ -129,17 +134,15 @@ def helped(found: Plan) -> str:
     return "; ".join(out) or "every block is free"
 
 
-def shells() -> str:
+def shells() -> Told:
     """The vault with its wedges, and the dome."""
     rows = [planned(f"vault, wedge {w:g}", niche(w), VAULT_FRICTION, BY_COURSE)
             for w in VAULT_WEDGES]  # fmt: skip
     rows.append(planned("dome", ring_dome(), DOME_FRICTION, BY_COURSE))
-    ring = helped(rows[-1].plan)
-    note = f"\n\nThe dome, {ring}."
-    return table(rows) + note
+    return table(rows), [f"The dome, {helped(rows[-1].plan)}."]
 
 
-def designs() -> str:
+def designs() -> Told:
     """Columns, bridges, the snake, and three that everyone knows."""
     rows = [
         planned(name, assembly, 0.6, Rules())
@@ -155,7 +158,7 @@ def designs() -> str:
     ]
     rows.append(planned("arch, 1 hand", arch(0.3, 7), 0.4, Rules(hands=1)))
     rows.append(planned("arch, 2 hands", arch(0.3, 7), 0.4, Rules(hands=2)))
-    lines = [table(rows), ""]
+    lines = []
     for name, family in (
         ("leaning column", leaning_column),
         ("winding column", winding_column),
@@ -167,13 +170,13 @@ def designs() -> str:
         )
     lines.append(f"- arch with one hand, {helped(rows[-2].plan)}.")
     lines.append(f"- arch with two hands, {helped(rows[-1].plan)}.")
-    return "\n".join(lines)
+    return table(rows), lines
 
 
 FRICTIONS = (0.35, 0.5, 0.66, 0.84, 1.0)
 
 
-def frictions() -> str:
+def frictions() -> Told:
     """What models need at several friction coefficients."""
     head = " | ".join(f"{friction:g}" for friction in FRICTIONS)
     lines = [f"| model | {head} |", "|---|" + "---|" * len(FRICTIONS)]
@@ -183,7 +186,7 @@ def frictions() -> str:
         print(row, *why, sep="\n", flush=True)
         lines.append(row)
         reasons += why
-    return "\n".join([*lines, "", *(reasons or ["No model needs more help at more friction."])])
+    return lines, reasons or ["No model needs more help at more friction."]
 
 
 def sweeps() -> dict[str, tuple[Assembly, Rules]]:
@@ -230,7 +233,7 @@ def _plan_of(assembly: Assembly, contacts: Contacts) -> Plan:
     return plan(Model(assembly, contacts, LoadCase.gravity(assembly)))
 
 
-def armadillo(path: Path) -> str:
+def armadillo(path: Path) -> Told:
     """The vault of 399 stones, taken down course by course, counted from its supports."""
     row = planned("Armadillo vault", read(path).assembly, 0.84, BY_COURSE)
     counts = row.plan.counts
@@ -239,19 +242,7 @@ def armadillo(path: Path) -> str:
         f"{kind} {counts[kind]} ({counts[kind] / free:.0%})" for kind in ("free", "held", "propped")
     )
     at_once = max(len(step.props) for step in row.plan.steps)
-    note = f"\n\nStages: {len(row.plan.steps)}. Blocks {shares}; at most {at_once} props at once."
-    return table([row]) + note
-
-
-def write(part: str, text: str) -> None:
-    """Put a table between its markers."""
-    page = PAGE.read_text(encoding="utf-8")
-    begin, end = f"<!-- {part} -->", f"<!-- end {part} -->"
-    before, _, rest = page.partition(begin)
-    _, _, after = rest.partition(end)
-    if not rest or not after:
-        raise SystemExit(f"{PAGE} has no markers for {part}")
-    PAGE.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
+    return table([row]), [f"Blocks {shares}; at most {at_once} props at once."]
 
 
 def main() -> None:
@@ -262,7 +253,7 @@ def main() -> None:
     parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
     arguments = parser.parse_args()
     machine = description()
-    parts: dict[str, Callable[[], str]] = {
+    parts: dict[str, Callable[[], Told]] = {
         "designs": designs,
         "shells": shells,
         "frictions": frictions,
@@ -272,9 +263,9 @@ def main() -> None:
     for name in arguments.parts or parts:
         if name not in parts:
             raise SystemExit(f"there is no part '{name}' (armadillo needs --armadillo FILE)")
-        text = parts[name]() + f"\n\nMeasured with {machine}"
-        print(text, flush=True)
-        write(name, text)
+        lines, beside = parts[name]()
+        print(*lines, "", *beside, "", f"Measured with {machine}", sep="\n", flush=True)
+        write_table(TABLES / f"plans-{name}.csv", lines)
 
 
 if __name__ == "__main__":

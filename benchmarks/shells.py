@@ -1,13 +1,13 @@
 """Four shells at three sizes, what they stand, and the wedge: ``python -m benchmarks.shells``.
 
 Correctness first: a shell whose blocks do not fit stops the run. Each part (build, stand, wedge)
-writes its table into docs/reference/shells.md between its markers; the plot lies beside it.
+writes its table: docs/trust/tables/shells-build.csv and shells-stand.csv, and the wedge into
+docs/reference/shells.md with its plot.
 """
 
 from __future__ import annotations
 
 import argparse
-import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,9 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-import drystone
+from benchmarks.tables import TABLES, write_part, write_table
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, Verdict
-from drystone.base.version import commit
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.geometry.surface import edge_defects
 from drystone.limits import LimitOptions, limit_friction, limit_tilt
@@ -207,21 +206,10 @@ def build_part(sizes: list[int]) -> list[str]:
     """Four shells at each size."""
     rows = [built(kind, size).row for size in sizes for kind in SAMPLES]
     return [
-        f"drystone {drystone.__version__}, Python {platform.python_version()}, "
-        f"{platform.machine()}; CPU seconds, one thread.",
-        "",
         "| shell | voussoirs | joints | build [s] | detect [s] | warp before | warp after | drift "
         "| off | moved | area | volume |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
         *rows,
-        "",
-        "Lengths are divided by the mean width of a block. *Drift* is the largest move of a corner "
-        "while joints were made planar; *off* is its largest component normal to the surface. "
-        "*Moved* is the move before that, which gives the flat cells the area of the surface. "
-        "*Area* compares the joints that the contact search finds between two blocks with the "
-        "faces that they share: the largest relative difference. *Volume* is the volume of the "
-        "voussoirs divided by that of the smooth shell. Every block is closed, every joint is "
-        "found at a gap of 1e-6 of a block, and no two blocks overlap.",
     ]
 
 
@@ -235,13 +223,6 @@ def stand_part(sizes: list[int]) -> list[str]:
         "| about y [deg] | least friction | verdict [s] |",
         "|---|---|---|---|---|---|---|",
         *rows,
-        "",
-        f"drystone {drystone.__version__}, commit {commit() or 'unknown'}; friction 0.6; CPU "
-        "seconds, one thread. Two limits are given. Up to the first the "
-        "shell stands with uniform contact stiffness. Up to the second some forces balance the "
-        "loads; beyond it nothing can stand. The brackets are 0.25 degree and 0.01 wide for the "
-        "small shells, 1 degree and 0.02 for the large ones. "
-        "The flat plan has no limit of tilt, because it falls without tilt.",
     ]
 
 
@@ -288,11 +269,11 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="*", default=list(SIZES))
     arguments = parser.parse_args()
     for part in arguments.parts or PARTS:
-        lines = ["", *PARTS[part](arguments.sizes), ""]
-        text = PAGE.read_text(encoding="utf-8")
-        begin, end = f"<!-- {part} -->", f"<!-- end of {part} -->"
-        head, tail = text.split(begin)[0], text.split(end)[1]
-        PAGE.write_text(head + "\n".join([begin, *lines, end]) + tail, encoding="utf-8")
+        lines = PARTS[part](arguments.sizes)
+        if part == "wedge":
+            write_part(PAGE, part, "\n".join(lines))
+        else:
+            write_table(TABLES / f"shells-{part}.csv", lines)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/trust/speed.md
+"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes both tables of speed.
 
 Every workload runs in a process of its own, on one thread. Its answer is checked first; a wrong
 answer, or one without its proof, has no time. With ``--peer PYTHON`` the same model, with the same
@@ -21,10 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.machine import ROOT, ask, checkout_of, description
-from benchmarks.tables import TABLES, write_part, write_table
+from benchmarks.tables import TABLES, write_table
 from benchmarks.workloads import LARGE, WALLS, Workload, workloads
-
-PAGE = ROOT / "docs" / "trust" / "speed.md"
 
 GROUPS = {
     "armadillo": "Armadillo vault",
@@ -278,7 +276,7 @@ def main() -> int:
         arguments.json.write_text(json.dumps(kept, indent=1), encoding="utf-8")
     if not arguments.only:
         write_table(TABLES / "speed.csv", table(rows))
-        write_part(PAGE, "aims", "\n".join(lines))
+        write_table(TABLES / "speed-aims.csv", aims(rows))
     return 1 if any(row.wrong for row in rows) else 0
 
 
