@@ -51,7 +51,10 @@ class ShellPattern:
         ),
     ] = 0
     blocks: Annotated[int | None, Option("Blocks in each course.")] = None
-    width: Annotated[float | None, Option("Or their width in m (an eighth of the span).")] = None
+    width: Annotated[
+        float | None,
+        Option("Or their width in m (an eighth of the span, a quarter for three vaults)."),
+    ] = None
     wedge: Annotated[
         tuple[float, ...] | None,
         Option(

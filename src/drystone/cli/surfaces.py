@@ -28,9 +28,16 @@ _USED = {
     "free-edge": {"--span", "--length", "--rise"},
     "three-vaults": {"--span", "--rise"},
     "tri-dome": {"--span", "--rise", "--eye", "--keystone"},
-    None: {"--supports", "--units"},
+    None: {"--supports", "--corners", "--units"},
 }
 """Options of the surface that each kind has; None is a mesh file."""
+
+
+def _vertices(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"is '{text}'", remedy="give numbers of vertices, from 0") from error
 
 
 @dataclass(frozen=True)
@@ -90,6 +97,17 @@ class SurfaceRequest:
             expert=True,
         ),
     ] = None
+    corners: Annotated[
+        tuple[int, ...] | None,
+        Option(
+            "Vertices of a mesh, from 0, that are its corners, in their order along its border: "
+            "bottom left, bottom right, top right, top left; or the two ends of each of three or "
+            "more supports (those where it turns).",
+            MODEL,
+            kind=kinds.OptionKind("NUMBER[,NUMBER...]", _vertices),
+            expert=True,
+        ),
+    ] = None
     units: Annotated[
         str | None, Option("Unit of length of a mesh file (m).", MODEL, kind=kinds.UNIT,
                            expert=True)
@@ -104,7 +122,7 @@ class Surface:
     ----------
     shape
     width : [m]
-        Of its blocks where none is given: an eighth of its span.
+        Of its blocks where none is given: an eighth of its span, or of a way from foot to foot.
     notes
     """
 
@@ -121,7 +139,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     InputError
         A surface that is not known, or an option that it does not have.
     """
-    from drystone.shells.shell_by_name import EYE, SHARE, SPAN, SURFACES, shape_by_name
+    from drystone.shells.shell_by_name import EYE, SPAN, SURFACES, shape_by_name, usual_width
 
     kind = wanted.surface if wanted.surface in SURFACES else None
     if kind is None and not Path(wanted.surface).suffix:
@@ -131,7 +149,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
         )
     refuse_unused(wanted)
     if kind is None:
-        return _from_mesh(wanted.surface, wanted.supports, wanted.units)
+        return _from_mesh(wanted)
     span = SPAN if wanted.span is None else wanted.span
     shape, notes = shape_by_name(
         kind,
@@ -142,7 +160,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
         keystone=wanted.keystone,
         thickness=wanted.thickness,
     )
-    return Surface(shape, span / SHARE, notes)
+    return Surface(shape, usual_width(kind, span), notes)
 
 
 def refuse_unused(wanted: SurfaceRequest) -> None:
@@ -157,6 +175,7 @@ def refuse_unused(wanted: SurfaceRequest) -> None:
         _refuse(option, value is not None, kind)
     _refuse("--keystone", wanted.keystone, kind)
     _refuse("--supports", wanted.supports is not None, kind)
+    _refuse("--corners", wanted.corners is not None, kind)
     _refuse("--units", wanted.units is not None, kind)
 
 
@@ -168,10 +187,22 @@ def _refuse(option: str, given: bool, kind: str | None) -> None:
     raise InputError(f"is for {', '.join(users)}", where=option, remedy=f"leave it out for {what}")
 
 
-def _from_mesh(path: str, supports: str | None, units: str | None) -> Surface:
+def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone import shells
 
-    fit = shells.patch_from_mesh(*shells.read_surface(path, units=units), name=Path(path).name)
+    points, faces = shells.read_surface(wanted.surface, units=wanted.units)
+    name, supports, corners = Path(wanted.surface).name, wanted.supports, wanted.corners
+    if len(corners) > 4 if corners else supports is None and shells.several_supports(points, faces):
+        if supports is not None:
+            raise InputError(
+                "names sides of a patch with four corners",
+                where="--supports",
+                remedy="leave it out, or name four --corners",
+            )
+        shape = shells.vaults_from_mesh(points, faces, corners=corners, name=name)
+        told = f"{len(shape.patches)} vaults from support to support, one at each open side"
+        return Surface(shape, _width(shape.patches[0]), (told,))
+    fit = shells.patch_from_mesh(points, faces, corners=corners, name=name)
     notes = [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
     if supports is None:
         sides = _foot(fit.patch)

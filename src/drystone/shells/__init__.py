@@ -9,6 +9,7 @@ from drystone.shells.fabrication import (
     write_unrolled,
 )
 from drystone.shells.formfinding import FormFound, find_form
+from drystone.shells.mesh_vaults import several_supports, vaults_from_mesh
 from drystone.shells.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarReport, planarise
@@ -72,11 +73,13 @@ __all__ = [
     "rectangular_plan",
     "sample_shell",
     "schedule",
+    "several_supports",
     "shape_volume",
     "shell_by_name",
     "three_legged_plan",
     "three_vault_plan",
     "tri_dome",
+    "vaults_from_mesh",
     "write_blocks",
     "write_unrolled",
 ]

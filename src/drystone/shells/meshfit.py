@@ -11,12 +11,11 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
 
-from drystone.base.arrays import Floats, dot, frozen_points
+from drystone.base.arrays import Floats, frozen_points
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.coincidence import first_coincident
-from drystone.geometry.polyhedron import edges_of, loop_edges, rings
-from drystone.shells.lengths import arc_lengths
+from drystone.geometry.polyhedron import edges_of
+from drystone.shells.flat_mesh import border_of, mapped, side_between, turns_of, welded
 from drystone.shells.patch import Patch, check_patch
 
 _DEGREE = 3
@@ -27,10 +26,6 @@ Chosen: it has an effect only where there are too few vertices."""
 
 _CORNER_TURN = 20.0
 """[degrees] Least angle of the border at a corner, when corners are searched. Chosen."""
-
-_WELD = 1e-6
-"""Vertices closer than this, relative to the size of the mesh, are merged: formats such as STL
-repeat them."""
 
 _FARTHEST_FIT = 0.05
 """Largest distance of a mesh from its patch, relative to the size of the mesh. Chosen: beyond it
@@ -98,10 +93,15 @@ def patch_from_mesh(
     through it.
     """
     points = frozen_points(vertices, (None, 3), "vertices")
-    points, loops, named = _welded(points, faces, corners)
-    border = _border(loops, name)
+    points, loops, named = welded(points, faces, corners)
+    border = border_of(loops, name)
     chosen = named if named is not None else _sharpest(points, border, name)
-    u, v = _layout(points, loops, border, chosen, name)
+    if len(chosen) != 4:
+        raise InputError(
+            f"{len(chosen)} corners are named, a patch has four", where=f"mesh '{name}'"
+        )
+    square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # u, v of the corners
+    u, v = np.clip(mapped(points, loops, border, chosen, square, name), 0.0, 1.0).T
     rows, columns = (max(_DEGREE + 1, int(c)) for c in control)
     control_points = _fit(points, u, v, rows, columns)
     patch = Patch(partial(_on_spline, control_points), name=name)
@@ -128,64 +128,9 @@ def patch_from_mesh(
     )
 
 
-def _welded(
-    points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None
-) -> tuple[Floats, list[list[int]], list[int] | None]:
-    """Used vertices, coincident ones merged."""
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    first = first_coincident(points, _WELD * size)
-    loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
-    loops = [loop for loop in loops if len(loop) > 2]
-    used = sorted({i for loop in loops for i in loop})
-    new = {old: i for i, old in enumerate(used)}
-    named = None
-    if corners is not None:
-        unknown = [c for c in corners if not 0 <= int(c) < len(points) or first[c] not in new]
-        if unknown or len(set(corners)) != 4:
-            raise InputError("corners must be four vertices of the mesh", where=str(list(corners)))
-        named = [new[int(first[c])] for c in corners]
-    return points[used], [[new[i] for i in loop] for loop in loops], named
-
-
-def _border(loops: list[list[int]], name: str) -> list[int]:
-    """The border's vertices in order, the mesh on their left."""
-    after: dict[int, int] = {}
-    runs = [edge for loop in loops for edge in loop_edges(loop)]
-    edges = set(runs)
-    if len(edges) < len(runs):
-        raise InputError(
-            "neighbouring faces have opposite normals, or three meet at an edge",
-            where=f"mesh '{name}'",
-            remedy="orient its faces consistently, and leave one surface",
-        )
-    for a, b in edges:
-        if (b, a) not in edges:
-            if a in after:
-                raise InputError("its border touches itself", where=f"mesh '{name}'")
-            after[a] = b
-    if not after:
-        raise InputError(
-            "the mesh is closed", where=f"mesh '{name}'", remedy="give an open surface"
-        )
-    run, *more = rings(after)
-    if more:
-        raise InputError(
-            "the mesh has several borders: it has a hole, or it is closed to a ring like a dome",
-            where=f"mesh '{name}'",
-            remedy="close its holes; for a ring use patch_from_grid with closed=True, or cut the "
-            "mesh open from border to border",
-        )
-    first = run.index(min(run))
-    return [*run[first:], *run[:first]]
-
-
 def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
     """Four corners by the turn of the border, the lowest side first."""
-    run = points[border]
-    before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
-    cosine = dot(before, after)
-    cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    turn = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    turn = turns_of(points, border)
     picked = np.sort(np.argsort(-turn, kind="stable")[:4])
     if len(picked) < 4 or turn[picked].min() < _CORNER_TURN:
         raise InputError(
@@ -195,53 +140,10 @@ def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
         )
     heights = []
     for k in range(4):
-        side = _between(border, border[picked[k]], border[picked[(k + 1) % 4]])
+        side = side_between(border, border[picked[k]], border[picked[(k + 1) % 4]])
         heights.append(float(points[side, 2].mean()))
     start = int(np.argmin(np.round(heights, 9)))
     return [border[picked[(start + k) % 4]] for k in range(4)]
-
-
-def _between(border: list[int], start: int, end: int) -> list[int]:
-    i = border.index(start)
-    turned = border[i:] + border[:i]
-    return turned[: turned.index(end) + 1]
-
-
-def _layout(
-    points: Floats, loops: list[list[int]], border: list[int], corners: list[int], name: str
-) -> tuple[Floats, Floats]:
-    """(u, v) of every vertex."""
-    if any(c not in border for c in corners):
-        raise InputError("a corner is not on the border", where=f"mesh '{name}'")
-    square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # u, v of the corners
-    if not _cyclic([border.index(c) for c in corners]):  # given in the opposite direction
-        corners, square = [corners[i] for i in (0, 3, 2, 1)], square[[0, 3, 2, 1]]
-        if not _cyclic([border.index(c) for c in corners]):
-            raise InputError("the corners do not follow each other", where=f"mesh '{name}'")
-    uv = np.full((len(points), 2), np.nan)
-    for k in range(4):
-        side = _between(border, corners[k], corners[(k + 1) % 4])
-        share = arc_lengths(points[side])
-        uv[side] = square[k] + share[:, None] / share[-1] * (square[(k + 1) % 4] - square[k])
-    ends = edges_of([tuple(loop) for loop in loops])
-    weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
-    shape = (len(points), len(points))
-    joined = sparse.coo_matrix((weight, (ends[:, 0], ends[:, 1])), shape).tocsr()
-    joined = joined + joined.T
-    stiffness = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsc()
-    known = ~np.isnan(uv[:, 0])
-    inner = np.flatnonzero(~known)
-    if len(inner):
-        pull = -(stiffness[inner][:, np.flatnonzero(known)] @ uv[known])
-        uv[inner] = spsolve(stiffness[inner][:, inner], pull).reshape(-1, 2)
-    return np.clip(uv[:, 0], 0.0, 1.0), np.clip(uv[:, 1], 0.0, 1.0)
-
-
-def _cyclic(order: list[int]) -> bool:
-    """Whether four positions ascend cyclically."""
-    start = int(np.argmin(order))
-    turned = order[start:] + order[:start]
-    return turned == sorted(turned)
 
 
 def _basis(at: Floats, count: int) -> sparse.csr_matrix:

@@ -31,6 +31,11 @@ SHARE = 8.0
 """The width of blocks is the span divided by this where none is given."""
 
 
+def usual_width(kind: str, span: float = SPAN) -> float:
+    """[m], an eighth of the span; from foot to foot of three vaults it is about twice as far."""
+    return (2.0 if kind == "three-vaults" else 1.0) * span / SHARE
+
+
 SURFACES = ("barrel", "cross", "pavilion", "dome", "free-edge", "three-vaults", "tri-dome")
 """Surfaces that are known by name."""
 
@@ -106,7 +111,7 @@ def shell_by_name(
     thickness : [m]
     courses
     blocks
-        In each course; or their ``width`` [m], an eighth of the span when left out.
+        In each course; or their ``width`` [m], :func:`usual_width` when left out.
     wedge
         See :class:`drystone.shells.Layout`.
     joggle : [degrees]
@@ -136,7 +141,7 @@ def shell_by_name(
     layout = Layout(
         courses=courses,
         blocks=blocks,
-        width=span / SHARE if blocks is None and width is None else width,
+        width=usual_width(surface, span) if blocks is None and width is None else width,
         wedge=wedge,
     )
     return build_shell(shape, layout, ShellBody(thickness=thickness, joggle_deg=joggle))

@@ -147,7 +147,7 @@ def test_a_round_mesh_needs_its_corners_named():
 
 def test_corners_must_be_vertices_of_the_border():
     points, faces = net()
-    with pytest.raises(InputError, match="four vertices of the mesh"):
+    with pytest.raises(InputError, match="corners must be vertices of the mesh"):
         patch_from_mesh(points, faces, corners=[0, 12, 168, 999])
     with pytest.raises(InputError, match="not on the border"):
         patch_from_mesh(points, faces, corners=[0, 12, 168, 84])
