@@ -34,7 +34,7 @@ STAYS = r"^(live (?!--client)|mcp )"
 """Commands that serve until they are ended."""
 SLOW = (
     r"reproduce|--buildable|--vary|--auto|--aim volume|^tune|^shape|^sharpen|limit sweep|--draws"
-    r"|^limit imperf|^push|^scaffold|--sweep|^plan vault|^mend|limit thickness|--lose|--to \d"
+    r"|^limit imperf|^push|^scaffold|--sweep|^plan vault|^mend|limit thickness|limit decay|--to \d"
     r"|limit tilt model"
 )
 """Beginnings and options of commands that take more than a second or two."""

@@ -158,12 +158,20 @@ class Offered(OneLine):
         Options that the help shows; others are shown by ``--help-all``.
     writes
         What its answer can write beside pictures: ``joints``, a ``model``, or nothing.
+    names
+        Options that are offered, such as ``options.scan``; all when left out.
     """
 
     analysis: Callable[..., Any]
     example: str = ""
     shown: tuple[str, ...] = ()
     writes: Literal["", "joints", "model"] = ""
+    names: tuple[str, ...] | None = None
+
+    @property
+    def options(self) -> Sequence[str]:
+        """What may be chosen beside the model; see :func:`options_of`."""
+        return options_of(self.analysis) if self.names is None else self.names
 
     @property
     def text(self) -> str:

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.cli.command import SETTINGS, Command, parts_of
-from drystone.cli.model_input import Subject
+from drystone.cli.model_input import OneFile, Subject
 from drystone.cli.offered import Analysis, Argument, Of, Part
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
@@ -67,14 +67,25 @@ class AnalysisCommand(Command):
     @cached_property
     def parts(self) -> list[Part]:
         """What the parameters of its function are made of."""
-        arguments = self.offered.arguments.items()
-        hints: dict[str, Any] = {
-            "subject": Subject,
-            **{name: Annotated[str, _argument(one)] for name, one in arguments},
-            "asked": Annotated[Analysis, Of(self.offered.analysis, shown=self.offered.shown)],
-            "wanted": _FILES.get(self.offered.writes, Pictures),
-        }
-        return parts_of({name: (hint, MISSING) for name, hint in hints.items()})
+        offered, arguments = self.offered, self.arguments
+        free = all(name in offered.arguments for name in arguments)
+        of = Of(offered.analysis, offered.options, without=tuple(arguments), shown=offered.shown)
+        known: dict[str, tuple[Any, Any]] = {"subject": (Subject if free else OneFile, MISSING)}
+        for name, one in arguments.items():
+            default = MISSING if name in offered.arguments else None
+            known[name] = Annotated[str | None, _argument(one)], default
+        known["asked"] = Annotated[Analysis, of], MISSING
+        known["wanted"] = _FILES.get(offered.writes, Pictures), MISSING
+        return parts_of(known)
+
+    @cached_property
+    def arguments(self) -> dict[str, Declared]:
+        """What is given by position: what must be given, and loads."""
+        from drystone.base.declared import declared  # the program starts without numpy
+
+        known = declared(self.offered.analysis)
+        loads = {name: one for name, one in known.items() if _is_load(one)}
+        return {**loads, **self.offered.arguments}
 
     def _answer(
         self, subject: Subject, asked: Analysis, wanted: Pictures, waiting: Waiting, **more: Any
@@ -82,8 +93,9 @@ class AnalysisCommand(Command):
         model = subject.prepared(waiting)
         wanted.require_through(model.assembly)
         notes = list(model.notes)
-        for name, one in self.offered.arguments.items():
-            if _is_load(one):
+        more = {name: text for name, text in more.items() if text is not None}
+        for name in more:
+            if _is_load(self.arguments[name]):
                 more[name] = subject.case_of(more[name], model)
                 notes += more[name].notes
         found = asked.of(waiting, model, **more)
@@ -91,7 +103,7 @@ class AnalysisCommand(Command):
 
 
 def _is_load(one: Declared) -> bool:
-    from drystone.loads import LoadCase  # the program starts without numpy
+    from drystone.loads import LoadCase  # as above
 
     return LoadCase in one.kinds
 

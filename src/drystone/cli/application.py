@@ -150,7 +150,14 @@ app = _group(
             "Forces in the joints, with tension where compression is not enough",
         ),
         "inspect": "file_commands",
-        "interlock": "interlock_command",
+        "gravity": (
+            "drystone.sequence.gravity_regions",
+            "The directions of gravity in which a model holds, without and with friction",
+        ),
+        "interlock": (
+            "drystone.sequence.interlocking",
+            "Whether a model with its supports fixed holds under every load without friction",
+        ),
         "limit": "application",
         "live": "server_commands",
         "mcp": "server_commands",
@@ -158,8 +165,14 @@ app = _group(
         "models": "models_command",
         "plan": "plan_command",
         "poses": "poses_command",
-        "push": "motion_commands",
-        "recut": "shaping_commands",
+        "push": (
+            "drystone.settlement.large_displacement",
+            "Load against displacement, until the load is zero again",
+        ),
+        "recut": (
+            "drystone.design.recuts",
+            "Change joints until every block is placed alone and stands at once",
+        ),
         "reproduce": "reproduce_command",
         "scaffold": "scaffold_command",
         "settle": "motion_commands",

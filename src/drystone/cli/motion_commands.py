@@ -1,16 +1,16 @@
-"""Commands that follow blocks: ``settle``, ``push`` and ``fall``."""
+"""Commands that follow blocks: ``settle`` and ``fall``."""
 
 from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
-from drystone.cli.model_input import OneFile, Subject
-from drystone.cli.offered import LOADS, OUTPUT, Analysis, Argument, Of, Option
+from drystone.cli.model_input import Subject
+from drystone.cli.offered import LOADS, OUTPUT, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, Written, apart
@@ -104,57 +104,6 @@ def settle(
                 notes += ("the motion is large, and this answer is for small ones: --to follows "
                           "the blocks",)  # fmt: skip
     return Told(found, notes=notes, files=partial(wanted.of, found))
-
-
-@command(
-    "drystone push arch.json --png push.png --html push.html",
-    "drystone push arch.json seismic:0,1 --to 0.01 --csv push.csv",
-)
-def push(
-    *,
-    subject: OneFile,
-    live: Annotated[
-        str | None,
-        Argument(
-            "CASE",
-            "The load that grows: BLOCK:WHAT[@X,Y,Z] as for --load, seismic:KX,KY, or a load case "
-            "of the file by its name (seismic:1,0).",
-        ),
-    ] = None,
-    lose_friction: Annotated[
-        bool, Option("Let all friction decay to zero instead of a load that grows.")
-    ] = False,
-    asked: Annotated[
-        Analysis,
-        Of("drystone.settlement.push", ("to", "options.pace", "time_limit_s"), shown=("to",)),
-    ],
-    wanted: Pictures,
-    waiting: Waiting,
-) -> Told:
-    """Load against displacement, until the load is zero again: the displacement capacity.
-
-    Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does
-    not stand at the beginning.
-    """
-    if lose_friction and (live is not None or "to" in asked.given):
-        raise InputError(
-            "--lose-friction and a load that grows contradict each other",
-            remedy="leave out CASE and --to",
-        )
-    model = subject.prepared(waiting)
-    wanted.require_through(model.assembly)
-    subjects: list[Any] = [model]
-    notes: tuple[str, ...] = ()
-    if lose_friction:
-        from drystone.settlement import reduce_friction
-
-        asked = asked.instead(reduce_friction)
-    else:
-        case = subject.case_of("seismic:1,0" if live is None else live, model)
-        subjects.append(case)
-        notes = case.notes
-    found = asked.of(waiting, *subjects, doing="pushing")
-    return Told(found, notes=(*model.notes, *notes), files=partial(wanted.of, found))
 
 
 _JAMS = (

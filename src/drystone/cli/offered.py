@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, is_dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -124,7 +124,7 @@ class Of:
     """
 
     place: str | Callable[..., Any]
-    names: tuple[str, ...] = ()
+    names: Sequence[str] | None = None
     without: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     flags: Mapping[str, str] = field(default_factory=dict)
@@ -145,9 +145,8 @@ class Of:
         from drystone.base.declared import declared_at, options_of  # it starts without numpy
 
         left_out = {*self.without}
-        names = self.names or [
-            one for one in options_of(self.target) if not left_out & {one, one.partition(".")[0]}
-        ]
+        names = options_of(self.target) if self.names is None else self.names
+        names = [one for one in names if not left_out & {one, one.partition(".")[0]}]
         return {name: declared_at(self.target, name) for name in names}
 
     def _flag(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Commands that change the shape of blocks: ``shape``, ``recut`` and ``cut``."""
+"""Commands that change the shape of blocks: ``shape`` and ``cut``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly, Block
     from drystone.base.files import Job
     from drystone.cli.told import Files
-    from drystone.design import CutOptions, RecutOptions, ShapeOptions
+    from drystone.design import CutOptions, ShapeOptions
     from drystone.design.shape_variables import ShapeVariables
     from drystone.model import Model
     from drystone.sequence import Plan
@@ -104,43 +104,6 @@ def _moves(model: Model, move: str, ways: dict[str, Any]) -> ShapeVariables:
     ways["along"] = along
     made = design.joint_moves if move == "joints" else design.free_vertices
     return made(model, most, **ways)
-
-
-@command(
-    "drystone recut arch.json --most 4 --out recut.json",
-    "drystone recut arch.json --hands 3 --most 2 --html built.html",
-)
-def recut(
-    *,
-    subject: Subject,
-    chosen: Annotated[
-        RecutOptions,
-        Of("drystone.design.RecutOptions", ("plan.rules.hands", "most"),
-           shown=("plan.rules.hands",)),
-    ],
-    out: Annotated[
-        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
-    ] = None,
-    html: options.Html = None,
-    time_limit: options.TimeLimit = None,
-    waiting: Waiting,
-) -> Told:  # fmt: skip
-    """Change joints until every block is placed alone and stands at once.
-
-    The model is planned. Where a block must be held or propped, one of its joints is turned or made
-    a wedge, by 10, 20 or 30 degrees, and the model is planned again. A change is kept when less
-    help is needed. See `cut` for a monolith.
-
-    Exit code 0: every block is free. 1: some need help. 2: bad input.
-    130: stopped by Ctrl-C, with the changes so far.
-    """
-    from drystone import design  # work is imported when there is some
-
-    model = subject.prepared(waiting)
-    waiting.stage("recut", "changing joints")
-    with waiting.keywords(time_limit) as common:
-        found = design.recut_joints(model, options=chosen, **common)
-    return Told(found, notes=model.notes, files=partial(_files, found.model, found.plan, out, html))
 
 
 @command(

@@ -74,7 +74,8 @@ class ShellPattern:
         bool,
         Option(
             "Fix the springers themselves, as where they are let into a wall, and add no blocks "
-            "under them."
+            "under them.",
+            expert=True,
         ),
     ] = False
     straight: Annotated[bool, Option("Make the inner face of every block planar.", expert=True)] = (

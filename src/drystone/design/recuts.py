@@ -18,6 +18,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.arrays import Bools, frozen_floats
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -190,3 +191,12 @@ def _stands(made: Model, found: Plan, block: int, beside: tuple[int, ...]) -> bo
     still = sorted({*np.flatnonzero(made.assembly.fixed).tolist(), *beside} - {block})
     stage = made.with_supports([b for b in still if there[b]])
     return check_once(stage.subset(np.flatnonzero(there).tolist())).stable
+
+
+OFFERED = Offered(
+    recut_joints,
+    "arch.json --hands 3 --most 2",
+    ("options.plan.rules.hands", "options.most"),
+    "model",
+    ("options.plan.rules.hands", "options.most", "time_limit_s"),
+)

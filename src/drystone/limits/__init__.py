@@ -31,6 +31,7 @@ from drystone.limits.limits import (
 )
 from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
+from drystone.settlement import reduce_friction
 
 __all__ = [
     "LIMITS",
@@ -62,6 +63,7 @@ __all__ = [
 ]
 
 LIMITS: Mapping[str, Offered] = {
+    "decay": Offered(reduce_friction, "arch.json", names=("options.pace", "time_limit_s")),
     "friction": Offered(limit_friction, "arch.json", ("scaled",)),
     "imperfections": Offered(
         imperfections,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from inspect import Parameter
@@ -16,7 +16,6 @@ from drystone.base.declared import (
     declared,
     declared_at,
     nested,
-    options_of,
     refuse_unknown,
 )
 from drystone.base.errors import DrystoneError, InputError
@@ -133,35 +132,35 @@ def _inspect(
     return told(Inspection(blocks, found, None, built), notes)
 
 
-def _paths(analysis: Callable[..., Any]) -> dict[str, str]:
+def _paths(offered: Offered) -> dict[str, str]:
     """What an analysis takes, by the last part of names such as ``options.rules.hands``."""
     late = ("executor", "time_limit_s")
-    paths = (*Offered(analysis).arguments, *options_of(analysis))
+    paths = (*offered.arguments, *offered.options)
     return {path.rpartition(".")[2]: path for path in paths if path not in late}
 
 
-def _arguments(analysis: Callable[..., Any], paths: Iterable[str]) -> dict[str, Declared]:
+def _arguments(offered: Offered) -> dict[str, Declared]:
     """What an analysis takes, a load as :func:`drystone.read` does."""
-    known = [declared_at(analysis, path) for path in paths]
+    known = [declared_at(offered.analysis, path) for path in _paths(offered).values()]
     load = declared(read)["load"].hint
     return {one.name: replace(one, hint=load) if LoadCase in one.kinds else one for one in known}
 
 
 def _tool(text: str, analysis: Callable[..., Answer], *names: str) -> Tool:
     """A tool of an analysis of a model, with some of its options."""
-    paths = {name.rpartition(".")[2]: name for name in names}
-    return Tool(text, partial(_analysed, analysis, paths), _arguments(analysis, names))
+    offered = Offered(analysis, names=names)
+    return Tool(text, partial(_analysed, offered), _arguments(offered))
 
 
 def _analysed(
-    analysis: Callable[..., Answer],
-    paths: Mapping[str, str],
+    offered: Offered,
     subject: Mapping[str, Any],
     values: dict[str, Any],
     folder: Folder,
     end: float,
 ) -> dict[str, Any]:
     """The answer of an analysis with values by the names of its options."""
+    analysis, paths = offered.analysis, _paths(offered)
     model, known = model_of(subject, folder), declared(analysis)
     for name, value in values.items():
         if LoadCase in declared_at(analysis, paths[name]).kinds:
@@ -180,13 +179,13 @@ def _limit(
     if of is None:
         raise InputError("is missing", where="of", remedy=f"give {', '.join(LIMITS)}")
     one = LIMITS[of]
-    paths = _paths(one.analysis)
+    paths = _paths(one)
     for name in (*one.arguments, *values):
         if name not in values:
             raise InputError(f"is missing for the limit of {of}", where=name, remedy="give it")
         if name not in paths:
             raise InputError(f"is not used by the limit of {of}", where=name, remedy="leave it out")
-    return _analysed(one.analysis, paths, subject, values, folder, end)
+    return _analysed(one, subject, values, folder, end)
 
 
 def told(answer: Answer, notes: Sequence[str]) -> dict[str, Any]:
@@ -226,11 +225,7 @@ TOOLS: Mapping[str, Tool] = {
         "some contact stiffness, 'uniform' for a uniform one.",
         _limit,
         {"of": _OF}
-        | {
-            name: argument
-            for one in LIMITS.values()
-            for name, argument in _arguments(one.analysis, _paths(one.analysis).values()).items()
-        },
+        | {name: argument for one in LIMITS.values() for name, argument in _arguments(one).items()},
     ),
     "mend": _tool(
         "Which changes make a model stand? Each was checked on the whole model, cheapest first. "

@@ -12,6 +12,7 @@ from drystone.answer import Answer, Role, Scene, Sentence, Verdict
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Bools, Floats
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -147,7 +148,7 @@ def gravity_region(
     key
         The block or blocks that are held; the supports of the model when left out.
     directions
-        Number of directions, evenly spread over the sphere, or the directions (g, 3).
+        Number of directions, evenly spread over the sphere. In Python also directions (g, 3).
     stands
         Whether to compute the full verdict too. It takes longer.
 
@@ -215,3 +216,11 @@ def _spread(count: int) -> Floats:
     turn = np.pi * (1.0 + np.sqrt(5.0)) * step
     across = np.sqrt(1.0 - height**2)
     return np.column_stack([across * np.cos(turn), across * np.sin(turn), height])
+
+
+OFFERED = Offered(
+    gravity_region,
+    "arch.json --directions 40",
+    ("directions", "stands"),
+    names=("directions", "stands", "executor", "time_limit_s"),
+)

@@ -24,6 +24,7 @@ from scipy import sparse
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene, seen
 from drystone.base.arrays import Floats
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError, SolverError, counted
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -218,3 +219,6 @@ def _sliding(rows: sparse.csr_matrix) -> Floats | None:
         return None
     square, vector = np.linalg.eigh(gram)
     return vector[:, 0] if square[0] < SLIDES * max(square[-1], 1e-300) else None
+
+
+OFFERED = Offered(interlocking, "arch.json --supports springer-left,springer-right", names=())

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias, Unpack
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen, frozen_floats, number
+from drystone.base.declared import Offered
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -73,8 +74,9 @@ def push(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     live
-        The load that grows: a load case, or forces on all masses as shares (3,) of their weight at
-        9.81 m/s2.
+        The load that grows: ``BLOCK:WHAT[@X,Y,Z]`` as for ``--load``, ``seismic:KX,KY``, or a load
+        case of the file by its name; left out, all masses are pushed along x. In Python a load
+        case, or forces on all masses as shares (3,) of their weight at 9.81 m/s2.
     to : [m] > 0
         Displacement at which it ends; left out, the mean size of a block.
     options
@@ -346,3 +348,8 @@ def _plain(found: LargeDisplacement) -> Floats:
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
     """The block that moves farthest while what drives is held."""
     return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.travel))])]
+
+
+OFFERED = Offered(
+    push, "arch.json seismic:0,1 --to 0.01", ("to",), names=("to", "options.pace", "time_limit_s")
+)

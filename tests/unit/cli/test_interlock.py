@@ -1,4 +1,4 @@
-"""``drystone interlock``."""
+"""``drystone interlock`` and ``drystone gravity``."""
 
 import json
 from pathlib import Path
@@ -30,15 +30,8 @@ def test_a_burr_interlocks_with_its_key_and_not_without(
 def test_directions_of_gravity_are_answered_with_the_verdict_where_it_is_asked(
     puzzle: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    given = ["interlock", puzzle, "--supports", "x-low", "--directions", "4", "--json"]
+    given = ["gravity", puzzle, "--supports", "x-low", "--directions", "4", "--json"]
     main(given)
     assert set(json.loads(capsys.readouterr().out)["shares"]) == {"frictionless", "balanced"}
     main([*given, "--stands"])
     assert "stands" in json.loads(capsys.readouterr().out)["shares"]
-
-
-def test_an_option_of_directions_is_not_ignored_without_them(
-    puzzle: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["interlock", puzzle, "--supports", "x-low", "--stands"]) == 2
-    assert "write --directions" in capsys.readouterr().err

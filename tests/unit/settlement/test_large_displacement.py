@@ -272,13 +272,10 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert target.read_text(encoding="utf-8").startswith("displacement [m],load\n")
     assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
     assert "slides" in capsys.readouterr().out
-    assert main(["push", file, "--lose-friction"]) == 1
+    assert main(["limit", "decay", file]) == 1
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--gravity", "9,0,-9"]) == 1
     assert "does not stand before the load grows" in capsys.readouterr().out
-    for named in (["--to", "1"], ["seismic:1,0"], [""]):
-        assert main(["push", file, "--lose-friction", *named]) == 2
-        assert "contradict" in capsys.readouterr().err
     assert main(["push", file, ""]) == 2
     assert "no load case is called ''" in capsys.readouterr().err
 
