@@ -1,5 +1,8 @@
 """How the site is built: ``sphinx-build -W docs build/site`` after ``pip install ".[docs]"``."""
 
+import html
+import inspect
+import os
 import re
 import sys
 from pathlib import Path
@@ -18,12 +21,14 @@ from reference import write_reference
 
 project = "drystone"
 author = "The drystone developers"
+copyright = f"2026, {author}"
 version = release = drystone.__version__
 
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]
@@ -49,7 +54,13 @@ suppress_warnings = ["ref.python"]  # attributes of two classes may have one nam
 
 html_theme = "furo"
 html_title = f"drystone {version}"
-html_static_path: list[str] = []
+html_favicon = "images/favicon.svg"
+html_static_path = ["site/gallery.css", "images/vault.png"]
+html_css_files = ["gallery.css"]
+html_baseurl = os.environ.get("DRYSTONE_SITE", "")
+"""The address of the site, with a slash at its end: pictures of links need it."""
+copybutton_prompt_text = "$ "
+copybutton_only_copy_prompt_lines = False
 
 html_math_renderer = "mathml"  # read by every browser, without a script from elsewhere
 
@@ -64,6 +75,44 @@ def display_math(self, node):
     """A formula of its own."""
     self.body.append(tex2mathml(node.astext(), as_block=True))
     raise SkipNode
+
+
+def social(*event):
+    """What a link to a page shows elsewhere: its title, and the picture of a vault."""
+    context = event[3]
+    title = re.sub("<[^>]*>", "", context.get("title") or project)
+    tags = {
+        "title": f"{title} - {project}",
+        "type": "website",
+        "site_name": project,
+        "description": "Does a structure of loose blocks stand by contact and friction alone?",
+        "image": f"{html_baseurl}_static/vault.png",
+        "image:alt": "A vault of 97 blocks that stands, with the force in every joint",
+    }
+    context["metatags"] = context.get("metatags", "") + "".join(
+        f'<meta property="og:{key}" content="{html.escape(value)}" />\n'
+        for key, value in tags.items()
+    )
+
+
+def whole_line(*event):
+    """A description with a colon in its first line is not a type and a description."""
+    what, lines = event[1], event[-1]
+    if what in ("attribute", "data", "property"):
+        lines.insert(0, "")
+
+
+def how_of_models(*event):
+    """What ``**how`` takes, where a function says nothing of it."""
+    _, what, _, called, _, lines = event
+    if what != "function" or "how" not in inspect.signature(called).parameters or "how" in lines:
+        return
+    rules = [i for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
+    if not rules or lines[rules[0] - 1] != "Parameters":
+        return
+    end = rules[1] - 1 if len(rules) > 1 else len(lines)
+    told = "How a model is made of an assembly or a file: the keywords of :func:`drystone.read`."
+    lines[end:end] = ["how", f"    {told}", ""]
 
 
 def by_last_name(app, env, node, content):
@@ -87,6 +136,9 @@ def without_links(*event):
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
+    app.connect("autodoc-process-docstring", whole_line, priority=400)
+    app.connect("autodoc-process-docstring", how_of_models, priority=400)
+    app.connect("html-page-context", social)
     app.connect("missing-reference", by_last_name)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     write_reference(HERE / "reference" / "api")

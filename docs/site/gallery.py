@@ -39,6 +39,8 @@ def _get_sg_image_scraper() -> Any:
 SETTINGS = {
     "examples_dirs": str(HERE.parents[1] / "examples" / "gallery"),
     "gallery_dirs": "gallery",
+    "backreferences_dir": "gallery/uses",
+    "doc_module": ("drystone",),
     "filename_pattern": "/plot_",
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": ("_repr_html_", "__repr__"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+import drystone
 from drystone.cli.application import app
 
 ROOMS = {
@@ -54,15 +55,28 @@ def public(module: str, seen: set[int]) -> list[str]:
 def entry(module: str, name: str) -> str:
     """The directive of one name."""
     value = getattr(import_module(module), name)
+    examples = f"\n.. minigallery:: {module}.{name}\n"
     if inspect.isclass(value):
         kind = "autoexception" if issubclass(value, BaseException) else "autoclass"
         options = "   :members:\n"
         if issubclass(value, enum.Enum):
             options += "   :undoc-members:\n"
-        return f".. {kind}:: {module}.{name}\n{options}"
+        return f".. {kind}:: {module}.{name}\n{options}{examples}"
     if inspect.isroutine(value):
-        return f".. autofunction:: {module}.{name}\n"
+        return f".. autofunction:: {module}.{name}\n{examples}"
     return f".. py:data:: {module}.{name}\n\n   ``{value!r}``\n"
+
+
+def elsewhere(module: str, names: set[str]) -> list[str]:
+    """References to public names of a module that are listed with an earlier one."""
+    listed = sorted(set(getattr(import_module(module), "__all__", ())) - names)
+    room = import_module(module)
+    kinds = {
+        name: "class" if inspect.isclass(getattr(room, name)) else "func"
+        for name in listed
+        if callable(getattr(room, name))
+    }
+    return [f":{kind}:`drystone.{name}`" for name, kind in kinds.items() if hasattr(drystone, name)]
 
 
 def titled(title: str, underline: str = "=") -> str:
@@ -79,6 +93,8 @@ def api(folder: Path) -> list[str]:
         for module in modules:
             names = sorted(public(module, seen))
             text += f"``import {module}``\n\n" if names else ""
+            others = elsewhere(module, set(names)) if module != "drystone" else []
+            text += f"Here too: {', '.join(others)}.\n\n" if others else ""
             text += "\n".join(entry(module, name) for name in names) + "\n"
         pages.append(modules[0])
         (folder / f"{modules[0]}.rst").write_text(text, "utf-8")

@@ -334,10 +334,12 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
 
 
 def test_the_version_has_one_source() -> None:
-    others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "CITATION.cff", "README.md"]
+    others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "README.md"]
     others += ["docs/trust/citing.md", "docs/conf.py"]
     named = [name for name in others if __version__ in (ROOT / name).read_text("utf-8")]
     assert named == []
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert citation["version"] == citation["preferred-citation"]["version"] == __version__
 
 
 def test_a_release_is_refused_until_its_addresses_date_and_version_are_there(
