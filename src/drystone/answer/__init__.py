@@ -1,10 +1,9 @@
 """What every answer says of itself, what was asked, and the data of its picture."""
 
-from drystone.answer.answer import Answer, plain
+from drystone.answer.answer import Answer, Statement, plain
 from drystone.answer.question import Question
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.answer.sentences import Role, Sentence, Verdict
-from drystone.answer.statement import Statement
 
 __all__ = [
     "Answer",

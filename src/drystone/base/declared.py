@@ -200,8 +200,9 @@ def declared(of: Callable[..., Any]) -> Mapping[str, Declared]:
     6
     """
     told = dict(_documented(inspect.getdoc(of) or ""))
-    hints = typing.get_type_hints(of)
     known: dict[str, Any]
+    plain = isinstance(of, type) and not dataclasses.is_dataclass(of)
+    hints = typing.get_type_hints(vars(of)["__init__"] if plain else of)
     if dataclasses.is_dataclass(of):
         known = {one.name: _default(one) for one in dataclasses.fields(of)}
     else:

@@ -164,7 +164,7 @@ app = _group(
         "mend": "mend_command",
         "models": "models_command",
         "plan": "plan_command",
-        "poses": "poses_command",
+        "poses": "file_commands",
         "push": (
             "drystone.settlement.large_displacement",
             "Load against displacement, until the load is zero again",

@@ -1,4 +1,4 @@
-"""Commands on files: ``convert`` and ``inspect``."""
+"""Commands on the blocks of files: ``convert``, ``inspect`` and ``poses``."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from drystone.base.errors import InputError
 from drystone.base.files import same_place
 from drystone.cli import kinds
 from drystone.cli.command import command
-from drystone.cli.model_input import Converted, Inspected, warnings_of
-from drystone.cli.offered import CONTACTS, OUTPUT, Argument, Option
+from drystone.cli.model_input import Converted, Inspected, Source, warnings_of
+from drystone.cli.offered import CONTACTS, MODEL, OUTPUT, Argument, Option
 from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures
@@ -146,3 +146,28 @@ def inspect(
 
 def _no_files() -> Files:
     return [], []
+
+
+@command(
+    "drystone poses arch.json --block voussoir-03 --html poses.html",
+    "drystone poses arch.json --block voussoir-06 --json",
+)
+def poses(
+    *,
+    source: Source,
+    block: Annotated[
+        str | None, Option("Which block of several; the only free one when left out.", MODEL)
+    ] = None,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Told:
+    """Find the poses on a plane in which one block stands, with their shares and tilts.
+
+    The share is how often it ends so when it is put down at random. Exit code 0: it stands. 2: bad
+    input.
+    """
+    from drystone.poses import find_poses  # the program starts fast
+
+    waiting.stage("read", f"reading {source.name}")
+    found = find_poses(source.place, block=block, **source.how)
+    return Told(found, files=partial(pictures.of, found))

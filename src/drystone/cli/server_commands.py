@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import click
 
-from drystone.base.errors import InputError
 from drystone.base.files import write_bytes
 from drystone.cli import kinds, output
 from drystone.cli.command import command
-from drystone.cli.kinds import POSITIVE
 from drystone.cli.model_input import HOW
-from drystone.cli.offered import ANALYSIS, OUTPUT, Analysis, Argument, Option
+from drystone.cli.offered import OUTPUT, Analysis, Argument, Of, Option
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -31,7 +29,10 @@ def live(
         str | None, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
     ] = None,
     reading: Annotated[Analysis, HOW()],
-    port: Annotated[int, Option("First port that is tried; 0 for any.", OUTPUT)] = 8377,
+    served: Annotated[
+        Analysis,
+        Of("drystone.live.serving.Live", ("port", "time_limit", "size_limit"), shown=("port",)),
+    ],
     no_browser: Annotated[bool, Option("Print the link and open no browser.", OUTPUT)] = False,
     client: Annotated[
         Path | None,
@@ -41,12 +42,6 @@ def live(
             kind=kinds.target(".py"),
         ),
     ] = None,
-    time_limit: Annotated[
-        float, Option("Seconds for one answer.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
-    ] = 60.0,
-    size_limit: Annotated[
-        float, Option("MiB of one model.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
-    ] = 16.0,
     waiting: Waiting,
 ) -> None:
     """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
@@ -64,8 +59,6 @@ def live(
         raise output.UsageFault("is missing", where="MODEL", remedy="name a model file")
     from drystone.live import serve  # the program starts fast: work is imported when there is some
 
-    if not 0 <= port < 2**16:
-        raise InputError(f"is {port}", where="--port", remedy="give 0 to 65535")
     ctx = click.get_current_context()
     waiting.stage("read", f"reading {model}")
 
@@ -77,7 +70,7 @@ def live(
             sys.stdout.flush()
 
     how = reading.given
-    serve(model, began=began, port=port, how=how, time_limit=time_limit, size_limit=size_limit)
+    serve(model, began=began, how=how, **served.given)
 
 
 def said(server: Live, as_json: bool) -> None:
@@ -106,8 +99,7 @@ def opened(link: str) -> bool:
 def mcp(
     *,
     folder: Annotated[str, Argument("FOLDER", "The only folder that files are read from.")],
-    time_limit: Annotated[float, Option("Seconds for one call.", kind=POSITIVE)] = 50.0,
-    size_limit: Annotated[float, Option("MiB of one model.", kind=POSITIVE)] = 16.0,
+    served: Annotated[Analysis, Of("drystone.mcp.serve", shown=("time_limit", "size_limit"))],
     waiting: Waiting,  # noqa: ARG001  # the client waits
 ) -> None:
     """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
@@ -116,4 +108,4 @@ def mcp(
     """
     from drystone.mcp import serve  # the program starts fast: work is imported when there is some
 
-    serve(folder, time_limit=time_limit, size_limit=size_limit)
+    serve(folder, **served.given)

@@ -210,7 +210,7 @@ def read(
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
     if progress is not None:
         progress("read", 0, 2)
-    asked: dict[str, Any] = {
+    asked: How = {
         "supports": supports, "friction": friction, "density": density,
         "joint_capacity": joint_capacity, "anyway": anyway, "only": only, "without": without,
         "isolate": isolate, "search": search,
@@ -223,10 +223,10 @@ def read(
     contents = read_file(path, supports=named, skip_defects=skip_defects, **of_file)
     model = _model_of(
         contents if up == "z" else _upright(contents, up, path),
-        loads=Loads(gravity, load, case, seismic),
-        detection=tolerances(detection, gap, angle, edges),
-        progress=progress,
-        **asked,
+        Loads(gravity, load, case, seismic),
+        tolerances(detection, gap, angle, edges),
+        asked,
+        progress,
     )
     given = {
         **of_file, **asked, "up": None if up == "z" else up, "gravity": gravity, "case": case,
@@ -260,27 +260,18 @@ def _upright(contents: Contents, up: str, path: Paths) -> Contents:
 
 def _model_of(
     contents: Contents,
-    *,
     loads: Loads,
     detection: DetectionOptions | None,
-    supports: str | Sequence[int | str] | GroundPlane | None = None,
-    friction: float | str | None = None,
-    density: float | None = None,
-    joint_capacity: str | None = None,
-    anyway: bool = False,
-    search: bool = False,
-    only: str | Sequence[str] = (),
-    without: str | Sequence[str] = (),
-    isolate: str | Sequence[str] = (),
+    how: How,
     progress: Progress | None = None,
 ) -> Model:
     """The model of what was read, or of an assembly; see :func:`read`."""
-    of_type(anyway, bool, "anyway")
-    coefficient = _coefficient(friction)
-    contents, notes = _part_of(contents, only, without)
+    anyway, density = of_type(how.get("anyway", False), bool, "anyway"), how.get("density")
+    coefficient = _coefficient(how.get("friction"))
+    contents, notes = _part_of(contents, how)
     up = up_of_load(loads.acceleration)
-    stored = contents.contacts is not None and not search
-    contents, supports = _on_ground(contents, supports, up, stored)
+    stored = contents.contacts is not None and not how.get("search")
+    contents, supports = _on_ground(contents, how.get("supports"), up, stored)
     assembly = contents.assembly
     if contents.contacts is not None and stored:
         assembly = assembly if density is None else assembly.with_density(density)
@@ -301,11 +292,12 @@ def _model_of(
             detection=detection,
             anyway=anyway,
         )
-    model = _isolated(model, isolate)
+    model = _isolated(model, how)
     notes += model.notes
     total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
-    model = replace(model, load=total, notes=(*notes, *said), cases=contents.loads)
-    return model if joint_capacity is None else with_joint_capacity(model, joint_capacity)
+    return _with_capacity(
+        replace(model, load=total, notes=(*notes, *said), cases=contents.loads), how
+    )
 
 
 def _on_ground(
@@ -371,12 +363,16 @@ def _coefficient(friction: float | str | None) -> float | None:
         raise error.located("friction") from error
 
 
-def _part_of(
-    contents: Contents, only: str | Sequence[str], without: str | Sequence[str]
-) -> tuple[Contents, list[str]]:
+def _with_capacity(model: Model, how: How) -> Model:
+    """The model with the capacities of joints that are asked for."""
+    words = how.get("joint_capacity")
+    return model if words is None else with_joint_capacity(model, words)
+
+
+def _part_of(contents: Contents, how: How) -> tuple[Contents, list[str]]:
     """What was read, less the blocks that are left out, and its notes."""
     assembly, notes = contents.assembly, list(contents.notes)
-    kept = kept_of(assembly, only, without)
+    kept = kept_of(assembly, how.get("only", ()), how.get("without", ()))
     if len(kept) == len(assembly):
         return contents, notes
     notes.append(f"{counted(len(assembly) - len(kept), 'block')} of {len(assembly)} left out")
@@ -425,11 +421,12 @@ def _named(assembly: Assembly, given: str | Sequence[str], option: str) -> Bools
     return np.any(chosen, axis=0)
 
 
-def _isolated(model: Model, blocks: str | Sequence[str]) -> Model:
+def _isolated(model: Model, how: How) -> Model:
     """The model with all blocks fixed but these.
 
     Source: Kao 2023, section 6.3.2, an unstable block with its neighbours as supports.
     """
+    blocks = how.get("isolate", ())
     if not len(blocks):
         return model
     fixed = model.assembly.fixed | ~_named(model.assembly, blocks, "isolate")
@@ -467,41 +464,30 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     refuse_unknown(how, list(How.__annotations__))
     if is_paths(given):
         return read(given, **how)
-    rest: dict[str, Any] = dict(how)
-    names = ("gravity", "load", "case", "seismic")
-    loads = Loads(**{name: rest.pop(name) for name in names if name in rest})
+    loads = Loads(how.get("gravity"), how.get("load"), how.get("case", ()), how.get("seismic"))
     if not isinstance(given, Model):
         _refuse(how, _OF_FILES, "an assembly")
-        names = ("detection", "gap", "angle", "edges")
-        found = tolerances(*(rest.pop(name, None) for name in names))
-        return _model_of(Contents(assembly_of(given)), loads=loads, detection=found, **rest)
+        found = tolerances(how.get("detection"), how.get("gap"), how.get("angle"), how.get("edges"))
+        return _model_of(Contents(assembly_of(given)), loads, found, how)
     _refuse(how, (*_OF_FILES, *_OF_THE_SEARCH), "a model")
-    return _changed(given, loads, **rest)
+    return _changed(given, loads, how)
 
 
-def _changed(
-    model: Model,
-    loads: Loads,
-    *,
-    supports: str | Sequence[int | str] | GroundPlane | None = None,
-    friction: float | str | None = None,
-    joint_capacity: str | None = None,
-    only: str | Sequence[str] = (),
-    without: str | Sequence[str] = (),
-    isolate: str | Sequence[str] = (),
-) -> Model:
+def _changed(model: Model, loads: Loads, how: How) -> Model:
     """A model with other supports, friction or loads."""
+    only, without, supports = how.get("only", ()), how.get("without", ()), how.get("supports")
+    coefficient = _coefficient(how.get("friction"))
     if only or without:
         model = model.subset(kept_of(model.assembly, only, without))
     if supports is not None:
         model = model.with_supports(supports, up_of_load(loads.acceleration))  # type: ignore[arg-type]
-    model = _isolated(model, isolate)
-    if friction is not None:
-        model = model.with_friction(_coefficient(friction))  # type: ignore[arg-type]
+    model = _isolated(model, how)
+    if coefficient is not None:
+        model = model.with_friction(coefficient)
     if loads != Loads():
         total, notes = loads.on(model.assembly, model.cases, base=model.load)
         model = replace(model, load=total, notes=(*model.notes, *notes))
-    return model if joint_capacity is None else with_joint_capacity(model, joint_capacity)
+    return _with_capacity(model, how)
 
 
 def supported_model(given: Given, **how: Unpack[How]) -> Model:

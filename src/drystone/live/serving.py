@@ -40,13 +40,13 @@ class Live:
     model
         A model file. Files beside it are readable by calls of the JSON interface, and no others.
     port
-        The first that is tried; a taken one is passed over.
+        First port that is tried; 0 for any. A taken one is passed over.
     how
         Arguments of :func:`drystone.read`.
     time_limit : [s]
-        For a verdict, a task or a call.
+        Time for a verdict, a task or a call.
     size_limit : [MiB]
-        Of a model.
+        Size of a model.
 
     Raises
     ------
@@ -66,6 +66,8 @@ class Live:
         for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
             if not 0.0 < value < float("inf"):
                 raise InputError(f"is {value}", where=name, remedy="give a number above zero")
+        if not 0 <= port < 2**16:
+            raise InputError(f"is {port}", where="port", remedy="give 0 to 65535")
         file = Path(model)
         if not file.is_file():
             raise InputError("there is no such file", where=str(model), remedy="check the path")

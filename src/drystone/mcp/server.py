@@ -27,9 +27,9 @@ def serve(
     folder
         The only folder that files are read from.
     time_limit : [s]
-        For one call.
+        Time for one call.
     size_limit : [MiB]
-        Of one model.
+        Size of one model.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -127,16 +127,16 @@ def solve_cra_penalty(
     dry = decided(Asked(problem, asked, clock, progress), executor)
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
-    if dry.stable:
+
+    def told(message: str, **found: Any) -> Result:
+        time_s = {"solve": clock.elapsed_s}
         return replace(
-            dry,
-            method="cra-penalty",
-            message="no block needs help: it stands dry",
-            tension=np.zeros(corners),
-            prop=np.zeros((len(assembly), 6)),
-            options=chosen,
-            time_s={"solve": clock.elapsed_s},
+            dry, method="cra-penalty", message=message, options=chosen, time_s=time_s, **found
         )
+
+    if dry.stable:
+        none = {"tension": np.zeros(corners), "prop": np.zeros((len(assembly), 6))}
+        return told("no block needs help: it stands dry", **none)
     if progress is not None:
         progress("glue", 0, 1)
     statics = problem.statics
@@ -145,14 +145,8 @@ def solve_cra_penalty(
         problem.statics, law.uniform(statics), replace(TO_REST, end=None), stop=clock.late
     )
     if clock.late():
-        return replace(
-            dry,
-            method="cra-penalty",
-            message=f"{dry.message}; {clock.reason} before the help that it needs was known",
-            stopped=clock.reason,
-            options=chosen,
-            time_s={"solve": clock.elapsed_s},
-        )
+        early = f"{dry.message}; {clock.reason} before the help that it needs was known"
+        return told(early, stopped=clock.reason)
     share = problem.ground_share(leaning.ground)
     prop = dry.prop
     leans = leaning.converged and share.max() > FALLS_FROM
@@ -170,19 +164,15 @@ def solve_cra_penalty(
         displacement,
         prop=-problem.wrench(glued.ground),
     )
-    return replace(
-        dry,
-        method="cra-penalty",
-        message=_words([assembly.names[i] for i in order], {assembly.names[i] for i in unheld}),
+    return told(
+        _words([assembly.names[i] for i in order], {assembly.names[i] for i in unheld}),
         force=force,
         tension=tension,
         displacement=displacement,
         prop=prop,
         falling=order,
         residuals=residuals,
-        options=chosen,
         iterations=dry.iterations + glued.iterations + leaning.iterations,
-        time_s={"solve": clock.elapsed_s},
     )
 
 
