@@ -39,8 +39,8 @@ class Question(OneLine):
         The file of the model, and the hash of its content; empty where there was none.
     reading
         How it was read, where that was given: units, axis, supports, gap and others.
-    blocks, interfaces
-        How many.
+    blocks, interfaces, joints
+        How many. A curved joint has several interfaces.
     size : [m]
         Along x, y and z.
     free_mass : [kg]
@@ -73,6 +73,7 @@ class Question(OneLine):
     reading: Mapping[str, str] = field(default_factory=dict)
     blocks: int = 0
     interfaces: int = 0
+    joints: int = 0
     size: tuple[float, ...] = ()
     free_mass: float = 0.0
     supports: tuple[str, ...] = ()
@@ -133,6 +134,7 @@ class Question(OneLine):
         return cls(
             blocks=len(assembly),
             interfaces=contacts.count,
+            joints=contacts.joints.count,
             size=tuple((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).tolist()),
             free_mass=float(assembly.mass[free].sum()),
             supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
@@ -157,7 +159,7 @@ class Question(OneLine):
             "File": PurePath(self.file).name,
             "Read with": _pairs(self.reading),
             "Blocks": f"{self.blocks:,}" if self.blocks else "",
-            "Interfaces": f"{self.interfaces:,}" if self.blocks else "",
+            "Interfaces": f"{self.interfaces:,}{self._in_joints()}" if self.blocks else "",
             "Size": units.extent(self.size) if self.size else "",
             "Supports": _supports(self.supports) if self.blocks else "",
             "Free mass": units.mass(self.free_mass) if self.blocks else "",
@@ -175,8 +177,12 @@ class Question(OneLine):
     def line(self) -> str:
         """The same in one line, with the number of interfaces and the size."""
         told = self.facts()
-        more = [counted(self.interfaces, "interface"), told.get("Size", "")] if self.blocks else []
+        touching = counted(self.interfaces, "interface") + self._in_joints()
+        more = [touching, told.get("Size", "")] if self.blocks else []
         return " \N{MIDDLE DOT} ".join(one for one in (asked_line(told), *more) if one)
+
+    def _in_joints(self) -> str:
+        return f" in {counted(self.joints, 'joint')}" if self.joints < self.interfaces else ""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values; empty entries are left out."""

@@ -313,8 +313,23 @@ class Scene(OneLine):
         return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
 
     @cached_property
+    def plane(self) -> int | None:
+        """The axis (0 or 1) across which all blocks reach equally far, of a thin model; or None."""
+        span, each = self.bounds[1] - self.bounds[0], self.assembly.bounds
+        for axis in (1, 0):
+            alike = np.ptp(each[:, :, axis], axis=0).max() <= 1e-6 * span.max()
+            if alike and span[axis] < _THIN * span.max():
+                return axis
+        return None
+
+    @cached_property
     def toward(self) -> Floats:
-        """(3,) unit, from the model to the eye at first: across its longer side, from above."""
+        """(3,) unit, from the model to the eye at first: across its longer side, from above.
+
+        A plane structure is seen from the front.
+        """
+        if self.plane is not None:
+            return np.array([1.0, 0.0, 0.0]) if self.plane == 0 else np.array([0.0, -1.0, 0.0])
         x, y, z = self.bounds[1] - self.bounds[0]
         azimuth = np.deg2rad(-60.0 if x >= y else -30.0)
         if min(x, y) < _THIN * max(x, y):

@@ -25,7 +25,7 @@ from drystone.joints import (
 from drystone.loads.applied import applied_loads
 from drystone.results.reactions import reaction_table
 from drystone.results.solution import Sensitivity, Solution
-from drystone.results.stage import stage_of
+from drystone.results.stage import FAINT, stage_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,12 +171,16 @@ class Result(Solution, Answer):
         return Table("reactions", {"support": []}) if self.force is None else reaction_table(self)
 
     def _largest(self) -> Table:
-        """The joints with the largest normal force and with most of the friction used."""
+        """The joints with the largest normal force and with most of the friction used.
+
+        What a joint that carries hardly anything uses of its friction says nothing.
+        """
         if self.force is None or self.contacts.count == 0:
             return Table("most loaded", {"joint": []})
         names, contacts = self.assembly.names, self.contacts.joints
         found, used = by_joint(self.contacts, self.resultants, self.utilisation)
-        at = np.array([np.argmax(found.normal), np.argmax(used)])
+        told = np.where(found.normal > FAINT * found.normal.max(), used, -1.0)
+        at = np.array([np.argmax(found.normal), np.argmax(told)])
         normal, tangential = found.normal[at], found.tangential[at]
         columns = {
             "joint": ["largest force", "most friction used"],

@@ -9,7 +9,7 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``half``
     [m], half the sides of the box around the model.
 ``toward``
-    From the model to the eye at first.
+    From the model to the eye at first; ``flat`` where that is a parallel projection.
 ``facts``, ``made``
     What was asked, as pairs of a name and a text; the date and the version of drystone.
 ``blocks``
@@ -32,7 +32,8 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``stages``
     Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
     the optional arrays of :class:`drystone.answer.SceneStage`, and ``layers``. ``scale``
-    of a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar.
+    of a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar. The motion
+    of a ``virtual`` one happens nowhere.
 """
 
 from __future__ import annotations
@@ -56,6 +57,7 @@ from drystone.geometry.kern import kern
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
 from drystone.joints import forces_around
+from drystone.results.stage import VIRTUAL
 from drystone.view.exploded import ways_apart
 from drystone.view.palette import (
     FORCE_RAMP,
@@ -144,6 +146,7 @@ def encode(scene: Scene) -> dict[str, Any]:
         "title": scene.title,
         "origin": origin.tolist(),
         "toward": scene.toward.tolist(),
+        "flat": scene.plane is not None,
         "half": (0.5 * (scene.bounds[1] - scene.bounds[0])).tolist(),
         "blockSize": scene.block_size,
         "facts": list(scene.facts.items()),
@@ -277,6 +280,7 @@ def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
         "message": stage.message,
         "verdict": stage.verdict.name if stage.verdict is not None else None,
         "facts": list(stage.facts.items()),
+        "virtual": stage.motion_name == VIRTUAL,
         "motionName": stage.motion_name,
         "plays": stage.plays,
         "seconds": max(stage.seconds, 1.0),

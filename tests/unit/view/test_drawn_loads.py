@@ -126,3 +126,24 @@ def test_loads_and_reactions_are_in_cad_files(loaded: drystone.Result, tmp_path:
     content = (tmp_path / "arch.glb").read_bytes()
     for name in (b"loads", b"moments, up to 30 N m", b"reactions of supports", b"0.05 g"):
         assert name in content
+
+
+def test_of_many_hinges_those_of_the_largest_forces_are_marked() -> None:
+    model = drystone.Model.of(tower(32))
+    force = np.zeros((model.contacts.corner_count, 3))
+    lower = model.contacts.point[:, 0] < 0.5  # each joint presses on one edge
+    force[lower, 0] = 100.0 + model.contacts.interface[lower]
+    drawn = layers(drystone.Result("rest", drystone.Verdict.STABLE, model, force=force))["hinges"]
+    assert drawn.label == "hinge: presses on one edge, the most loaded of 31"
+    assert drawn.interface is not None
+    assert sorted(drawn.interface.tolist()) == list(range(7, 31))
+
+
+def test_joints_that_carry_nothing_do_not_use_most_friction() -> None:
+    model = drystone.Model.of(tower(3), friction=0.5)
+    force = np.zeros((model.contacts.corner_count, 3))
+    force[model.contacts.interface == 0] = (1000.0, 100.0, 0.0)
+    force[model.contacts.interface == 1] = (1.0, 0.5, 0.0)
+    result = drystone.Result("rest", drystone.Verdict.STABLE, model, force=force)
+    (table,) = [one for one in result.tables() if one.key == "most_loaded"]
+    assert table["interface"].tolist() == [0, 0]

@@ -50,7 +50,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     showEdges: shownLayers.get("edges") && !(hurried && (bare || data.count >= MANY)),
     hurried,
     coarse: coarse(),
-    showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !camera.spread,
+    showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread,
     showGround: shownLayers.get("ground") && !camera.spread,
     layers: layers.filter((layer) => isDrawn(layer, time)),
     metresPerPixel: (2 * camera.distance * SLOPE) / height,

@@ -1,20 +1,43 @@
 // What a view has to hold: blocks, where they move to, and the arrows of forces.
 
 const MOST_POINTS = 100000; // corners looked at
+const SUPPORT = 2; // the state of a support
+const AROUND = 0.15; // of supports, by the size of what is free
 
 // Places (three numbers each) with the model taken apart by `spread`.
 function placesAt(spread) {
   return new Float32Array([...cornersAt(spread), ...motionEnds(), ...(spread ? [] : arrowEnds())]);
 }
 
-// Corners of the blocks, every so-many-th where there are many.
+// Corners of the blocks, every so-many-th where there are many. Of supports those near what is free: a slab under
+// a column is not what one looks at.
 function cornersAt(spread) {
   const { away } = data.blocks;
   const places = [];
+  const near = nearFree();
   someCorners((p, block) => {
-    for (let i = 0; i < 3; i++) places.push(p[i] + spread * away[3 * block + i]);
+    const support = supports(block);
+    for (let i = 0; i < 3; i++) {
+      const at = p[i] + spread * away[3 * block + i];
+      places.push(support ? Math.min(near.high[i], Math.max(near.low[i], at)) : at);
+    }
   });
   return places;
+}
+
+const supports = (block) => stage().state[block] === SUPPORT;
+
+// The box around what is free, and a margin around it; without limits where nothing is free.
+function nearFree() {
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  someCorners((p, block) => {
+    if (supports(block)) return;
+    for (let i = 0; i < 3; i++) [low[i], high[i]] = [Math.min(low[i], p[i]), Math.max(high[i], p[i])];
+  });
+  const size = vec.length(vec.sub(high, low));
+  if (!(size < Infinity)) return { low: low.map(() => -Infinity), high: high.map(() => Infinity) };
+  const margin = AROUND * size;
+  return { low: low.map((x) => x - margin), high: high.map((x) => x + margin) };
 }
 
 function someCorners(use) {

@@ -54,7 +54,7 @@ function legendRows(data, stage, theme, shown) {
       rows.push({ colour, text: layerText(layer), shape });
     }
   }
-  if (stage.motion?.some((way) => way !== 0) && shown({ key: "ghost" })) {
+  if (!stage.virtual && stage.motion?.some((way) => way !== 0) && shown({ key: "ghost" })) {
     const name = stage.motionName.toLowerCase();
     const text = stage.arrives ? "where the block comes from" : `${name}, at its end`;
     const [light, dark] = stage.state.includes(FALLING) ? ["#852161", "#f2add9"] : ["#404040", "#cccccc"];

@@ -113,6 +113,7 @@ presetButtons();
 connect();
 choosePreset(data.preset);
 setStage(data.opens);
+camera.flat = data.flat;
 fit(undefined, undefined, 0);
 if (data.section) setSection(...data.section);
 readView(location.hash.slice(1));

@@ -68,13 +68,13 @@ function contactTable(data, stage, block, actions) {
   const { a, b, area } = data.contacts;
   const forces = stage.normal !== null;
   const table = element("table");
-  table.append(element("caption", `${found.length} interface${found.length === 1 ? "" : "s"}`));
+  table.append(element("caption", `${found.length} joint${found.length === 1 ? "" : "s"}`));
   const head = table.createTHead().insertRow();
   const titles = forces
     ? [["with", ""], ["normal", "normal force, pressure positive"],
-       ["shear", "force in the plane of the interface"],
+       ["shear", "force in the plane of the joint"],
        ["friction", "share of the friction that is used"]]
-    : [["with", ""], ["area", "area of the interface"]];
+    : [["with", ""], ["area", "area of the joint"]];
   for (const [text, title] of titles) head.append(element("th", text, { scope: "col", title }));
   const body = table.createTBody();
   for (const i of found) {
@@ -187,7 +187,10 @@ function matches(names, text, most = 12) {
   return { blocks: found.slice(0, most).map(([, i]) => i), total: found.length };
 }
 
-// Lists of what is worst, largest first: [title, [[text, value, action], ...]].
+const FAINT = 0.05; // what joints that carry less than this share of the largest force use of their friction says nothing
+const PLANS = 4; // of joints below a list
+
+// Lists of what is worst, largest first: [title, [{ name, value, action, joint }, ...]].
 function worstLists(data, stage, actions, most = 8) {
   const lists = [];
   const top = (count, value) => {
@@ -195,16 +198,18 @@ function worstLists(data, stage, actions, most = 8) {
     return Array.from(order.sort((i, j) => value(j) - value(i)).subarray(0, most));
   };
   if (stage.normal) {
-    const joint = (i, text) => [jointName(data, i), text, () => actions.selectJoint(i)];
+    const joint = (i, value) => ({ name: jointName(data, i), value, action: () => actions.selectJoint(i), joint: i });
+    const least = FAINT * stage.normal.reduce((x, y) => Math.max(x, y), 0);
+    const used = (i) => (stage.normal[i] > least ? stage.utilisation[i] : 0);
     lists.push(["Largest normal force", top(stage.normal.length, (i) => stage.normal[i])
       .map((i) => joint(i, quantity(stage.normal[i], "N")))]);
-    lists.push(["Most friction used", top(stage.normal.length, (i) => stage.utilisation[i])
-      .map((i) => joint(i, percent(stage.utilisation[i])))]);
+    lists.push(["Most friction used", top(stage.normal.length, used).map((i) => joint(i, percent(used(i))))]);
   }
   if (stage.prop) {
     const force = (i) => vec.length(stage.prop.subarray(6 * i, 6 * i + 3));
-    lists.push(["Most help needed", top(data.count, force)
-      .map((i) => [data.blocks.names[i], quantity(force(i), "N"), () => actions.select(i)])]);
+    lists.push(["Most help needed", top(data.count, force).map((i) => ({
+      name: data.blocks.names[i], value: quantity(force(i), "N"), action: () => actions.select(i),
+    }))]);
   }
   return lists.filter(([, rows]) => rows.length);
 }
@@ -218,12 +223,26 @@ function showWorst(data, stage, actions) {
     const part = element("details");
     part.append(element("summary", title));
     const list = element("ol");
-    for (const [name, value, action] of rows) {
+    for (const { name, value, action } of rows) {
       const item = element("li");
       item.append(button(name, action, { title: name }), element("span", value));
       list.append(item);
     }
     part.append(list);
+    part.addEventListener("toggle", () => part.append(plansOf(data, stage, rows)), { once: true });
     box.append(part);
   }
+}
+
+// Plans of the first joints of a list, with kern and centre of pressure.
+function plansOf(data, stage, rows) {
+  const plans = element("div", undefined, { class: "plans" });
+  for (const { name, value, action, joint } of rows.slice(0, PLANS)) {
+    if (joint === undefined) continue;
+    const plan = jointPlan(data, stage, joint);
+    plan.addEventListener("click", action);
+    plan.lastChild.textContent = `${name}, ${value}`;
+    plans.append(plan);
+  }
+  return plans;
 }

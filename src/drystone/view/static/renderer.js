@@ -86,12 +86,15 @@ class Renderer extends BlockRenderer {
   * drawGlass(view) {
     const gl = this.gl;
     const inside = view.layers.filter((layer) => layer.kind === "polygons" || layer.value);
-    for (const layer of inside) {
-      if (layer.kind === "polygons") gl.disable(gl.BLEND);
-      else gl.enable(gl.BLEND);
+    for (const layer of inside.filter(({ kind }) => kind === "polygons")) {
       yield* this.drawLayer(layer, view, 1);
     }
     gl.enable(gl.BLEND);
+    gl.disable(gl.DEPTH_TEST); // joints would cut the lines of forces into dashes
+    for (const layer of inside.filter(({ kind }) => kind !== "polygons")) {
+      yield* this.drawLayer(layer, view, 1);
+    }
+    gl.enable(gl.DEPTH_TEST);
     if (view.showBlocks) yield* this.drawBlocks(view);
     if (view.showEdges) {
       gl.depthMask(false);

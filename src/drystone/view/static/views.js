@@ -27,7 +27,7 @@ function look(azimuth, elevation) {
 }
 
 function fitAll() {
-  camera.flat = false;
+  camera.flat = data.flat;
   fit();
 }
 
