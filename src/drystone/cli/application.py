@@ -173,7 +173,7 @@ app = _group(
             "drystone.design.recuts",
             "Change joints until every block is placed alone and stands at once",
         ),
-        "reproduce": "reproduce_command",
+        "reproduce": "models_command",
         "scaffold": "scaffold_command",
         "settle": "motion_commands",
         "shape": "shaping_commands",

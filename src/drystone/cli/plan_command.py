@@ -175,7 +175,7 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input.
     """
-    refuse_unused(chosen.scaffold_options, chosen.scaffold, "--scaffold-")
+    refuse_unused(chosen.scaffold_options, chosen.scaffold)
     chosen = _with_rules(chosen, order, before, reach, robot)
     chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
     executor = _executor(workers, dask)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Annotated
 
+from drystone.base.display import differing
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
@@ -31,29 +32,17 @@ SCAFFOLD_LIMITS = {
 """Limits of scaffolding, and their options in a plan."""
 
 
-def refuse_unused(
-    limits: ScaffoldOptions, kinds: str | Support | Sequence[str] | None, flag: str
-) -> None:
+def refuse_unused(limits: ScaffoldOptions, kinds: str | Support | Sequence[str] | None) -> None:
     """Refuse limits without scaffolding, and those of struts where nothing is held by struts."""
-    from drystone.sequence import ScaffoldOptions
-
-    free = ScaffoldOptions()
-    given = [name for name in ("limit", "foot", "longest")
-             if getattr(limits, name) != getattr(free, name)]  # fmt: skip
-    held = [] if kinds is None else [kinds] if isinstance(kinds, str | Enum) else list(kinds)
-    names = [one.value if isinstance(one, Enum) else one for one in held]
-    for name in given:
-        option = f"{flag}{'length' if name == 'longest' else name}"
+    held = [kinds] if isinstance(kinds, str | Enum) else list(kinds or ())
+    struts = not held or any(str(getattr(one, "value", one)) == "strut" for one in held)
+    for name in differing(limits):
         if kinds is None:
-            raise InputError(
-                f"{option} is given without --scaffold",
-                remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
-            )
-        if name != "limit" and names and "strut" not in names:
-            raise InputError(
-                f"{option} is for struts, and there are none",
-                remedy="leave it out, or hold with struts",
-            )
+            remedy = f"add --scaffold, with one of {', '.join(SCAFFOLDS)}"
+            raise InputError("is given without --scaffold", where=name, remedy=remedy)
+        if name != "limit" and not struts:
+            remedy = "leave it out, or hold with struts"
+            raise InputError("is for struts, and there are none", where=name, remedy=remedy)
 
 
 @command(
@@ -100,7 +89,7 @@ def scaffold(
     """
     from drystone import sequence
 
-    refuse_unused(chosen.scaffold_options, with_, "--")
+    refuse_unused(chosen.scaffold_options, with_)
     model = subject.prepared(waiting)
     few = len(model.assembly.free) <= _FEW
     orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 from drystone.base.declared import Offered
-from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.imperfections import (
     Imperfections,
     StandingShare,
@@ -21,7 +20,7 @@ from drystone.limits.limit_families import (
     Shrunk,
     Tilt,
 )
-from drystone.limits.limit_types import LimitOptions
+from drystone.limits.limit_types import Bracket, Evaluation, LimitOptions
 from drystone.limits.limits import (
     limit_friction,
     limit_load,

@@ -16,9 +16,9 @@ from drystone.base.progress import Stop, Stopped
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.projection import held_still
-from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.limit_search import VerdictSearch, Width
+from drystone.limits.limit_types import Bracket
 from drystone.loads import LoadCase
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model

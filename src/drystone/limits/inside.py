@@ -12,7 +12,6 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound
-from drystone.limits.brackets import Bracket, FoundBracket
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import (
     SEARCHED,
@@ -25,7 +24,7 @@ from drystone.limits.limit_checks import (
 )
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_search import VerdictSearch, Width
-from drystone.limits.limit_types import LimitOptions
+from drystone.limits.limit_types import Bracket, FoundBracket, LimitOptions
 from drystone.mechanics.statics import build_statics
 from drystone.results import Result, Verdict
 

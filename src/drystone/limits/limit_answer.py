@@ -15,8 +15,7 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
-from drystone.limits.brackets import Evaluation, plain
-from drystone.limits.limit_types import LimitValues
+from drystone.limits.limit_types import Evaluation, LimitValues, plain
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import Outcome

@@ -18,12 +18,11 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
-from drystone.limits.brackets import Bracket
 from drystone.limits.inside import Means
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import Tilt
-from drystone.limits.limit_types import LimitOptions
+from drystone.limits.limit_types import Bracket, LimitOptions
 from drystone.limits.limits import tilt_limit
 from drystone.model import Model
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from drystone import io
+from drystone.answer import plain
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
@@ -110,18 +111,7 @@ def _limit(work: Work) -> Iterator[Event]:
     found = limit_tilt(
         work.asked.upright, work.asked.axis, check=check, stop=work.stop, progress=work.progress
     )
-    best = found.best
-    yield (
-        "limit",
-        {
-            "direction": work.wish.direction,
-            "stands": best.stands,
-            "falls": best.falls,
-            "message": "" if best.falling is None else best.falling.message,
-            "sensitive": found.is_sensitive,
-            "stopped": found.stopped,
-        },
-    )
+    yield "limit", {"direction": work.wish.direction, **plain(found.numbers())}
 
 
 def _mends(work: Work) -> Iterator[Event]:
@@ -252,11 +242,8 @@ def _plan(work: Work) -> Iterator[Event]:
     part = work.asked.part
     found = plan(part, options=options, stop=work.stop, progress=work.progress)
     told = {
-        "order": list(found.order),
+        **plain(found.numbers()),
         "asked": order,
-        "counts": found.counts,
-        "message": found.message,
-        "stopped": found.stopped,
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
         "help": _help(found),
     }

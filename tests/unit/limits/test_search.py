@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import pytest
 
 from drystone import LoadCase, Result, Verdict
-from drystone.limits.brackets import Bracket
 from drystone.limits.limit_search import VerdictSearch, Width
+from drystone.limits.limit_types import Bracket
 from drystone.model import Model
 from drystone.models import tower
 from tests.oracle import touching_faces
