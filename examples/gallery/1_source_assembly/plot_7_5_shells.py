@@ -14,12 +14,12 @@ case = reproduce("7.5.1")
 case.table()
 
 # %%
-# The vault, course by course.
+# The vault, arch by arch, with the wedges that the search finds.
 
 Frame(case.pictures["vault"])
 
 # %%
-# Before the loop, with plane joints: six blocks are held and two propped.
+# Before the loop, with shallow wedges: six blocks are held and five propped.
 
 Frame(case.pictures["vault-first"])
 

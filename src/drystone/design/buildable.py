@@ -180,7 +180,7 @@ class _WedgeSearch:
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
         for done, layout in enumerate(layouts):
-            self.clock.tell("planning layouts", done, len(layouts))
+            self.clock.tell(f"planning layouts{self.so_far}", done, len(layouts))
             for wedge in self.options.wedges:
                 self.look(layout, wedge, wedge)
             self.tell(layout)
@@ -188,7 +188,7 @@ class _WedgeSearch:
                 break
         several = sorted(self.promised, key=lambda one: self.promised[one])[:_DEEPENED]
         for done, layout in enumerate(several):
-            self.clock.tell("planning wedges", done, len(several))
+            self.clock.tell(f"planning wedges{self.so_far}", done, len(several))
             for even, odd in permutations(self.options.wedges, 2):
                 self.look(layout, even, odd)
             self.tell(layout)
@@ -202,6 +202,11 @@ class _WedgeSearch:
         return self.answer(self.best)
 
     @property
+    def so_far(self) -> str:
+        """What the best shell so far needs."""
+        return "" if self.best is None else f", so far {self.best.rank[1]}"
+
+    @property
     def ended(self) -> bool:
         """Whether nothing is left to search."""
         return self.late() or (self.best is not None and not any(self.best.rank[1]))
@@ -209,14 +214,10 @@ class _WedgeSearch:
     def look(self, layout: Layout, even: float, odd: float) -> None:
         """Plan each course alone, with one wedge at even bed lines and another at odd ones."""
         known = self.alone.setdefault(layout, {})
-        if self.ended:
-            return
         lines = max((course for course, *_ in known), default=0)  # none at first: one wedge at all
         wedges = tuple(odd if line % 2 else even for line in range(lines))
-        try:
-            shell = build_shell(self.shape, replace(layout, wedge=wedges or even), self.body)
-        except InputError as error:
-            self.log.append(f"{_told(layout)}, wedges {even:g} and {odd:g}: {error}")
+        shell = None if self.ended else self.built(layout, wedges or even)
+        if shell is None:
             return
         wedges = wedges or (even,) * line_count(shell)
         for course, (low, high) in enumerate(zip([0.0, *wedges], [*wedges, 0.0], strict=True)):
@@ -224,6 +225,15 @@ class _WedgeSearch:
                 found = self.course_alone(shell, course)
                 if not self.late():
                     known[course, low, high] = found
+
+    def built(self, layout: Layout, wedge: float | tuple[float, ...]) -> Shell | None:
+        """The shell of a layout with other wedges; ``None`` where it cannot have them."""
+        try:
+            return build_shell(self.shape, replace(layout, wedge=wedge), self.body)
+        except InputError as error:
+            told = ", ".join(f"{one:g}" for one in np.atleast_1d(wedge))
+            self.log.append(f"{_told(layout)}, wedges of {told}: {error}")
+            return None
 
     def course_alone(self, shell: Shell, course: int) -> _Cost:
         """The help that a course needs on those below it, which are held."""

@@ -87,6 +87,19 @@ class OrderSearch(StageTree):
         """Stages that stand, from a first one to the core, and whether less help is impossible."""
         if not self.by_course:
             return self.removed(root)
+        found = self.by_courses(root)
+        added = 0
+        for node in found[0]:
+            added |= node.props & ~root.props
+        if not added or found[0][-1].cost[1:] == (0, 0):
+            return found
+        props, held, together = root.cost
+        cost = props + added.bit_count(), held, together
+        again = self.by_courses(replace(root, props=root.props | added, cost=cost))
+        return min(found, again, key=lambda one: one[0][-1].cost)
+
+    def by_courses(self, root: Node) -> tuple[list[Node], bool]:
+        """As :meth:`run`, one course after the other."""
         proved, node = True, root
         for below in self.courses_below(root.placed):
             self.below_course = below

@@ -8,7 +8,6 @@ each open side. Their courses are arches from one support to the next.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 from scipy.interpolate import CloughTocher2DInterpolator
@@ -17,8 +16,9 @@ from drystone.base.arrays import Floats, frozen_points
 from drystone.base.errors import InputError
 from drystone.shells.flat_mesh import border_of, mapped, side_between, turns_of, welded
 from drystone.shells.formfinding import find_form
-from drystone.shells.patch import Patch, Side
-from drystone.shells.shape import Edge, Seam, Shape
+from drystone.shells.patch import Side
+from drystone.shells.shape import Edge, Shape
+from drystone.shells.shell_families import vaults_between
 from drystone.shells.sources import patch_from_grid
 
 _NODES = 25
@@ -66,49 +66,21 @@ def vaults_from_mesh(
             remedy="name the two ends of each support, three supports or more, along the border",
         )
     angle = 2.0 * np.pi * np.arange(len(chosen)) / len(chosen)
-    polygon = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    place = mapped(points, loops, border, chosen, polygon, name)
+    polygon = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
+    place = mapped(points, loops, border, chosen, polygon[:, :2], name)
     surface = CloughTocher2DInterpolator(place, points)
-    flat = find_form(_flat_vaults(polygon), height=1.0, rows=_NODES, columns=_NODES).shape
+    open_sides = 0.5 * (polygon[1::2] + np.roll(polygon[0::2], -1, axis=0))
+    plan = vaults_between(polygon.reshape(-1, 2, 3), open_sides, name="vaults")
+    borders = [Edge(k, Side.BOTTOM) for k in range(len(plan.patches))]
+    held = plan.supported_on(*plan.supports, *borders)  # a net over it has smooth lines
+    flat = find_form(held, height=1.0, rows=_NODES, columns=_NODES).shape
     share = np.linspace(0.0, 1.0, _NODES)
     patches = []
     for k, vault in enumerate(flat.patches):
         inside = (1.0 - 1e-9) * vault.point(share[:, None], share[None, :])[..., :2]  # of the hull
         grid = surface(inside.reshape(-1, 2)).reshape(_NODES, _NODES, 3)
         patches.append(patch_from_grid(grid, breaks=[_NODES // 2], name=f"vault {k} of {name}"))
-    supports = tuple(edge for edge in flat.supports if edge.side is not Side.BOTTOM)
-    return Shape(tuple(patches), flat.seams, supports, name=name)
-
-
-def _flat_vaults(polygon: Floats) -> Shape:
-    """Vaults in a polygon (k, 2), whose first side is a support; held along its border.
-
-    A net over them has lines of constant v that are smooth but where three vaults meet.
-    """
-    count, middle = len(polygon) // 2, 0.5 * (polygon[0::2] + polygon[1::2])  # of each support
-    patches = []
-    for k in range(count):
-        after = (k + 1) % count
-        ends = polygon[2 * k + 1], polygon[2 * after], middle[k], middle[after]
-        patches.append(Patch(partial(_flat_vault, *ends), name=f"vault {k}", breaks=(0.5,)))
-    seams = tuple(
-        Seam(Edge(k, Side.TOP, 1.0, 0.5), Edge((k + 1) % count, Side.TOP, 0.0, 0.5))
-        for k in range(count)
-    )
-    sides = (Side.BOTTOM, Side.LEFT, Side.RIGHT)
-    borders = tuple(Edge(k, side) for k in range(count) for side in sides)
-    return Shape(tuple(patches), seams, borders, name="vaults")
-
-
-def _flat_vault(
-    left: Floats, right: Floats, first: Floats, last: Floats, u: Floats, v: Floats
-) -> Floats:
-    """From the open side between two points up to the lines from two supports to the middle."""
-    U, V = u[:, None], v[:, None]
-    low = (1.0 - V) * left + V * right
-    high = np.where(V < 0.5, (1.0 - 2.0 * V) * first, (2.0 * V - 1.0) * last)
-    flat: Floats = (1.0 - U) * low + U * high
-    return np.concatenate([flat, np.zeros_like(U)], axis=1)
+    return Shape(tuple(patches), plan.seams, plan.supports, name=name)
 
 
 def several_supports(vertices: object, faces: Sequence[Sequence[int]]) -> bool:

@@ -302,37 +302,46 @@ def three_vault_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4) 
     reach, waist, foot : [m]
         As there.
     """
-    legs = three_legged_plan(reach, waist, foot)
+    refuse_unless_positive(reach=reach, waist=waist, foot=foot)
+    turn = np.radians([90.0, 210.0, 330.0])
+    out = np.stack([np.cos(turn), np.sin(turn), np.zeros(3)], axis=1)
+    side = 0.5 * foot * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
+    feet = np.stack([reach * out - side, reach * out + side], axis=1)
+    return vaults_between(feet, -waist * np.roll(out, 1, axis=0), name="three vaults")
+
+
+def vaults_between(feet: Floats, waists: Floats, *, name: str) -> Shape:
+    """A flat plan of vaults from foot to foot about a point, each with its courses along its span.
+
+    Parameters
+    ----------
+    feet : (k, 2, 3) [m] the ends of each foot, counter-clockwise
+    waists : (k, 3) [m] the middle of the open side after each foot
+    name
+    """
+    count, middle = len(feet), feet.mean(axis=1)
+    after = np.roll(np.arange(count), -1)
     vaults = tuple(
-        Patch(partial(_flat_vault, reach, waist, foot, turn), name=f"vault at {turn:g} degrees",
-              breaks=(0.5,))
-        for turn in (150.0, 270.0, 30.0)
+        Patch(partial(_flat_vault, low, np.stack([middle[k], 0.0 * low[0], middle[after[k]]])),
+              name=f"vault {k}", breaks=(0.5,))
+        for k, low in enumerate(np.stack([feet[:, 1], waists, feet[after, 0]], axis=1))
     )  # fmt: skip
     seams = tuple(
-        Seam(Edge(k, Side.TOP, 1.0, 0.5), Edge((k + 1) % 3, Side.TOP, 0.0, 0.5)) for k in range(3)
+        Seam(Edge(k, Side.TOP, 1.0, 0.5), Edge(int(after[k]), Side.TOP, 0.0, 0.5))
+        for k in range(count)
     )
-    supports = tuple(Edge(k, side) for k in range(3) for side in (Side.LEFT, Side.RIGHT))
-    return Shape(vaults, seams, supports, name=legs.name)
+    supports = tuple(Edge(k, side) for k in range(count) for side in (Side.LEFT, Side.RIGHT))
+    return Shape(vaults, seams, supports, name=name)
 
 
-def _flat_vault(
-    reach: float, waist: float, foot: float, turn: float, u: Floats, v: Floats
-) -> Floats:
-    """A vault in plan about an open side at an angle [degrees], from there to the two legs."""
-
-    def towards(degrees: float) -> Floats:
-        return np.array([math.cos(at := math.radians(turn + degrees)), math.sin(at), 0.0])
-
-    U, V = u[:, None], v[:, None]
-    first, last, open_side = reach * towards(-60.0), reach * towards(60.0), waist * towards(0.0)
-    near = 1.0 - 2.0 * V, 2.0 * V - 1.0  # the first foot, the last one
-    low = np.where(
-        V < 0.5,
-        near[0] * (first + 0.5 * foot * towards(30.0)) + 2.0 * V * open_side,
-        near[1] * (last + 0.5 * foot * towards(-30.0)) + (2.0 - 2.0 * V) * open_side,
+def _flat_vault(low: Floats, high: Floats, u: Floats, v: Floats) -> Floats:
+    """Between two lines of three points (3, 3): an open side, and two feet about the middle."""
+    at = np.array([0.0, 0.5, 1.0])
+    below, above = (
+        np.stack([np.interp(v, at, line[:, axis]) for axis in range(3)], axis=1)
+        for line in (low, high)
     )
-    high = np.where(V < 0.5, near[0] * first, near[1] * last)
-    flat: Floats = (1.0 - U) * low + U * high
+    flat: Floats = (1.0 - u[:, None]) * below + u[:, None] * above
     return flat
 
 
