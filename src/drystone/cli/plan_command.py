@@ -154,10 +154,7 @@ def plan(
         Option("Plan at these friction coefficients as well.",
                kind=kinds.OptionKind("MU,MU,...", _numbers), expert=True),
     ] = None,
-    workers: Annotated[
-        int,
-        Option("Processes that check stages side by side (1).", kind=kinds.COUNT, expert=True),
-    ] = 1,
+    workers: options.Workers = 1,
     dask: Annotated[
         str | None,
         Option("A running Dask scheduler to work on.", metavar="ADDRESS", expert=True),

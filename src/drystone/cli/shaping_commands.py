@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly, Block
     from drystone.base.files import Job
     from drystone.cli.told import Files
-    from drystone.design import CutOptions, ShapeOptions
     from drystone.design.shape_variables import ShapeVariables
     from drystone.model import Model
     from drystone.sequence import Plan
@@ -40,13 +39,12 @@ _OF_VERTICES = {
 def shape(
     *,
     subject: Subject,
-    chosen: Annotated[
-        ShapeOptions,
+    asked: Annotated[
+        Analysis,
         Of(
-            "drystone.design.ShapeOptions",
-            ("aim", "margin", "least_edge"),
-            shown=("aim",),
-            metavars={"margin": "WHAT"},
+            "drystone.design.shape",
+            ("options.aim", "options.margin", "options.least_edge", "time_limit_s"),
+            shown=("options.aim",),
         ),
     ],
     move: Annotated[
@@ -64,10 +62,9 @@ def shape(
             "drystone.design.free_vertices",
             ("most", "directions", "along", "mirror", "keep", "keep_side", "sectors"),
             shown=("most", "keep"),
-            metavars={"directions": "AXES", "keep": "BLOCKS"},
+            metavars={"directions": "AXES"},
         ),
     ],
-    time_limit: options.TimeLimit = None,
     wanted: WithModel,
     waiting: Waiting,
 ) -> Told:
@@ -82,13 +79,9 @@ def shape(
     for name, why in _OF_VERTICES.items():
         if move == "joints" and name in ways.given:
             raise InputError(why, where=name, remedy="leave it out")
-    from drystone import design  # work is imported when there is some
-
     model = subject.prepared(waiting)
     moves = _moves(model, move, dict(ways.given))
-    waiting.stage("shape", "shaping")
-    with waiting.keywords(time_limit) as common:
-        found = design.shape(model, moves, options=chosen, **common)
+    found = asked.of(waiting, model, moves, doing="shaping")
     return Told(found, notes=model.notes, files=partial(wanted.of, found))
 
 
@@ -113,10 +106,13 @@ def _moves(model: Model, move: str, ways: dict[str, Any]) -> ShapeVariables:
 def cut(
     *,
     source: Source,
-    chosen: Annotated[
-        CutOptions,
-        Of("drystone.design.CutOptions", ("blocks", "friction", "most"),
-           shown=("blocks", "friction")),
+    asked: Annotated[
+        Analysis,
+        Of(
+            "drystone.design.cut_until_free",
+            ("options.blocks", "options.friction", "options.most", "time_limit_s"),
+            shown=("options.blocks", "options.friction"),
+        ),
     ],
     block: Annotated[
         str | None, Option("The block that is cut (the only one).", metavar="NAME")
@@ -125,9 +121,8 @@ def cut(
         Path | None, Option("Write the blocks.", OUTPUT, kind=kinds.target(".json"))
     ] = None,
     html: options.Html = None,
-    time_limit: options.TimeLimit = None,
     waiting: Waiting,
-) -> Told:  # fmt: skip
+) -> Told:
     """Cut a monolith from the bottom up into blocks that are placed one by one without help.
 
     Each place takes its first cut on which the part above stands: the horizontal plane, a turned
@@ -136,14 +131,12 @@ def cut(
 
     Exit code 0: every block is free. 1: none of the cuts that are tried makes it so. 2: bad input.
     """
-    from drystone import design, io
+    from drystone import io
 
     waiting.stage("read", f"reading {source.name}")
     read = io.read_file(source.place, **source.how)
     whole = _chosen(read.assembly, block)
-    waiting.stage("cut", "cutting")
-    with waiting.keywords(time_limit) as common:
-        found = design.cut_until_free(whole, options=chosen, **common)
+    found = asked.of(waiting, whole, doing="cutting")
     plan = found.plan
     blocks = None if plan is None else plan.model.model
     files = partial(_files, blocks, plan, out, html)
