@@ -5,11 +5,13 @@ import inspect
 import os
 import re
 import sys
+from itertools import takewhile
 from pathlib import Path
 
 from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
+from sphinx.ext.napoleon import NumpyDocstring
 from sphinx.util.nodes import make_refnode
 
 import drystone
@@ -42,6 +44,7 @@ autodoc_typehints = "none"  # the signature has them
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
+napoleon_custom_sections = [("Columns", "params_style")]
 napoleon_use_rtype = False
 
 nitpicky = True  # a reference to nothing is a warning, and with -W an error; classes: see below
@@ -95,11 +98,45 @@ def social(*event):
     )
 
 
-def whole_line(*event):
-    """A description with a colon in its first line is not a type and a description."""
-    what, lines = event[1], event[-1]
+def whole_description(*event):
+    """Of a property or a field: a first line with a colon is no type, and it may have sections."""
+    app, what, name, value, options, lines = event
     if what in ("attribute", "data", "property"):
-        lines.insert(0, "")
+        text = NumpyDocstring(lines, app.config, app, "method", name, value, options)
+        lines[:] = ["", *str(text).splitlines()]
+
+
+def each_attribute(*event):
+    """Attributes that are described together, one by one: else the second is shown as a type."""
+    lines, told, within = event[-1], [], False
+    for at, line in enumerate(lines):
+        if at + 1 < len(lines) and re.fullmatch("-{3,}", lines[at + 1]):
+            within = line == "Attributes"
+        names, colon, kind = line.partition(" : ")
+        if within and re.fullmatch(r"\w+(, \w+)+", names):
+            rest = list(takewhile(lambda one: one[:1] == " ", lines[at + 1 :]))
+            *others, line = [f"{one}{colon}{kind}" for one in names.split(", ")]
+            told += [part for one in others for part in (one, *rest)]
+        told.append(line)
+    lines[:] = told
+
+
+def back_from_code(*event):
+    """Links from a page of source back to the reference, where names are public ones."""
+    app, page, _, context, _ = event
+    if not page.startswith("_modules/"):
+        return
+    places = [(o.docname, place) for place, o in app.env.domains["py"].objects.items()]
+
+    def mended(match):
+        document, name = match[2].lstrip("./"), match[3].split(".")
+        ends = ["." + ".".join(name[part:]) for part in range(1, len(name))]
+        found = [p for end in ends for d, p in places if d == document and p.endswith(end)]
+        return f"{match[1]}{match[2]}.html#{found[0] if found else match[3]}"
+
+    context["body"] = re.sub(
+        r'(class="viewcode-back" href=")([^"#]*)\.html#([^"]*)', mended, context["body"]
+    )
 
 
 def how_of_models(*event):
@@ -136,9 +173,11 @@ def without_links(*event):
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
-    app.connect("autodoc-process-docstring", whole_line, priority=400)
+    app.connect("autodoc-process-docstring", each_attribute, priority=390)
+    app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", how_of_models, priority=400)
     app.connect("html-page-context", social)
+    app.connect("html-page-context", back_from_code)
     app.connect("missing-reference", by_last_name)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     write_reference(HERE / "reference" / "api")

@@ -64,7 +64,8 @@ def entry(module: str, name: str) -> str:
         return f".. {kind}:: {module}.{name}\n{options}{examples}"
     if inspect.isroutine(value):
         return f".. autofunction:: {module}.{name}\n{examples}"
-    return f".. py:data:: {module}.{name}\n\n   ``{value!r}``\n"
+    told = ", ".join(map(str, value)) if isinstance(value, dict) else repr(value)
+    return f".. py:data:: {module}.{name}\n\n   ``{told}``\n"
 
 
 def elsewhere(module: str, names: set[str]) -> list[str]:

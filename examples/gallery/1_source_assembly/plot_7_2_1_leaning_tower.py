@@ -14,8 +14,7 @@ from drystone.view import Frame
 monolith = prism([(0.0, 0.0), (1.0, 0.0), (2.5, 4.0), (1.5, 4.0)], (0.0, 1.0), "tower")
 cut = cut_until_free(monolith, options=CutOptions(blocks=8))
 print(cut.plan)
+Frame(cut.plan)
 
 # %%
 # The page plays the order from the ground up.
-
-Frame(cut.plan)

@@ -13,8 +13,7 @@ model = drystone.Model.of(arch(thickness_ratio=0.2, voussoirs=7), friction=0.7)
 last = model.assembly.names[int(model.assembly.fixed.nonzero()[0][-1])]
 found = drystone.settle(model, {last: (0.005, 0.0, 0.0)})
 print(found.message)
+Frame(found)
 
 # %%
 # The page plays the motion, with the joints that open.
-
-Frame(found)

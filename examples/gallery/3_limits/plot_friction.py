@@ -12,8 +12,7 @@ from drystone.view import Frame
 
 limit = limit_friction(drystone.Model.of(barrel_vault(), friction=0.8))
 print(limit)
+Frame(limit)
 
 # %%
 # The two stages are the last friction at which it stands, and the first at which it falls.
-
-Frame(limit)

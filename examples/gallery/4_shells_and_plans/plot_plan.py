@@ -12,8 +12,7 @@ from drystone.view import Frame
 
 plan = drystone.plan(drystone.Model.of(corbelled_bridge(), friction=0.7))
 print(plan)
+Frame(plan)
 
 # %%
 # Each block has the number of its step.
-
-Frame(plan)

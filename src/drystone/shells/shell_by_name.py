@@ -111,7 +111,7 @@ def shell_by_name(
     thickness : [m]
     courses
     blocks
-        In each course; or their ``width`` [m], :func:`usual_width` when left out.
+        In each course; or their ``width`` [m], the usual one of the shape when left out.
     wedge
         See :class:`drystone.shells.Layout`.
     joggle : [degrees]
