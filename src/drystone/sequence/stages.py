@@ -14,13 +14,16 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
+from drystone.base.progress import Clock
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability import PATIENT, CheckOptions, check, try_rest
+from drystone.stability.asked import Asked
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
 from drystone.stability.screening import SLIP_LENGTH
-from drystone.stability.verdict import check_problem
+from drystone.stability.verdict import UNBALANCED, decided
 
 
 class Stage(NamedTuple):
@@ -149,15 +152,20 @@ class StageCheck:
     options
     each_s : [s]
         Time limit of every check; what is not decided until then is UNDECIDED.
+    brief
+        Where a similar stage stands and this one does not rest near it, ask for a mechanism first.
+        It is the answer then: which blocks would fall freely is not looked for.
     """
 
     options: CheckOptions = field(default_factory=CheckOptions)
     each_s: float = float("inf")
+    brief: bool = False
 
     def __call__(self, model: Model) -> Result:
         """The verdict on a model."""
         return self.begun_at(Problem.build(model))
 
+    @one_blas_thread()
     def begun_at(
         self, problem: Problem, near: Floats | None = None, rest: Candidate | None = None
     ) -> Result:
@@ -171,20 +179,20 @@ class StageCheck:
         rest
             The rest state with uniform stiffness, where it is known already.
         """
-        limit = self.each_s
-        found = check_problem(
-            problem, options=self.options, near=near, rest=rest, time_limit_s=limit
-        )
+        asked = Asked(problem, self.options, Clock(self.each_s))
+        if self.brief and near is not None and rest is None and problem.statics.dry:
+            rest, near = asked.attempt().begun_at(near), None
+            if rest is None and asked.collapse is not None:
+                return asked.unstable(UNBALANCED, asked.collapse)
+        found = decided(asked, near=near, rest=rest)
         shown = found.verdict is not Verdict.UNDECIDED or found.samples.standing > 0
         if shown or not self.options.uniform:
             return found
-        smooth = try_rest(problem, screening=SMOOTHLY, start=near, time_limit_s=limit)
+        smooth = try_rest(problem, screening=SMOOTHLY, start=near, time_limit_s=self.each_s)
         if not smooth.stable:
             return found
-        followed = replace(self.options, uniform=False)
-        return check_problem(
-            problem, options=followed, near=smooth.displacement, time_limit_s=limit
-        )
+        followed = Asked(problem, replace(self.options, uniform=False), Clock(self.each_s))
+        return decided(followed, near=smooth.displacement)
 
 
 def check_once(model: Model, start: Floats | None = None) -> Result:

@@ -128,7 +128,7 @@ class Structure(OneLine):
         self.model: Model = supported_model(given, **how)
         self.robust, self.each_s = robust, each_s
         self.kept = whole(kept, "kept", least=1)
-        self._check = StageCheck(options, each_s)
+        self._check = StageCheck(options, each_s, brief=True)
         self._asked: dict[bytes, _Asked] = {}
         self._of(None)  # refuses a model without supports
 

@@ -104,29 +104,6 @@ def check(
     return decided(asked, executor, near=start)
 
 
-def check_problem(
-    problem: Problem,
-    *,
-    options: CheckOptions,
-    near: Floats | None = None,
-    rest: Candidate | None = None,
-    time_limit_s: float = float("inf"),
-) -> Result:
-    """As :func:`drystone.check` of a problem that was built, for plans and limits.
-
-    Parameters
-    ----------
-    problem, options
-    near : (n, 6) [m, rad]
-        The rest state of a similar model with the same blocks.
-    rest
-        The rest state of this model with uniform stiffness, where it is known already.
-    time_limit_s
-    """
-    asked = Asked(problem, options, Clock(time_limit_s))
-    return decided(asked, near=near, rest=rest)
-
-
 def decided(
     asked: Asked,
     executor: Workers | None = None,
