@@ -31,15 +31,13 @@ class AnalysisCommand(Command):
     name
         With the words before it, such as ``limit tilt``.
     offered
-        Or the module that has it as ``OFFERED``.
-    short
-        What it answers, for a list of commands; when left out, as its documentation has it.
+        Or the module that has it as ``OFFERED``, and what it answers, for a list of commands.
     """
 
-    def __init__(self, name: str, offered: Offered | str, short: str = "") -> None:
-        last = name.rpartition(" ")[2]
+    def __init__(self, name: str, offered: Offered | tuple[str, str]) -> None:
+        last, short = name.rpartition(" ")[2], offered[1] if isinstance(offered, tuple) else None
         super().__init__(
-            last, short_help=short or None, context_settings={**SETTINGS, "allow_extra_args": True}
+            last, short_help=short, context_settings={**SETTINGS, "allow_extra_args": True}
         )
         del self.help
         self.words, self.place = name, offered
@@ -48,9 +46,9 @@ class AnalysisCommand(Command):
     @cached_property
     def offered(self) -> Offered:
         """The analysis; it is imported when the command is asked for."""
-        if not isinstance(self.place, str):
+        if not isinstance(self.place, tuple):
             return self.place
-        offered: Offered = import_module(self.place).OFFERED
+        offered: Offered = import_module(self.place[0]).OFFERED
         return offered
 
     @cached_property

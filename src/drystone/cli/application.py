@@ -12,6 +12,7 @@ import os
 import sys
 import traceback
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
@@ -38,12 +39,12 @@ class _Program(click.Group):
     ----------
     examples
     places
-        Module of :mod:`drystone.cli` that has the command of each name; or the module of an
-        analysis, and what it answers.
+        Module of :mod:`drystone.cli` that has the command of each name; or an analysis, or its
+        module and what it answers.
     """
 
     examples: tuple[str, ...] = ()
-    places: Mapping[str, str | tuple[str, str]] = MappingProxyType({})
+    places: Mapping[str, Any] = MappingProxyType({})
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         """Names of the commands, in order."""
@@ -51,14 +52,15 @@ class _Program(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """The command of a name."""
-        place = self.places.get(cmd_name)
-        if isinstance(place, tuple):
+        place = None if cmd_name in self.commands else self.places.get(cmd_name)
+        if isinstance(place, str):
+            found = getattr(import_module(f"drystone.cli.{place}"), cmd_name)
+            self.add_command(found, cmd_name)
+        elif place is not None:
             from drystone.cli.analysis_command import AnalysisCommand  # when it is asked for
 
-            self.add_command(AnalysisCommand(cmd_name, *place))
-        elif place is not None and cmd_name not in self.commands:
-            module = import_module(f"drystone.cli.{place}")
-            self.add_command(getattr(module, cmd_name), cmd_name)
+            words = cmd_name if self is app else f"{self.name} {cmd_name}"
+            self.add_command(AnalysisCommand(words, place))
         return self.commands.get(cmd_name)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -99,94 +101,69 @@ class _Program(click.Group):
 class _Limits(_Program):
     """Commands that are made of the limits in their table."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the commands, in order."""
+    @cached_property
+    def places(self) -> Mapping[str, Any]:  # type: ignore[override]  # a mapping that is set
+        """The limits, and the command for families of models."""
         from drystone.limits import LIMITS  # the program starts without numpy
 
-        return sorted({*LIMITS, *super().list_commands(ctx)})
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a name."""
-        from drystone.limits import LIMITS  # as above
-
-        if cmd_name not in LIMITS:
-            return super().get_command(ctx, cmd_name)
-        from drystone.cli.analysis_command import AnalysisCommand
-
-        return AnalysisCommand(f"limit {cmd_name}", LIMITS[cmd_name])
+        return {**LIMITS, "thickness": "thickness_command"}
 
 
-def _group(
-    name: str,
-    text: str,
-    places: Mapping[str, str | tuple[str, str]],
-    *examples: str,
-    of: type[_Program] = _Program,
-) -> _Program:
-    made = of(name, help=text, short_help=text, context_settings=SETTINGS)
-    made.places, made.examples = places, examples
-    return made
-
-
-limit = _group(
-    "limit",
-    "Limits: largest tilt, least friction and others.",
-    {"thickness": "thickness_command"},
-    "drystone limit tilt arch.json",
-    "drystone limit thickness arch",
-    of=_Limits,
+limit = _Limits(
+    "limit", help="Limits: largest tilt, least friction and others.", context_settings=SETTINGS
 )
-app = _group(
+limit.examples = ("drystone limit tilt arch.json", "drystone limit thickness arch")
+app = _Program(
     "drystone",
-    "Does a structure of loose blocks stand by contact and friction alone?",
-    {
-        "check": "check_command",
-        "convert": "file_commands",
-        "cut": "shaping_commands",
-        "demo": "models_command",
-        "fall": "motion_commands",
-        "forces": (
-            "drystone.programs.force_states",
-            "Forces in the joints, with tension where compression is not enough",
-        ),
-        "inspect": "file_commands",
-        "gravity": (
-            "drystone.sequence.gravity_regions",
-            "The directions of gravity in which a model holds, without and with friction",
-        ),
-        "interlock": (
-            "drystone.sequence.interlocking",
-            "Whether a model with its supports fixed holds under every load without friction",
-        ),
-        "limit": "application",
-        "live": "server_commands",
-        "mcp": "server_commands",
-        "mend": "mend_command",
-        "models": "models_command",
-        "plan": "plan_command",
-        "poses": "file_commands",
-        "push": (
-            "drystone.settlement.large_displacement",
-            "Load against displacement, until the load is zero again",
-        ),
-        "recut": (
-            "drystone.design.recuts",
-            "Change joints until every block is placed alone and stands at once",
-        ),
-        "reproduce": "models_command",
-        "scaffold": "scaffold_command",
-        "settle": "motion_commands",
-        "shape": "shaping_commands",
-        "sharpen": (
-            "drystone.design.sharpening",
-            "Make wedges of plane joints with tension, until a model stands",
-        ),
-        "shell": "shell_command",
-        "tune": "tune_command",
-    },
-    "drystone demo",
-    "drystone check arch.json --html arch.html",
+    help="Does a structure of loose blocks stand by contact and friction alone?",
+    context_settings=SETTINGS,
 )
+app.examples = ("drystone demo", "drystone check arch.json --html arch.html")
+app.places = {
+    "check": "check_command",
+    "convert": "file_commands",
+    "cut": "shaping_commands",
+    "demo": "models_command",
+    "fall": "motion_commands",
+    "forces": (
+        "drystone.programs.force_states",
+        "Forces in the joints, with tension where compression is not enough",
+    ),
+    "gravity": (
+        "drystone.sequence.gravity_regions",
+        "The directions of gravity in which a model holds, without and with friction",
+    ),
+    "inspect": "file_commands",
+    "interlock": (
+        "drystone.sequence.interlocking",
+        "Whether a model with its supports fixed holds under every load without friction",
+    ),
+    "limit": "application",
+    "live": "server_commands",
+    "mcp": "server_commands",
+    "mend": "mend_command",
+    "models": "models_command",
+    "plan": "plan_command",
+    "poses": "file_commands",
+    "push": (
+        "drystone.settlement.large_displacement",
+        "Load against displacement, until the load is zero again",
+    ),
+    "recut": (
+        "drystone.design.recuts",
+        "Change joints until every block is placed alone and stands at once",
+    ),
+    "reproduce": "models_command",
+    "scaffold": "scaffold_command",
+    "settle": "motion_commands",
+    "shape": "shaping_commands",
+    "sharpen": (
+        "drystone.design.sharpening",
+        "Make wedges of plane joints with tension, until a model stands",
+    ),
+    "shell": "shell_command",
+    "tune": "tune_command",
+}
 
 
 def _version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:

@@ -24,15 +24,16 @@ def solve(
     time_limit: float | None,
     robust: bool = False,
     ends: str | None = None,
+    key: str = "solve",
 ) -> Result:
     """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.
 
-    With ``robust`` other contact stiffnesses are tried as well.
+    With ``robust`` other contact stiffnesses are tried as well. Its time is told under ``key``.
     """
     waiting.end_stage()  # the import is no part of the stage before
     from drystone.stability import CheckOptions, check
 
-    waiting.stage("solve", "solving")
+    waiting.stage(key, "solving")
     with waiting.keywords(time_limit) as common:
         options = CheckOptions.robust() if robust else CheckOptions()
         result = check(model, options=options.with_ends(ends), **common)

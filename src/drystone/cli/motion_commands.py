@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds, options
+from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import LOADS, OUTPUT, Of, Option
+from drystone.cli.offered import LOADS, OUTPUT, Analysis, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, Written, apart
@@ -18,7 +19,7 @@ from drystone.cli.written import Pictures, Written, apart
 if TYPE_CHECKING:
     from drystone.answer import Answer
     from drystone.cli.told import Files
-    from drystone.fall import FallOptions, Film
+    from drystone.fall import Film
     from drystone.settlement import SupportResponseOptions
 
 
@@ -121,14 +122,17 @@ associated."""
 def fall(
     *,
     subject: Subject,
-    chosen: Annotated[
-        FallOptions,
-        Of("drystone.fall.FallOptions", ("duration", "ground"), shown=("duration", "ground")),
+    asked: Annotated[
+        Analysis,
+        Of(
+            "drystone.fall.fall",
+            ("options.duration", "options.ground", "time_limit_s"),
+            shown=("options.duration", "options.ground"),
+        ),
     ],
     no_check: Annotated[
         bool, Option("Leave out the check, whose first motion starts the film.", expert=True)
     ] = False,
-    time_limit: options.TimeLimit = None,
     html: options.Html = None,
     section: options.Section = None,
     glb: Annotated[
@@ -143,7 +147,6 @@ def fall(
     """
     pictures = Pictures(html, section=section)
     apart([html, glb])
-    from drystone.fall import fall as followed
     from drystone.fall.simulation import require_mujoco
 
     require_mujoco()
@@ -151,16 +154,11 @@ def fall(
     pictures.require_through(model.assembly)
     notes = list(model.notes)
     motion, falls = None, False
-    with waiting.keywords(time_limit) as common:
-        if not no_check:
-            from drystone.stability import check
-
-            waiting.stage("check", "check_command")
-            result = check(model, **common)
-            notes.append(f"check: {result.verdict}, {result.message}")
-            motion, falls = result.mechanism, result.falls
-        waiting.stage("solve", "simulating")
-        film = followed(model, motion, options=chosen, **common)
+    if not no_check:
+        result = solve(model, waiting, asked.time_limit, key="check")
+        notes.append(f"check: {result.verdict}, {result.message}")
+        motion, falls = result.mechanism, result.falls
+    film = asked.of(waiting, model, motion, doing="simulating")
     if falls and not film.fell.any() and not film.stopped:
         notes.append(_JAMS)
     return Told(film, notes=notes, files=partial(_film_files, film, pictures, glb))
