@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,9 @@ _STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
 class Waiting:
-    """Shows stages and their progress inside its context; silent if stderr is no terminal.
+    """Shows stages and their progress inside its context.
+
+    Where stderr is no terminal it has one line, once the work takes long.
 
     An instance is the progress callback of the library: ``(stage, done, total)``.
 
@@ -69,6 +71,9 @@ class Waiting:
         self._console = Console(stderr=True)
         if self._console.is_terminal:
             self._timer = threading.Timer(PATIENCE, self._show)
+        elif sys.stderr is sys.__stderr__:  # not where a program keeps what is said
+            self._timer = threading.Timer(2.0 * PATIENCE, self._tell)
+        if self._timer is not None:
             self._timer.daemon = True
             self._timer.start()
         return self
@@ -175,6 +180,14 @@ class Waiting:
             key, since = self._begun
             self.time_s[key] = self.time_s.get(key, 0.0) + time.perf_counter() - since
             self._begun = None
+
+    def _tell(self) -> None:
+        with self._lock:
+            if self._timer is not None and sys.stderr is not None:
+                stage, done, total = self._state
+                share = f", {done} of {total}" if total else ""
+                with suppress(OSError, ValueError):  # closed or full: nobody reads it
+                    print(f"drystone: {stage or 'at work'}{share} ...", file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn

@@ -123,9 +123,12 @@ class Diagnosis(Answer):
         return self.result.title
 
     def sentences(self) -> Sequence[Sentence]:
-        """The verdict, and why each region falls."""
+        """The verdict, and why the heaviest regions fall."""
         verdict, *_ = self.result.sentences()
-        said = [verdict, Sentence(self.result.message), *(Sentence(one) for one in self.reasons)]
+        told, regions = list(self.reasons), len(self.regions)
+        if regions > 5:
+            told[5:regions] = [f"and {regions - 5} more regions like these (--json lists all)"]
+        said = [verdict, Sentence(self.result.message), *map(Sentence, told)]
         if self.stopped:
             said.append(Sentence(f"{self.stopped} before all was tried", Role.REMARK))
         return [one for one in said if one.text]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Scene, Sentence
+from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.answer.chart import Chart
+from drystone.answer.widening import side_by_side
 from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -26,6 +28,9 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.stability import check
 from drystone.supports import select
+
+_DRAWN = 5_000
+"""Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
 
 @dataclass(frozen=True)
@@ -114,19 +119,53 @@ class Mends(Answer):
         return self.message or f"{self.diagnosis.title}; {counted(len(self.mends), 'mend')}"
 
     def sentences(self) -> Sequence[Sentence]:
-        """Why it falls, the mends, and the kinds that do not help."""
-        said = [*self.diagnosis.sentences(), Sentence(self.message)]
-        for number, one in enumerate(self.mends, 1):
-            kept = one.change
-            told = f"mend {number}, of {named(kept.blocks)}: {kept.description}"
-            said.append(Sentence(f"{told} (cost {kept.cost:.3g})"))
-        for blocks, failed in self.tried:
-            told = f"no solution for {named(blocks)}: {failed.kind}: {failed.what}"
-            said.append(Sentence(told))
+        """The verdict, the mends, why it falls, and what was tried without success."""
+        verdict, *reasons = self.diagnosis.sentences()
+        failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
+        mends = [Sentence(text) for text in self._listed()]
+        said = [verdict, Sentence(self.message), *mends, *failed, *reasons]
         return [one for one in said if one.text]
 
+    def _listed(self) -> list[str]:
+        """A line for each mend, with the blocks where there are several regions."""
+        several = len({one.change.blocks for one in self.mends}) > 1
+        return [
+            f"mend {number}{f', of {named(one.change.blocks)}' if several else ''}: "
+            f"{one.change.description} (cost {one.change.cost:.3g})"
+            for number, one in enumerate(self.mends, 1)
+        ]
+
+    def _failed(self) -> str:
+        regions = len({blocks for blocks, _ in self.tried})
+        kinds = ", ".join(dict.fromkeys(one.kind for _, one in self.tried))
+        where = f" in {regions} regions" if regions > 1 else ""
+        told = counted(len(self.tried), "combination was", "combinations were")
+        return f"{told} tried without success{where}: {kinds} (--json lists them)"
+
     def layers(self) -> Scene:
-        """Why it falls; each mend has a picture of its own."""
+        """Why it falls, and each mend as a stage of its own, as far as a page carries them."""
+        scene = self.diagnosis.layers()
+        if not self.mends:
+            return scene
+        listed = self._listed()
+        caption = "\n".join(f"{text}: --apply {i}" for i, text in enumerate(listed, 1))
+        chart = Chart("Mends", caption=caption)
+        few = self.mends[: _DRAWN // max(len(self.model), 1)]
+        stages = [scene.stages[0]]
+        for text, one in zip(listed, few, strict=False):
+            stage = one.layers().stages[0]
+            stages.append(
+                replace(stage, label=f"mend {len(stages)}", headline=text[0].upper() + text[1:])
+            )
+        models = [self.diagnosis.model, *(one.result.model for one in few)]
+        names = ["", *(f" (mend {i})" for i in range(1, len(few) + 1))]
+        assembly, contacts, together = side_by_side(models, stages, names)
+        return replace(
+            scene, assembly=assembly, contacts=contacts, stages=together, charts=(chart,)
+        )
+
+    def figure(self) -> Scene:
+        """Why it falls."""
         return self.diagnosis.layers()
 
     def numbers(self) -> Mapping[str, Any]:

@@ -189,3 +189,19 @@ def test_the_version_is_told_without_numpy() -> None:
         "finally: sys.exit('numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_slow_command_says_in_a_pipe_what_it_does() -> None:
+    script = (
+        "import time\n"
+        "from drystone.cli.waiting import Waiting\n"
+        "with Waiting() as waiting:\n"
+        "    waiting.stage('mend', 'mending')\n"
+        "    time.sleep({})\n"
+    )
+    for seconds, told in ((2.5, "drystone: mending ...\n"), (0.1, "")):
+        run = subprocess.run(
+            [sys.executable, "-c", script.format(seconds)],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        assert run.stderr == told

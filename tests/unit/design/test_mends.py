@@ -261,6 +261,25 @@ def test_two_blocks_made_one_stand(tmp_path: Path) -> None:
     assert again(found.model, tmp_path).stable
 
 
+def test_mends_come_before_reasons_and_what_failed_is_one_line(fallen: Mends) -> None:
+    said = [one.text for one in fallen.sentences()]
+    first = [k for k, one in enumerate(said) if one.startswith("mend ")]
+    assert first == list(range(first[0], first[0] + len(fallen.mends)))
+    assert said.index(fallen.diagnosis.reasons[0]) > first[-1]
+    (failed,) = [one for one in said if "tried without success" in one]
+    assert failed.startswith(f"{len(fallen.tried)} combination")
+
+
+def test_the_page_has_a_stage_for_each_mend_and_a_list_of_them(fallen: Mends) -> None:
+    scene = fallen.layers()
+    assert [one.label for one in scene.stages[1:]] == [
+        f"mend {k}" for k in range(1, len(fallen.mends) + 1)
+    ]
+    assert scene.charts[0].caption.count("--apply ") == len(fallen.mends)
+    standing = [one for one in scene.stages[1:] if one.verdict is drystone.Verdict.STABLE]
+    assert len(standing) == len(fallen.mends)
+
+
 def test_what_stands_already_is_said_to_stand() -> None:
     found = find_mends(tower(2), friction=0.6)
     assert found.mends == ()
@@ -407,7 +426,7 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
         (["--margin", "wind=3"], "is no margin"),
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
         (["--kind", "prop", "--apply", "7"], "there is no mend 7"),
-        (["--apply", "0"], "--apply: is 0; give 1 or more"),
+        (["--apply", "0"], "--apply: is 0; give a number of 1 or more"),
         (["--pages", f"{__file__}/pages"], "is no folder; name another folder"),
     ],
 )
