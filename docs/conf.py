@@ -58,8 +58,8 @@ suppress_warnings = ["ref.python"]  # attributes of two classes may have one nam
 html_theme = "furo"
 html_title = f"drystone {version}"
 html_favicon = "images/favicon.svg"
-html_static_path = ["site/gallery.css", "images/vault.png"]
-html_css_files = ["gallery.css"]
+html_static_path = ["site/site.css", "images/vault.png"]
+html_css_files = ["site.css"]
 html_baseurl = os.environ.get("DRYSTONE_SITE", "")
 """The address of the site, with a slash at its end: pictures of links need it."""
 copybutton_prompt_text = "$ "
@@ -84,12 +84,13 @@ def social(*event):
     """What a link to a page shows elsewhere: its title, and the picture of a vault."""
     context = event[3]
     title = re.sub("<[^>]*>", "", context.get("title") or project)
+    here = context["pathto"]("_static/vault.png", 1)
     tags = {
         "title": f"{title} - {project}",
         "type": "website",
         "site_name": project,
         "description": "Does a structure of loose blocks stand by contact and friction alone?",
-        "image": f"{html_baseurl}_static/vault.png",
+        "image": html_baseurl + "_static/vault.png" if html_baseurl else here,
         "image:alt": "A vault of 97 blocks that stands, with the force in every joint",
     }
     context["metatags"] = context.get("metatags", "") + "".join(
@@ -103,7 +104,7 @@ def whole_description(*event):
     app, what, name, value, options, lines = event
     if what in ("attribute", "data", "property"):
         text = NumpyDocstring(lines, app.config, app, "method", name, value, options)
-        lines[:] = ["", *str(text).splitlines()]
+        lines[:] = ["..", "", *str(text).splitlines()]  # the comment hides the first line
 
 
 def each_attribute(*event):

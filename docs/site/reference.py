@@ -133,5 +133,7 @@ def write_reference(folder: Path) -> None:
     commands(folder)
     listed = "\n".join(f"   {page}" for page in pages)
     (folder / "index.rst").write_text(
-        titled("Reference") + f".. toctree::\n   :maxdepth: 1\n\n   commands\n{listed}\n", "utf-8"
+        titled("Functions and commands")
+        + f".. toctree::\n   :maxdepth: 1\n\n   commands\n{listed}\n",
+        "utf-8",
     )
