@@ -20,7 +20,7 @@ from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.drive import Driver
 from drystone.mechanics.follow import Bounds
-from drystone.mechanics.meeting import FARTHEST, faces_apart, followed_model
+from drystone.mechanics.meeting import Apart, followed_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import (
@@ -246,6 +246,10 @@ class _Place(NamedTuple):
 class CoarseSteps:
     """A model at rest whose supports are moved again and again.
 
+    Blocks that are apart may be in each other here: faces that may meet are sought for as long as
+    everything else takes (1.1 s of 1.4 on a vault of 157 curved voussoirs), and blocks that are
+    followed in fine increments have them.
+
     Parameters
     ----------
     model
@@ -261,7 +265,8 @@ class CoarseSteps:
         model.require_dry("moved supports", "what a joint carries after it has moved is not known")
         chosen = SettlementOptions()
         self.model = model.with_load(replace(model.load, motion=None))
-        self.apart = faces_apart(self.model, FARTHEST)
+        none = np.zeros(model.contacts.count, dtype=bool)
+        self.apart = Apart(model.contacts.select(none), np.zeros((0, 2)))
         part, gap = followed_model(self.model, self.apart)
         self.bodies = build_bodies(
             part, Carrier.MOVING, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap

@@ -138,9 +138,13 @@ function showMends({ mends, tried, message, stopped }) {
   const words = [message, stopped ? "the search was stopped before all was tried" : ""].filter(Boolean);
   if (!mends.length && !words.length) words.push("no mend was found");
   for (const text of words) box.append(element("p", text));
+  if (!tried.length) return;
+  const failed = element("details");
+  failed.append(element("summary", `${tried.length} tried without success`));
   for (const { blocks, what } of tried) {
-    box.append(element("p", `not for ${someOf(blocks)}: ${what}`, { title: blocks.join(", ") }));
+    failed.append(element("p", `${someOf(blocks)}: ${what}`, { title: blocks.join(", ") }));
   }
+  box.append(failed);
 }
 
 const someOf = (names) => (names.length > 3
