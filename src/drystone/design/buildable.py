@@ -150,6 +150,13 @@ class _Wedged(OneLine):
         return frozen_floats(self.layout.wedge, (None,), "wedges")
 
     @property
+    def cost(self) -> _Cost:
+        """As of courses that are planned alone."""
+        needed = Help.of(self.plan)
+        impossible = needed.unplanned + needed.impossible
+        return impossible, needed.propped, needed.held, float(np.abs(self.wedges).sum())
+
+    @property
     def rank(self) -> tuple[bool, Help, float]:
         """Every stage stands, then least help, then the shallowest wedges."""
         stands = self.plan.verdict is Verdict.STABLE
@@ -184,9 +191,10 @@ class _WedgeSearch:
             for wedge in self.options.wedges:
                 self.look(layout, wedge, wedge)
             self.tell(layout)
-            if self.ended:
+            if self.late() or self.free:
                 break
-        several = sorted(self.promised, key=lambda one: self.promised[one])[:_DEEPENED]
+        several = sorted(self.promised, key=lambda one: self.promised[one])
+        several = several[: 1 if self.free else _DEEPENED]
         for done, layout in enumerate(several):
             self.clock.tell(f"planning wedges{self.so_far}", done, len(several))
             for even, odd in permutations(self.options.wedges, 2):
@@ -207,16 +215,16 @@ class _WedgeSearch:
         return "" if self.best is None else f", so far {self.best.rank[1]}"
 
     @property
-    def ended(self) -> bool:
-        """Whether nothing is left to search."""
-        return self.late() or (self.best is not None and not any(self.best.rank[1]))
+    def free(self) -> bool:
+        """Whether the best shell needs no help."""
+        return self.best is not None and not any(self.best.rank[1])
 
     def look(self, layout: Layout, even: float, odd: float) -> None:
         """Plan each course alone, with one wedge at even bed lines and another at odd ones."""
         known = self.alone.setdefault(layout, {})
         lines = max((course for course, *_ in known), default=0)  # none at first: one wedge at all
         wedges = tuple(odd if line % 2 else even for line in range(lines))
-        shell = None if self.ended else self.built(layout, wedges or even)
+        shell = None if self.late() else self.built(layout, wedges or even)
         if shell is None:
             return
         wedges = wedges or (even,) * line_count(shell)
@@ -278,7 +286,7 @@ class _WedgeSearch:
         return cost, wedges[:-1]
 
     def tell(self, layout: Layout) -> None:
-        """Note what a layout promises; plan it where that is less than the best one so far."""
+        """Note what a layout promises; plan it where that is less, or shallower, than the best."""
         found = self.promise(layout)
         if found is None or self.late():
             return
@@ -286,21 +294,15 @@ class _WedgeSearch:
         if self.promised.get(layout) == cost:  # unlike wedges promise no less
             return
         self.promised[layout] = cost
-        impossible, propped, held, _ = cost
+        _, propped, held, _ = cost
         told = f"{_told(layout)}: {propped} propped, {held} held where each course is planned alone"
-        if self.best is None or (impossible, propped, held) < self.needs(self.best):
+        if self.best is None or cost < self.best.cost:
             one = self.planned(replace(layout, wedge=wedges))
             if one is not None:
                 told += f", {one.rank[1]} as a whole"
                 if self.best is None or one.rank < self.best.rank:
                     self.best = one
         self.log.append(told)
-
-    @staticmethod
-    def needs(one: _Wedged) -> tuple[int, int, int]:
-        """Blocks that cannot be placed, propped and held."""
-        needed = one.rank[1]
-        return needed.unplanned + needed.impossible, needed.propped, needed.held
 
     def planned(self, layout: Layout) -> _Wedged | None:
         """The shell of a layout and its plan; ``None`` if stopped."""
