@@ -2,13 +2,20 @@
 
 import csv
 from pathlib import Path
+from typing import Any
 
+import click
 import numpy as np
 import pytest
 
 from drystone import LoadCase, io
 from drystone.cli import main
+from drystone.cli.application import limit
 from drystone.io import Contents
+from drystone.limits import LIMITS
+from drystone.mcp.answers import TOOLS
+from drystone.mcp.answers import answer as ask_tool
+from drystone.mcp.folder import Folder
 from drystone.models import tower
 from tests.unit.cli.running import Capsys, answer, refused
 
@@ -232,3 +239,27 @@ def test_what_cannot_be_asked_is_refused_in_one_line(
 ) -> None:
     given = [model if argument == "MODEL" else argument for argument in arguments]
     assert words in refused(capsys, *given)
+
+
+def test_every_limit_of_the_table_is_a_command_and_a_choice_of_programs() -> None:
+    assert {*limit.list_commands(click.Context(limit))} == {*LIMITS, "thickness"}
+    assert {*TOOLS["limit"].arguments["of"].choices} == {*LIMITS}
+
+
+@pytest.mark.parametrize(
+    ("of", "given", "key"),
+    [
+        ("imperfections", {"offset": 0.01, "draws": 2}, "share"),
+        ("thrust", {"block": "block-0"}, "least"),
+        ("sweep", {"directions": 2, "equilibrium_only": True}, "azimuth"),
+        ("load", {"live": "seismic:1,0", "equilibrium_only": True}, "stands"),
+    ],
+)
+def test_programs_ask_for_every_limit_by_the_options_of_its_function(
+    model: str, of: str, given: dict[str, Any], key: str
+) -> None:
+    folder = Folder.of(Path(model).parent, 1.0)
+    asked = {"model": {"file": Path(model).name}, "of": of, **given}
+    told = ask_tool("limit", asked, folder, 60.0)
+    assert key in told, told
+    assert "is not used" in ask_tool("limit", {**asked, "scaled": True}, folder, 60.0)["error"]
