@@ -175,18 +175,22 @@ def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
     )
 
 
-def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+def utilisation_of(
+    contacts: Contacts, resultants: Resultants, faces: Bools | None = None
+) -> Floats:
     """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
 
     A dry face bears the torque that friction resists under a linear pressure that does not pull.
     Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
+    With some ``faces`` (m,), the torque of the others is left out.
     """
     used = sliding_use(contacts, resultants).copy()
     normal = resultants.normal
     bound = np.maximum(bearable(contacts, normal), 0.0)
     turned = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
     turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    which = np.flatnonzero(turned & contacts.dry & (contacts.area > 0.0) & (bound > 0.0))
+    turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
+    which = np.flatnonzero(turned if faces is None else turned & faces)
     if len(which):
         used[which] = np.maximum(used[which], _twisted_use(contacts, resultants, which))
     return frozen(used)

@@ -80,11 +80,11 @@ def face_points(corners: Floats, start: Ints) -> FacePoints:
     polar = area * np.trace(made.inertia, axis1=1, axis2=2)
     share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), start)
     share *= (area / loops.sum(share))[loops.owner]
-    pieces, piece_of = _star_shaped(corners, loops)
-    parts: dict[int, tuple[Floats, Floats]] = {}
+    pieces = _star_shaped(corners, loops)
+    parts: list[tuple[Ints, Floats, Floats]] = []
     open_ = np.arange(len(loops))
     for fine in FINENESS:
-        cells, place, weight = _cells(pieces, piece_of, open_, reach / fine)
+        cells, place, weight = _cells(pieces, open_, reach / fine)
         mine, row = loops.take(open_)
         offset = corners[row] - middle[open_][mine.owner]
         inner = place - middle[open_][cells.owner]
@@ -98,14 +98,16 @@ def face_points(corners: Floats, start: Ints) -> FacePoints:
             found = mine.sum(rim * lengths(corners[row] - here[mine.owner]))
             found = found + cells.sum(inside * lengths(place - here[cells.owner]))
             right &= np.abs(found - whole[open_]) <= ACCURATE * whole[open_]
-        for i in np.flatnonzero(right | (fine == FINENESS[-1])).tolist():
-            both = np.concatenate([corners[loops[int(open_[i])]], place[cells[i]]])
-            parts[int(open_[i])] = both, np.concatenate([rim[mine[i]], inside[cells[i]]])
-        open_ = open_[~right]
+        done = right | (fine == FINENESS[-1])
+        for part, points, weights in ((mine, corners[row], rim), (cells, place, inside)):
+            taken = done[part.owner]
+            parts.append((open_[part.owner[taken]], points[taken], weights[taken]))
+        open_ = open_[~done]
         if not len(open_):
             break
-    places, areas = zip(*(parts[i] for i in range(len(loops))), strict=True)
-    return FacePoints(Ragged.of(places), np.concatenate(places), np.concatenate(areas))
+    owner, places, areas = (np.concatenate(each) for each in zip(*parts, strict=True))
+    order = np.argsort(owner, kind="stable")
+    return FacePoints(Ragged.from_owners(owner[order], len(loops)), places[order], areas[order])
 
 
 def _first_at(loops: Ragged, values: Floats, wanted: Floats) -> Ints:
@@ -137,26 +139,41 @@ def _torsion(corners: Floats, loops: Ragged, pole: Floats) -> Floats:
     return np.asarray(loops.sum(np.where(height == 0.0, 0.0, each)))
 
 
-def _star_shaped(corners: Floats, loops: Ragged) -> tuple[list[Floats], Ints]:
-    """Convex polygons as they are, others as triangles; and the polygon of each piece."""
+class _Pieces(NamedTuple):
+    """Star-shaped pieces of polygons.
+
+    Attributes
+    ----------
+    loops : Ragged
+        Corners of each piece.
+    corner : (l, 2) [m]
+    polygon : (t,) ascending
+    """
+
+    loops: Ragged
+    corner: Floats
+    polygon: Ints
+
+
+def _star_shaped(corners: Floats, loops: Ragged) -> _Pieces:
+    """Convex polygons as they are, others as triangles."""
     local = corners[loops.following] - corners
     turn = _turned(local, local[loops.following])
     convex = loops.min(turn) >= 0.0
-    pieces = [corners[loops[int(i)]] for i in np.flatnonzero(convex)]
-    owner = np.flatnonzero(convex)
-    part, row = loops.take(~convex)
-    if len(part):
-        bent = corners[row]
-        triangle, of = triangulate(np.pad(bent, ((0, 0), (0, 1))), part.start)
-        pieces += list(bent[triangle])
-        owner = np.concatenate([owner, np.flatnonzero(~convex)[of]])
-    order = np.argsort(owner, kind="stable")
-    return [pieces[i] for i in order.tolist()], owner[order]
+    whole, row = loops.take(convex)
+    if convex.all():
+        return _Pieces(whole, corners[row], np.arange(len(loops)))
+    bent, bent_row = loops.take(~convex)
+    triangle, of = triangulate(np.pad(corners[bent_row], ((0, 0), (0, 1))), bent.start)
+    corner = np.concatenate([corners[row], corners[bent_row][triangle.ravel()]])
+    polygon = np.concatenate([np.flatnonzero(convex), np.flatnonzero(~convex)[of]])
+    counts = np.concatenate([whole.counts, np.full(len(triangle), 3)])
+    order = np.argsort(polygon, kind="stable")
+    pieces, row = Ragged.from_counts(counts).take(order)
+    return _Pieces(pieces, corner[row], polygon[order])
 
 
-def _cells(
-    pieces: list[Floats], piece_of: Ints, polygons: Ints, size: Floats
-) -> tuple[Ragged, Floats, Floats]:
+def _cells(pieces: _Pieces, polygons: Ints, size: Floats) -> tuple[Ragged, Floats, Floats]:
     """Cells of some polygons (t,) that are no longer than a size (m,): middles (p, 2), areas (p,).
 
     Each piece is a fan of triangles about the mean of its corners. These are divided into rings,
@@ -164,11 +181,11 @@ def _cells(
     """
     position = np.full(len(size), -1)
     position[polygons] = np.arange(len(polygons))
-    chosen = np.flatnonzero(position[piece_of] >= 0)
-    loops = Ragged.of([pieces[int(i)] for i in chosen])
-    corner = np.concatenate([pieces[int(i)] for i in chosen])
+    chosen = np.flatnonzero(position[pieces.polygon] >= 0)
+    loops, row = pieces.loops.take(chosen)
+    corner = pieces.corner[row]
     middle = loops.mean(corner)[loops.owner]
-    owner = position[piece_of[chosen]][loops.owner]
+    owner = position[pieces.polygon[chosen]][loops.owner]
     along, out = corner[loops.following] - corner, corner - middle
     ray = np.maximum(lengths(out), lengths(out + along))
     rings, arcs = (

@@ -110,15 +110,14 @@ class SparseMaps:
         self.swapped = sizes[block_a] < sizes[block_b]
         near = np.where(self.swapped, block_a, block_b)[self.first]
         far = np.where(self.swapped, block_b, block_a)[self.first]
-        self.near, self.far = near, far
         self.ratio = np.ones(m)
         np.divide(sizes[near], sizes[far], out=self.ratio, where=far >= 0)
         self.runs = runs_by_length(self.first, k)
-        self.on_blocks = _on_blocks(near, far, n)
+        self.of_joint, self.kept = _of_joints(near, far, n)
         column = (6 * joint[:, None, None] + np.arange(6)).repeat(3, axis=1).ravel()
         # the numbers are those of the rows of corners, see at()
         self.across = _matrix(np.zeros(18 * k), column, np.arange(0, 18 * k + 1, 6), 6 * m)
-        self.back = self.across.T
+        self.back, self.on_blocks = self.across.T, self.of_joint.T
         row, column, source, kind = _pattern(far, near)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
@@ -140,6 +139,8 @@ class SparseMaps:
         self.carry = np.tile(np.eye(6), (len(self.first), 1, 1))
         self.carry[:, :3, 3:] = -skew(apart)
         self.carry[:, 3:, 3:] *= self.ratio[:, None, None]
+        near = np.broadcast_to(np.eye(6), self.carry.shape)
+        self.of_joint.data[:] = np.stack([near, -self.carry], axis=2).reshape(-1)[self.kept]
         self.across.data[:] = rows.ravel()
         self.gather = np.ascontiguousarray(rows.transpose(1, 2, 0))
         self.groups = [
@@ -149,15 +150,11 @@ class SparseMaps:
 
     def moved(self, motion: Floats) -> Floats:
         """As for few blocks."""
-        every = np.concatenate([motion, np.zeros((1, 6))])
-        joint = every[self.near] - (self.carry @ every[self.far, :, None])[:, :, 0]
-        return np.asarray(self.across @ joint.ravel()).reshape(-1, 3)
+        return np.asarray(self.across @ (self.of_joint @ motion.ravel())).reshape(-1, 3)
 
     def wrench(self, force: Floats) -> Floats:
         """As for few blocks."""
-        near = np.asarray(self.back @ force.ravel()).reshape(-1, 6)
-        far = (near[:, None] @ self.carry)[:, 0]
-        return np.asarray(self.on_blocks @ np.concatenate([near, far]))
+        return np.asarray(self.on_blocks @ (self.back @ force.ravel())).reshape(-1, 6)
 
     def factorise(self, tangent: Floats, weight: Floats) -> Solve:
         """As for few blocks. The factors of many have single precision; solutions are refined."""
@@ -240,12 +237,22 @@ def corner_rows(axes: Floats, arm: Floats) -> Floats:
     return out
 
 
-def _on_blocks(near: Ints, far: Ints, count: int) -> sparse.csr_matrix:
-    """(n, 2 m): sums of what acts on the near blocks of joints, less what acts on the far ones."""
-    both = np.concatenate([near, far])
-    here = np.flatnonzero(both >= 0)
-    sign = np.where(here < len(near), 1.0, -1.0)
-    return sparse.csr_matrix((sign, (both[here], here)), shape=(count, len(both)))
+def _of_joints(near: Ints, far: Ints, count: int) -> tuple[sparse.csr_matrix, Ints]:
+    """(6 m, 6 n) motions of the near block of each joint over the far one, by those of blocks.
+
+    Its numbers are those at the given places among (m, 6, 2, 6), of the near block and of the far
+    one.
+    """
+    moves = np.zeros((len(near), 6, 2, 6), dtype=bool)
+    moves[near >= 0, :, 0] = np.eye(6)
+    turned = np.eye(6, dtype=bool)
+    turned[:3, 3:] = ~np.eye(3, dtype=bool)
+    moves[far >= 0, :, 1] = turned
+    column = 6 * np.stack([near, far], axis=1)[:, None, :, None] + np.arange(6)
+    column = np.broadcast_to(column, moves.shape)[moves]
+    start = np.append(0, np.cumsum(moves.reshape(-1, 12).sum(axis=1)))
+    made = _matrix(np.zeros(len(column)), column, start, 6 * count)
+    return made, np.flatnonzero(moves)
 
 
 def _matrix(values: Floats, column: Ints, start: Ints, width: int) -> sparse.csr_matrix:
