@@ -1,0 +1,117 @@
+"""Whether clicks and touches do what was meant: ``python -m benchmarks.live_clicks``.
+
+Twenty actions on each of three models, with a mouse and with a finger: a block becomes a support
+or is freed, is taken out, is pushed, or a support is moved. What was meant is the block that the
+page names beside the pointer; what was done is what its list of changes says. Each is undone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import tempfile
+import time
+from pathlib import Path
+
+import drystone
+from drystone import io
+from drystone.assembly import Assembly
+from drystone.live.serving import Live
+from drystone.models import arch, dome, vault
+from tests.page.browser import Browser, Tab, executable, running
+
+MODELS = {"arch": arch, "vault": vault, "dome": dome}
+MODES = {
+    "support": ": a click",
+    "remove": ": a click takes it out",
+    "push": ": drag to push it",
+    "move": ": drag to move it",
+}
+"""What the page says beside the pointer where an action of a mode is possible."""
+
+
+def main() -> None:
+    """Print how many actions of each model did what was meant, and each that did not."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--actions", type=int, default=20)
+    parser.add_argument("--model", choices=MODELS, nargs="*", default=list(MODELS))
+    chosen = parser.parse_args()
+    program = executable()
+    if program is None:
+        parser.error("there is no Chromium on this machine")
+    with running(program) as browser, tempfile.TemporaryDirectory() as folder:
+        for name in chosen.model:
+            path = Path(folder) / f"{name}.json"
+            blocks: Assembly = MODELS[name]()
+            io.write(drystone.Model.of(blocks, friction=0.9), path)
+            with Live(path, port=0) as live:
+                for touch in (False, True):
+                    how = "finger" if touch else "mouse"
+                    right = actions(browser, live, touch=touch, count=chosen.actions)
+                    print(f"{name:8}{len(blocks):6} blocks  {how:8}{right} of {chosen.actions}")
+
+
+def actions(browser: Browser, live: Live, *, touch: bool, count: int) -> int:
+    """How many actions did what was meant."""
+    size = (390, 844) if touch else (1000, 700)
+    tab = browser.open(live.link, size=size, touch=touch)
+    tab.until("document.getElementById('headline').className === 'STABLE'")
+    draw = random.Random(0)
+    right = 0
+    for number in range(count):
+        mode = list(MODES)[number % len(MODES)]
+        tab.run(f"document.querySelector('[data-mode={mode}]').click()")
+        place = spot(tab, draw, MODES[mode])
+        if place is None:
+            print(f"  {mode}: no block was found under the pointer")
+            continue
+        x, y, block = place
+        act(tab, x, y, far=30 if mode in ("push", "move") else 0, touch=touch)
+        time.sleep(0.2)
+        changes = tab.text("#live-changes")
+        if block in changes:
+            right += 1
+        else:
+            print(f"  {mode} at {x:.0f}, {y:.0f}: meant {block}, done: {changes[:80]}")
+        tab.run("document.getElementById('reset').click()")
+        tab.until("document.getElementById('live-changes').textContent === ''", patience=20.0)
+    tab.close()
+    return right
+
+
+def spot(tab: Tab, draw: random.Random, words: str) -> tuple[float, float, str] | None:
+    """A place of the picture at which the page says that an action is possible, and the block."""
+    left, top, wide, high = tab.run("""(() => {
+      const box = document.getElementById('view').getBoundingClientRect();
+      return [box.x, box.y, box.width, box.height];
+    })()""")
+    for _ in range(400):
+        x, y = left + wide * draw.uniform(0.1, 0.9), top + high * draw.uniform(0.1, 0.9)
+        tab.mouse("mouseMoved", x, y)
+        time.sleep(0.08)  # the page asks what is there once the pointer rests
+        tab.frames(2)
+        told = tab.text("#tip") if not tab.run("document.getElementById('tip').hidden") else ""
+        if words in told:
+            return x, y, told.split(": ")[0]
+    return None
+
+
+def act(tab: Tab, x: float, y: float, *, far: float, touch: bool) -> None:
+    """Click or tap; drag ``far`` pixels to the right where that is not zero."""
+    if touch:
+        point = [{"x": x, "y": y}]
+        tab.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=point)
+        if far:
+            moved = [{"x": x + far, "y": y}]
+            tab.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=moved)
+        tab.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    else:
+        tab.mouse("mousePressed", x, y, button="left", clickCount=1)
+        if far:
+            tab.mouse("mouseMoved", x + far, y, button="left", buttons=1)
+        tab.mouse("mouseReleased", x + far, y, button="left", clickCount=1)
+    tab.frames()
+
+
+if __name__ == "__main__":
+    main()
