@@ -221,6 +221,7 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
         ("Supports that move", "moved: {}"),
         ("Plan", "plan of {}"),
         ("Changed", "changed: {}"),
+        ("Safety", "{}"),
         ("Options", "{}"),
     ):
         if facts.get(name) == "none":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
@@ -74,6 +75,12 @@ def check(
     model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
     result = solve(model, waiting, time_limit, strict, ends)
+    if result.stable and not result.stopped:
+        from drystone.limits.bounds import tilt_margin
+
+        waiting.stage("margin", "looking for the margin of tilt")
+        with waiting.stoppable() as stop:
+            result = replace(result, tilt_margin=tilt_margin(result.model, stop=stop))
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,

@@ -60,6 +60,7 @@ class Waiting:
         self.checkpoint: Path | None = None
         self._begun: tuple[str, float] | None = None
         self._state = ("", 0, 0)
+        self._doing = ""
         self._bar: Progress | None = None
         self._timer: threading.Timer | None = None
         self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
@@ -137,6 +138,7 @@ class Waiting:
         """Begin a stage: its time is added under ``key``; ``wording`` is shown."""
         self.end_stage()
         self._begun = (key, time.perf_counter())
+        self._doing = clean(wording)
         self(wording, 0, 0)
 
     def __call__(self, stage: str, done: int, total: int) -> None:
@@ -185,9 +187,9 @@ class Waiting:
         with self._lock:
             if self._timer is not None and sys.stderr is not None:
                 stage, done, total = self._state
-                share = f", {done} of {total}" if total else ""
+                told = f"{stage}, {done} of {total}" if done < total else self._doing
                 with suppress(OSError, ValueError):  # closed or full: nobody reads it
-                    print(f"drystone: {stage or 'at work'}{share} ...", file=sys.stderr, flush=True)
+                    print(f"drystone: {told or 'at work'} ...", file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn

@@ -137,6 +137,37 @@ def tilt_bound(
     return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
+def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> float | None:
+    """The tilt [degrees] up to which forces balance the loads, least of those about x and y.
+
+    One conic program for each of the four ways to tilt.
+
+    Parameters
+    ----------
+    model
+    most
+        Blocks of a model of which it is asked. Measured: 0.23 s of CPU time for a vault of 97
+        blocks, 2.2 s for one of 399.
+    stop
+
+    Returns
+    -------
+    float or None
+        None where it is not asked: of more blocks, of joints that carry more than friction, and of
+        loads along an axis. At most 90.
+    """
+    if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
+        return None
+    least = 90.0
+    for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
+        family = Tilt(model, np.array(axis))
+        if not family.is_planar():
+            return None
+        found = _largest(model, family.turned(90.0), FrictionCone.exact(), stop)
+        least = min(least, float(np.rad2deg(np.arctan(found.factor))))
+    return least if least > 0.0 else None
+
+
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
     """The largest factor of a live load; the scales are those of the model without it."""
     statics = build_statics(model.with_contacts(model.contacts.select(model.active)))

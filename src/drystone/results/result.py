@@ -69,9 +69,15 @@ class Result(Solution, Answer):
         if self.samples.tried:
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
+        if self.tilt_margin is not None:
+            said.append(Sentence(f"safety: {self._safety()}, of tilts about x and y"))
         if self.verdict is Verdict.STABLE and self.force is not None:
             said += self._without_margin() + self._on_corners()
         return [one for one in said if one.text]
+
+    def _safety(self) -> str:
+        margin = self.tilt_margin
+        return "" if margin is None else f"forces balance it up to a tilt of {margin:.3g} degrees"
 
     def _without_margin(self) -> list[Sentence]:
         """What stands exactly above an edge."""
@@ -121,6 +127,7 @@ class Result(Solution, Answer):
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
         stage, facts = self.stage(), self.asked.facts()
+        facts |= {"Safety": self._safety()} if self.tilt_margin is not None else {}
         title = f"drystone: {stage.headline.lower()}"
         return Scene(self.assembly, self.contacts, (stage,), title, facts)
 
@@ -145,6 +152,7 @@ class Result(Solution, Answer):
                 }
                 for path in getattr(self.settlement, "paths", ())
             ],
+            "tilt_margin": self.tilt_margin,
             "stopped": self.stopped,
             "falling": self.falling_names,
             "samples": self.samples,
@@ -180,7 +188,9 @@ class Result(Solution, Answer):
         names, contacts = self.assembly.names, self.contacts.joints
         found, used = by_joint(self.contacts, self.resultants, self.utilisation)
         told = np.where(found.normal > FAINT * found.normal.max(), used, -1.0)
-        at = np.array([np.argmax(found.normal), np.argmax(told)])
+        heaviest, most = int(np.argmax(found.normal)), int(np.argmax(told))
+        alike = told[heaviest] >= (1.0 - 1e-3) * told[most]  # of two that are alike one is told
+        at = np.array([heaviest, heaviest if alike else most])
         normal, tangential = found.normal[at], found.tangential[at]
         columns = {
             "joint": ["largest force", "most friction used"],

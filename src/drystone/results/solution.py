@@ -82,6 +82,9 @@ class Solution(OfModel, OneLine):
         Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
         stiffness that was tried holds a structure that stands after settling, its forces balance
         the loads on the moved blocks. It is not written to files.
+    tilt_margin : [degrees]
+        Up to which forces balance the loads, however it is tilted about x and y, where that was
+        asked. Necessary for standing, as a limit of tilt that is checked by rest may be less.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -102,6 +105,7 @@ class Solution(OfModel, OneLine):
     sensitive_to: tuple[Sensitivity, ...] = ()
     residuals: Residuals | None = None
     eta: float | None = None
+    tilt_margin: float | None = None
     stopped: str = ""
     settlement: Any = None
     options: Any = None

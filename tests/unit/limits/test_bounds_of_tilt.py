@@ -1,0 +1,25 @@
+"""The margin of tilt that a check tells."""
+
+import math
+
+import pytest
+
+import drystone
+from drystone.limits.bounds import tilt_margin
+from drystone.models import tower
+
+
+def test_the_margin_of_a_column_is_the_tilt_at_which_it_overturns() -> None:
+    model = drystone.Model.of(tower(5), friction=0.9)
+    assert tilt_margin(model) == pytest.approx(math.degrees(math.atan(0.25)), abs=1e-4)
+    assert tilt_margin(model.with_friction(0.1)) == pytest.approx(
+        math.degrees(math.atan(0.1)), abs=1e-4
+    )
+
+
+def test_it_is_not_asked_where_it_takes_long_or_has_no_meaning() -> None:
+    model = drystone.Model.of(tower(5), friction=0.9)
+    assert tilt_margin(model, most=4) is None
+    push = drystone.LoadCase.seismic(model.assembly, 0.01, 0.01)
+    loaded = model.with_load(model.load + push)
+    assert tilt_margin(loaded) is None
