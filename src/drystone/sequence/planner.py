@@ -274,6 +274,9 @@ class _Planner:
             step = self.step(path[number - 1], *props, near)
             near = step.placed, props[1]
             fails = order.failures[number]
+            if self.scaffold is not None and fails is not None:
+                fails = self.scaffold.answer(step.placed, props[1], followed=True)
+                fails = None if fails.stands else fails
             if step.answer.stands and fails is not None:
                 answer = replace(
                     step.answer,
@@ -330,8 +333,9 @@ class _Planner:
                 f"{counted(len(unsure), 'stage')} could not be shown to stand, the first when "
                 f"'{last}' is placed: {unsure[0].answer.message}"
             )
-            if self.scaffold is not None and self.scaffold.refusal:
-                words.append(self.scaffold.refusal)
+            falling = {block for step in unsure for block in step.answer.falling}
+            if self.scaffold is not None and self.scaffold.refusal(falling):
+                words.append(self.scaffold.refusal(falling))
         return words
 
     def proves(self, complete: StageAnswer, proved: bool, steps: list[Step]) -> bool:

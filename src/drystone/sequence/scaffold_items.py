@@ -26,9 +26,11 @@ from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
+from drystone.geometry.solid import distance
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.model import Model
 from drystone.results import Result
+from drystone.sequence.scaffold_seats import surface_triangles
 
 TOUCHING = 0.01
 """Distance of an end from its block, by the size of the block, that is still taken as touching."""
@@ -109,11 +111,14 @@ class Strut(ScaffoldItem):
         Where it touches the block, and where it stands.
     on
         Block on which it stands, which bears the force; the ground when left out.
+    friction
+        Coefficient of its head, where it is braced against swaying. Without, its force is along it.
     """
 
     head: Sequence[float] = (0.0, 0.0, 0.0)
     foot: Sequence[float] = (0.0, 0.0, 0.0)
     on: int | str | None = None
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -131,7 +136,7 @@ class Strut(ScaffoldItem):
     def joint(self, body: Block) -> _Joint:  # noqa: ARG002
         """Its head, pushed away from the foot."""
         head, foot = np.asarray(self.head), np.asarray(self.foot)
-        return _Joint(head[None], head - foot, (foot, head))
+        return _Joint(head[None], head - foot, (foot, head), friction=self.friction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,25 +296,36 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
         A block is not known, an item has no length, or it does not touch its block.
     """
     assembly = model.assembly
+    for k, item in enumerate(items):
+        if not isinstance(item, ScaffoldItem):
+            raise InputError(f"{item!r} is no strut, rope, clamp or centring", where=f"item {k}")
+        body = assembly.blocks[int(assembly.indices([item.block])[0])]
+        where = f"item {k} at block '{body.name}'"
+        if isinstance(item, Strut):
+            _require_touching(body, item.head, f"{where}: its head")
+            if item.on is not None:
+                under = assembly.blocks[int(assembly.indices([item.on])[0])]
+                _require_touching(under, item.foot, f"{where}: its foot")
+        elif isinstance(item, Rope):
+            _require_touching(body, item.at, where)
+        elif isinstance(item, Centring):
+            _require_touching(body, item.face, f"{where}: its face")
+        if not np.linalg.norm(item.joint(body).push) > 0.0:
+            raise InputError("it has no length", where=where, remedy="give two different points")
+    return with_items(model, items)
+
+
+def with_items(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
+    """A model whose blocks are held by items that touch them."""
+    assembly = model.assembly
     bodies: list[Block] = []
     pairs: list[tuple[int, int]] = []
     joints: list[_Joint] = []
     for k, item in enumerate(items):
-        if not isinstance(item, ScaffoldItem):
-            raise InputError(f"{item!r} is no strut, rope, clamp or centring", where=f"item {k}")
         block = int(assembly.indices([item.block])[0])
-        where = f"item {k} at block '{assembly.names[block]}'"
-        under = len(model) + k
+        on = item.on if isinstance(item, Strut) else None
+        under = len(model) + k if on is None else int(assembly.indices([on])[0])
         joint = item.joint(assembly.blocks[block])
-        if isinstance(item, Strut):
-            _require_touching(model, block, joint.corner[0], f"{where}: its head")
-            if item.on is not None:
-                under = int(assembly.indices([item.on])[0])
-                _require_touching(model, under, np.asarray(item.foot), f"{where}: its foot")
-        elif isinstance(item, Rope):
-            _require_touching(model, block, joint.corner[0], where)
-        if not np.linalg.norm(joint.push) > 0.0:
-            raise InputError("it has no length", where=where, remedy="give two different points")
         bodies.append(_bar(*joint.ends, THICK * float(assembly.size[block]), f"scaffold-{k:03d}"))
         pairs.append((under, block))
         joints.append(joint)
@@ -325,13 +341,13 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
     return ScaffoldedModel(whole, tuple(items))
 
 
-def _require_touching(model: Model, block: int, point: Floats, where: str) -> None:
-    """Refuse a point that is away from a block, by the box around the block."""
-    low, high = model.assembly.bounds[block]
-    away = float(np.maximum(np.maximum(low - point, point - high), 0.0).max())
-    if away > TOUCHING * float(model.assembly.size[block]):
+def _require_touching(body: Block, points: Any, where: str) -> None:
+    """Refuse points that are away from the surface of a block."""
+    triangles, _ = surface_triangles(body)
+    away = float(distance(np.reshape(points, (-1, 3)), triangles).max())
+    if away > TOUCHING * body.size:
         raise InputError(
-            f"it is {away:.3g} m away from block '{model.assembly.names[block]}'",
+            f"it is {away:.3g} m away from block '{body.name}'",
             where=where,
             remedy="give a point of its surface",
         )

@@ -3,40 +3,31 @@
 from __future__ import annotations
 
 import enum
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
-import shapely.ops
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints, unit
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.free_faces import free_parts
-from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vector
 from drystone.model import Model
 from drystone.sequence.scaffold_items import Centring, Clamp, Rope, ScaffoldItem, Strut
+from drystone.sequence.scaffold_seats import Seat, first_met, seat_on
 
-INSET = 0.6
-"""Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
-inside the face."""
 SLOPING = 0.3
 """Least cosine between a face that carries a block and the direction of its load; chosen, about 70
 degrees."""
-
-
-LEAST_FREE = 0.05
-"""Least share of a face that must be free of joints for an item; chosen."""
 
 
 class Support(enum.Enum):
     """With what the blocks of a plan are held."""
 
     STRUT = "strut"
-    """Struts along the load under the lower face, one near each of its corners."""
+    """Struts under the lower face, one near each of its corners."""
     ROPE = "rope"
-    """Ropes along the load from the upper face up to one height."""
+    """Ropes from the upper face up to one height."""
     CLAMP = "clamp"
     """One clamp, or hand, at the centroid."""
     CENTRING = "centring"
@@ -73,12 +64,13 @@ class ScaffoldOptions(Options):
     moment : [N m]
         Of one clamp.
     friction
-        Between centring and blocks.
+        Of centring, and of heads and feet of struts. Struts and ropes lean towards the normal of
+        their face, as far as it holds.
     clear : [m]
         Height of the anchors of ropes above the highest block.
     foot
-        Name of the block on which struts stand, and which bears their force; the ground when left
-        out. Where a strut leans, ``friction`` must hold its foot.
+        Name of the block on which struts stand, and which bears their force. When left out: the
+        first that a strut meets on its way down, else the ground.
     longest : [m] > 0
         Length of the longest strut (no limit).
     stage_cost
@@ -103,9 +95,16 @@ class ScaffoldOptions(Options):
 
 
 def items_of(
-    model: Model, block: int, *, support: Support, options: ScaffoldOptions
+    model: Model,
+    block: int,
+    *,
+    support: Support,
+    options: ScaffoldOptions,
+    surface: tuple[Floats, Ints],
 ) -> tuple[ScaffoldItem, ...]:
     """The items of one kind that hold one block.
+
+    Struts and ropes lean towards the normal of their seat, as far as friction holds their feet.
 
     Parameters
     ----------
@@ -114,40 +113,54 @@ def items_of(
     block
     support
     options
+    surface
+        That of all blocks, by :func:`drystone.sequence.scaffold_seats.surface_triangles`.
 
     Raises
     ------
     InputError
-        It has no free face that looks along, or against, the load.
+        It has no free face that looks along, or against, the load; or a strut has nothing to stand
+        on, or is too long.
     """
     name = model.assembly.names[block]
     if support is Support.CLAMP:
         return (Clamp(name, options.limit, options.moment),)
     total = model.load.wrench[model.assembly.free, :3].sum(axis=0)
     down = total / np.linalg.norm(total)
-    facing = -1.0 if support is Support.ROPE else 1.0
-    face = _free_face(model, block, facing * down)
-    if face is None:
+    least = SLOPING
+    if support is Support.STRUT and options.foot is None:  # no steeper than its two ends hold
+        least = min(max(least, math.cos(2.0 * math.atan(options.friction))), 1.0 - 1e-9)
+    seat = seat_on(model, block, -down if support is Support.ROPE else down, least)
+    if seat is None:
         raise InputError(
             f"no free face of it takes a {support.value}",
             where=f"block '{name}'",
             remedy="use a clamp",
         )
-    heights = [float((one.vertices @ down).max()) for one in model.assembly.blocks]
-    ground, top = max(heights), min(float((b.vertices @ down).min()) for b in model.assembly.blocks)
-    points = _inset(face)
+    depth = surface[0] @ down
     if support is Support.CENTRING:
-        height = ground - float(face.mean(axis=0) @ down)
+        face = seat.outline
+        height = float(depth.max() - face.mean(axis=0) @ down)
         return (Centring(name, options.limit, face, options.friction, height),)
     if support is Support.ROPE:
-        return tuple(
-            Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
-            for at in points
+        rise = seat.heads @ down - float(depth.min()) + options.clear
+        lead = _lead(seat)
+        ends = zip(seat.heads, seat.heads + np.outer(rise, lead), strict=True)
+        return tuple(Rope(name, options.limit, at, anchor) for at, anchor in ends)
+    if options.foot is None:
+        least = 1e-3 * float(model.assembly.size[block])
+        deep = np.maximum(float(depth.max()) - seat.heads @ down, least)
+        lead = _lead(seat)
+        ends = zip(seat.heads, seat.heads + np.outer(deep, lead), strict=True)
+        struts = tuple(
+            _standing(model, block, *between, options=options, surface=surface) for between in ends
         )
-    feet = [(head, _foot_of(model, block, head, down, ground, options)) for head in points]
-    struts = tuple(
-        Strut(name, options.limit, head, foot.tolist(), options.foot) for head, foot in feet
-    )
+    else:
+        under = model.assembly.index(options.foot)
+        struts = tuple(
+            Strut(name, options.limit, head.tolist(), foot.tolist(), options.foot, options.friction)
+            for head, foot in _on_block(model, block, under, seat.heads, down, options.friction)
+        )
     longest = max(strut.length for strut in struts)
     if longest > options.longest:
         raise InputError(
@@ -158,53 +171,71 @@ def items_of(
     return struts
 
 
-def _foot_of(
-    model: Model, block: int, head: Floats, down: Floats, ground: float, options: ScaffoldOptions
-) -> Floats:
-    """The foot (3,) [m] of a strut, on the ground or on the block that the options name."""
-    if options.foot is None:
-        reach = 1e-3 * float(model.assembly.size[block])
-        return np.asarray(head + max(ground - float(head @ down), reach) * down)
-    names, under = model.assembly.names, model.assembly.index(options.foot)
+def _lead(seat: Seat) -> Floats:
+    """Where the struts or ropes of a seat lead (3,), one unit along the load.
+
+    Half way between its normal and the load: so a slope of twice the angle of friction is held at
+    both ends.
+    """
+    half = unit(seat.normal + seat.along)[0]
+    lead: Floats = half / (half @ seat.along)
+    return lead
+
+
+def _standing(
+    model: Model,
+    block: int,
+    head: Floats,
+    foot: Floats,
+    *,
+    options: ScaffoldOptions,
+    surface: tuple[Floats, Ints],
+) -> Strut:
+    """A strut towards the ground, which stands on the first block that it meets."""
+    names = model.assembly.names
+    met = first_met(surface, block, head, foot)
+    if met is None:
+        return Strut(
+            names[block], options.limit, head.tolist(), foot.tolist(), friction=options.friction
+        )
+    axis = (head - foot) / np.linalg.norm(head - foot)
+    if met.normal @ axis < math.cos(math.atan(options.friction)):
+        raise InputError(
+            f"a strut from '{names[met.block]}' would slide: its face there is too steep",
+            where=f"block '{names[block]}'",
+            remedy="use a clamp, or let the struts stand on another block",
+        )
+    return Strut(
+        names[block],
+        options.limit,
+        head.tolist(),
+        met.point.tolist(),
+        names[met.block],
+        options.friction,
+    )
+
+
+def _on_block(
+    model: Model, block: int, under: int, heads: Floats, down: Floats, friction: float
+) -> Iterator[tuple[Floats, Floats]]:
+    """Heads and feet of struts that stand on one block."""
+    names = model.assembly.names
     where = f"block '{names[block]}'"
-    face = _free_face(model, under, -down)
-    if under == block or face is None:
+    seat = seat_on(model, under, -down, SLOPING)
+    if under == block or seat is None:
         why = "it does not stand on itself" if under == block else "it has no free upper face"
         raise InputError(
             f"'{names[under]}' carries no strut: {why}", where=where, remedy="name another block"
         )
-    flat = _inset(face)
-    normal = area_vector(flat)
-    normal /= np.linalg.norm(normal)
-    across = frames_from_normals(normal[None])[0, 1:]
-    below = head - ((head - flat[0]) @ normal) / (down @ normal) * down
-    place = shapely.Point((below - flat[0]) @ across.T)
-    shape = shapely.Polygon((flat - flat[0]) @ across.T)
-    near = shapely.get_coordinates(shapely.ops.nearest_points(shape, place)[0])[0]
-    foot: Floats = flat[0] + near @ across
-    along = float((head - foot) @ normal)
-    aside = float(np.linalg.norm(head - foot - along * normal))
-    if not along > 0.0 or aside > options.friction * along:
-        raise InputError(
-            f"a strut from '{names[under]}' would slide: it leans by {aside:.3g} m on "
-            f"{max(along, 0.0):.3g} m",
-            where=where,
-            remedy="name a block that lies lower, or nearer to the place below it",
-        )
-    return foot
-
-
-def _inset(face: Floats) -> Floats:
-    """The corners of a face, moved towards its middle."""
-    middle = face.mean(axis=0)
-    return np.asarray(middle + INSET * (face - middle))
-
-
-def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
-    """The part (c, 3) of a face without joints that looks most along a direction, by its area."""
-    faces = [
-        (part.area * float(part.normal @ direction), part)
-        for part in free_parts(model, block, away=0.0)
-        if part.normal @ direction > SLOPING and part.share > LEAST_FREE
-    ]
-    return max(faces, key=lambda one: one[0])[1].outline if faces else None
+    for head in heads:
+        foot = seat.nearest(head)
+        along = float((head - foot) @ seat.normal)
+        aside = float(np.linalg.norm(head - foot - along * seat.normal))
+        if not along > 0.0 or aside > friction * along:
+            raise InputError(
+                f"a strut from '{names[under]}' would slide: it leans by {aside:.3g} m on "
+                f"{max(along, 0.0):.3g} m",
+                where=where,
+                remedy="name a block that lies lower, or nearer to the place below it",
+            )
+        yield head, foot

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -10,9 +10,17 @@ import numpy as np
 from drystone.base.errors import InputError, counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, with_scaffold
+from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, Strut, with_items
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support, items_of
-from drystone.sequence.stages import Check, StageAnswer, check_once, mask_of, members
+from drystone.sequence.scaffold_seats import surface_triangles
+from drystone.sequence.stages import (
+    Check,
+    StageAnswer,
+    check_once,
+    check_thoroughly,
+    mask_of,
+    members,
+)
 
 
 class ScaffoldedStages:
@@ -50,11 +58,12 @@ class ScaffoldedStages:
         self.support = Support.named(support)
         self.options = ScaffoldOptions.of(options)
         self.check = check
-        self.foot = -1
         if self.support is Support.STRUT and self.options.foot is not None:
-            self.foot = model.assembly.index(self.options.foot)
+            model.assembly.index(self.options.foot)
+        self._surface = surface_triangles(model.assembly)
         self._rest = np.zeros((len(model.assembly), 6))
-        self._refused: list[InputError] = []
+        self._refused: dict[int, InputError] = {}
+        self._fixed = mask_of(np.flatnonzero(model.assembly.fixed).tolist())
         self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
         self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
 
@@ -72,17 +81,23 @@ class ScaffoldedStages:
             It has no free face that looks along, or against, the load.
         """
         if block not in self._items:
-            made = items_of(self.model, block, support=self.support, options=self.options)
-            self._items[block] = made
+            self._items[block] = items_of(
+                self.model, block, support=self.support, options=self.options,
+                surface=self._surface,
+            )  # fmt: skip
         return self._items[block]
 
-    def result(self, placed: int, held: int) -> tuple[ScaffoldedModel, Result]:
+    def result(
+        self, placed: int, held: int, *, followed: bool = False
+    ) -> tuple[ScaffoldedModel, Result]:
         """A stage with its items, and its check.
 
         Parameters
         ----------
         placed, held
             Free blocks in place, and those of them that are held, as bits.
+        followed
+            Whether a stage for which no rest state was found is followed while it settles.
 
         Raises
         ------
@@ -95,7 +110,7 @@ class ScaffoldedStages:
                 raise InputError(missing, remedy="take a block that is placed earlier")
             here = self._here(placed)
             mine = [item for block in members(held) for item in self.items(block)]
-            whole = with_scaffold(self.model.subset(here), mine)
+            whole = with_items(self.model.subset(here), mine)
             if self.check is check_once:
                 near = np.concatenate([self._rest[here], np.zeros((len(mine), 6))])
                 result = check_once(whole.model, near)
@@ -104,7 +119,11 @@ class ScaffoldedStages:
             if result.displacement is not None:
                 self._rest[here] = result.displacement[: len(here)]
             self._known[placed, held] = whole, result
-        return self._known[placed, held]
+        whole, result = self._known[placed, held]
+        if followed and result.verdict is Verdict.UNDECIDED:
+            result = check_thoroughly(whole.model)
+            self._known[placed, held] = whole, result
+        return whole, result
 
     def _here(self, placed: int) -> list[int]:
         """The supports and the free blocks in place."""
@@ -112,21 +131,26 @@ class ScaffoldedStages:
 
     def _missing(self, placed: int, held: int) -> str:
         """Why the struts of a stage have nothing to stand on; else empty."""
-        if self.foot < 0 or not held or self.foot in self._here(placed):
-            return ""
-        return f"'{self.model.assembly.names[self.foot]}', on which struts stand, is not in place"
+        items = [item for block in members(held) for item in self.items(block)]
+        feet = {item.on for item in items if isinstance(item, Strut) and item.on is not None}
+        away = set(self.model.assembly.indices(sorted(feet)).tolist()) - set(self._here(placed))
+        names = ", ".join(f"'{self.model.assembly.names[block]}'" for block in sorted(away))
+        are = "is" if len(away) == 1 else "are"
+        return f"{names}, on which struts stand, {are} not in place" if away else ""
 
-    def answer(self, placed: int, held: int) -> StageAnswer:
-        """Whether a stage stands with its items, none of them beyond its limit."""
+    def answer(self, placed: int, held: int, *, followed: bool = False) -> StageAnswer:
+        """Whether a stage stands with its items, none beyond its limit; see :meth:`result`."""
         bare = held & ~self.takes
         if bare:
             names = ", ".join(self.model.assembly.names[b] for b in members(bare))
             kind = self.support.value
-            return StageAnswer(Verdict.UNSTABLE, f"{names} can have no {kind}")
+            return StageAnswer(
+                Verdict.UNSTABLE, f"{names} can have no {kind}", tuple(members(bare))
+            )
         missing = self._missing(placed, held)
         if missing:
             return StageAnswer(Verdict.UNSTABLE, missing)
-        whole, result = self.result(placed, held)
+        whole, result = self.result(placed, held, followed=followed)
         here = self._here(placed)
         if not result.stable:
             falling = tuple(here[i] for i in result.falling if i < len(here))
@@ -152,18 +176,19 @@ class ScaffoldedStages:
         try:
             self.items(block)
         except InputError as error:
-            self._refused.append(error)
+            self._refused[block] = error
             return False
         return True
 
-    @property
-    def refusal(self) -> str:
-        """How many blocks take no item, and why, of each reason the first; empty where all do."""
-        count = len(self.model.assembly.free) - self.takes.bit_count()
+    def refusal(self, falling: Iterable[int]) -> str:
+        """How many of some blocks take no item, and why, of each reason the first; else empty."""
+        bare = set(members(mask_of(falling) & ~self.takes & ~self._fixed))
+        count = len(bare)
         if not count:
             return ""
         first: dict[str, InputError] = {}
-        for error in self._refused:
+        for block in sorted(bare):
+            error = self._refused[block]
             first.setdefault(error.remedy, error)
         why = "; ".join(str(error) for error in first.values())
         return f"{counted(count, 'block')} can have no {self.support.value}: {why}"

@@ -83,6 +83,16 @@ class Scaffolding(Answer):
         return not (self.failed or self.stopped)
 
     @property
+    def propped(self) -> tuple[int, ...]:
+        """Blocks that it holds at some stage: what the source counts (Kao 2023, section 7.5)."""
+        return tuple(sorted({prop.block for prop in self.plan.props}))
+
+    @property
+    def most_at_once(self) -> int:
+        """Blocks that it holds at one stage, at most."""
+        return max((len(step.props) for step in self.plan.steps), default=0)
+
+    @property
     def model(self) -> Model:
         """The complete model."""
         return self.plan.model.model
@@ -99,7 +109,9 @@ class Scaffolding(Answer):
         """Whether every stage stands, and what it takes."""
         role = Role.GOOD if self.works else Role.UNSURE if self.stopped else Role.BAD
         known = " where a rest state was found" if self.failed else ""
+        blocks, of = len(self.propped), len(self.plan.model.assembly.free)
         takes = (
+            f"{blocks} of {counted(of, 'block')} propped, at most {self.most_at_once} at once: "
             f"{self.metre_stages:.3g} m times stages, at most "
             f"{units.quantity(self.peak_force, 'N')}{known}, {counted(self.moves, 'move')}, "
             f"cost {self.cost:.3g}"
@@ -114,6 +126,8 @@ class Scaffolding(Answer):
         """What it takes, and everything that is set up."""
         return {
             "support": self.support,
+            "propped": [self.assembly.names[block] for block in self.propped],
+            "most_at_once": self.most_at_once,
             "metre_stages": self.metre_stages,
             "peak_force": self.peak_force,
             "moves": self.moves,
@@ -204,10 +218,10 @@ def scaffolding(
     >>> from drystone.models import arch
     >>> from drystone.sequence import Rules, PlanOptions, plan
     >>> found = plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
-    >>> scaffolding(found, "clamp").works, scaffolding(found, "strut").failed
+    >>> scaffolding(found, "strut").works, scaffolding(found, "rope").failed
     (True, (2, 3))
 
-    The crown slides off its one neighbour; struts along the load do not push sideways.
+    The crown slides off its one neighbour; ropes do not hold it sideways.
     """
     stages = ScaffoldedStages(plan.model.model, support, options, check)
     clock = Clock(time_limit_s, stop)
@@ -270,7 +284,7 @@ def _plain(item: ScaffoldItem) -> dict[str, Any]:
 
 
 def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
-    return stages.result(*stage)
+    return stages.result(*stage, followed=True)
 
 
 @checked_call

@@ -1,6 +1,7 @@
 """drystone plan: answers, files, exit codes, bad input."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -191,7 +192,7 @@ def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
     strut = data["scaffolding"]["items"][0]
     assert strut["block"] == data["props"][0]["block"]
     assert strut["limit"] is None
-    assert strut["length"] == pytest.approx(strut["head"][2] - strut["foot"][2])
+    assert strut["length"] == pytest.approx(math.dist(strut["head"], strut["foot"]))
 
 
 def test_a_plan_says_which_step_needs_help_and_why(tmp_path, capsys):
