@@ -9,15 +9,8 @@ from pathlib import Path
 from drystone.base.errors import InputError, MissingDependency
 from drystone.mcp.folder import Folder
 
-_TIME_LIMIT = 50.0
-"""[s] for one call. Chosen: clients of the protocol often wait for 60 s."""
-_SIZE_LIMIT = 16.0
-"""[MiB] of one model. Chosen: about 50,000 blocks of six faces in our JSON."""
 
-
-def serve(
-    folder: str | Path, *, time_limit: float = _TIME_LIMIT, size_limit: float = _SIZE_LIMIT
-) -> None:
+def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 16.0) -> None:
     """Answer the calls of one client over standard input and output.
 
     It ends when the client disconnects, or with Ctrl-C.
@@ -27,9 +20,9 @@ def serve(
     folder
         The only folder that files are read from.
     time_limit : [s]
-        Time for one call.
+        Time for one call; clients of the protocol often wait for 60 s.
     size_limit : [MiB]
-        Size of one model.
+        Size of one model: by default about 50,000 blocks of six faces in our JSON.
 
     Raises
     ------
