@@ -185,11 +185,12 @@ class Waiting:
 
     def _tell(self) -> None:
         with self._lock:
-            if self._timer is not None and sys.stderr is not None:
+            at_work = self._timer is not None and self._begun is not None  # no server that waits
+            if at_work and sys.stderr is not None:
                 stage, done, total = self._state
                 told = f"{stage}, {done} of {total}" if done < total else self._doing
                 with suppress(OSError, ValueError):  # closed or full: nobody reads it
-                    print(f"drystone: {told or 'at work'} ...", file=sys.stderr, flush=True)
+                    print(f"drystone: {told} ...", file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
