@@ -44,12 +44,29 @@ ROOMS = {
 def public(module: str, seen: set[int]) -> list[str]:
     """Public names of a module that no module before it has."""
     room, names = import_module(module), []
-    for name in getattr(room, "__all__", ()):
+    for name in listed(module):
         value = getattr(room, name)
         if not inspect.ismodule(value) and id(value) not in seen:
             seen.add(id(value))
             names.append(name)
     return names
+
+
+def parts(value: type) -> list[type]:
+    """Values without a public name of which a class is made: what they have is told with it."""
+    named = {name for modules in ROOMS.values() for m in modules for name in listed(m)}
+    return [
+        base
+        for base in value.__mro__[1:]
+        if base.__module__.startswith("drystone.")
+        and "__dataclass_fields__" in vars(base)
+        and base.__name__ not in named
+    ]
+
+
+def listed(module: str) -> tuple[str, ...]:
+    """The public names of a module."""
+    return tuple(getattr(import_module(module), "__all__", ()))
 
 
 def entry(module: str, name: str) -> str:
@@ -59,6 +76,9 @@ def entry(module: str, name: str) -> str:
     if inspect.isclass(value):
         kind = "autoexception" if issubclass(value, BaseException) else "autoclass"
         options = "   :members:\n"
+        if own := parts(value):
+            others = ", ".join(base.__name__ for base in value.__mro__[1:] if base not in own)
+            options += f"   :inherited-members: {others}\n"
         if issubclass(value, enum.Enum):
             options += "   :undoc-members:\n"
         return f".. {kind}:: {module}.{name}\n{options}{examples}"
@@ -70,11 +90,11 @@ def entry(module: str, name: str) -> str:
 
 def elsewhere(module: str, names: set[str]) -> list[str]:
     """References to public names of a module that are listed with an earlier one."""
-    listed = sorted(set(getattr(import_module(module), "__all__", ())) - names)
+    earlier = sorted(set(listed(module)) - names)
     room = import_module(module)
     kinds = {
         name: "class" if inspect.isclass(getattr(room, name)) else "func"
-        for name in listed
+        for name in earlier
         if callable(getattr(room, name))
     }
     return [f":{kind}:`drystone.{name}`" for name, kind in kinds.items() if hasattr(drystone, name)]
@@ -131,9 +151,9 @@ def write_reference(folder: Path) -> None:
         old.unlink()
     pages = api(folder)
     commands(folder)
-    listed = "\n".join(f"   {page}" for page in pages)
+    entries = "\n".join(f"   {page}" for page in pages)
     (folder / "index.rst").write_text(
         titled("Functions and commands")
-        + f".. toctree::\n   :maxdepth: 1\n\n   commands\n{listed}\n",
+        + f".. toctree::\n   :maxdepth: 1\n\n   commands\n{entries}\n",
         "utf-8",
     )
