@@ -292,9 +292,13 @@ def niche(wedge: float) -> Assembly:
 
 
 def tri_dome() -> Shell:
-    """A dome of 43 voussoirs on three feet, closed by a keystone."""
-    layout = Layout(courses=5, blocks=(2, 2, 3, 3, 2))
-    return build_shell(tri_dome_shape(), layout, ShellBody(thickness=0.5))
+    """A dome of 43 voussoirs on three feet, the first course of which is fixed, with a keystone.
+
+    Its wedges are those that `make_buildable` finds on one of about as many blocks.
+    """
+    layout = Layout(courses=5, blocks=(2, 2, 3, 3, 2), wedge=(0.02, 0.02, 0.4, 0.4))
+    body = ShellBody(thickness=0.5, ground=Ground.SPRINGERS)
+    return build_shell(tri_dome_shape(), layout, body)
 
 
 def ring_dome() -> Assembly:

@@ -34,7 +34,7 @@ def test_a_tri_dome_stands_on_three_feet_and_its_parts_are_alike():
         assert at[other][:2] == pytest.approx(rotation @ at[name][:2], abs=1e-6)
         assert at[other][2] == pytest.approx(at[name][2], abs=1e-6)
         assert mass[other] == pytest.approx(mass[name], rel=1e-6)
-    feet = shell.assembly.centroid[shell.ground]
+    feet = shell.assembly.centroid[shell.assembly.fixed]
     assert len(feet) == 6
     assert np.ptp(feet[:, 2]) == pytest.approx(0.0, abs=1e-4)
 
