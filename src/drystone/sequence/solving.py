@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.display import OneLine
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
+from drystone.joints import bearable
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -114,7 +115,7 @@ class PartSolver(OneLine):
             settled=settled,
             uniform=_rest_of(result) if part.quick else None,
             sensitive=result.sensitive,
-            utilisation=float(result.utilisation.max(initial=0.0)),
+            joint_used=most_used(result.contacts, result.force),
         )
 
     def _result(
@@ -194,7 +195,7 @@ def combined(structure: StagedModel, stage: Stage, parts: Iterable[StageAnswer])
         np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
         settled="; ".join(one.settled for one in found if one.settled),
         sensitive=any(one.sensitive for one in found),
-        utilisation=max((one.utilisation for one in found), default=0.0),
+        joint_used=max((one.joint_used for one in found), default=0.0),
     )
 
 
@@ -223,3 +224,11 @@ def _friction_used(contacts: Contacts, force: Floats) -> float:
     sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
     counted = loaded & (friction > 0.0)
     return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
+
+
+def most_used(contacts: Contacts, force: Floats) -> float:
+    """Largest share of what a joint bears along its face that the sum of its forces needs."""
+    total = contacts.corners.sum(force)
+    bound = bearable(contacts, total[:, 0])
+    loaded = (total[:, 0] > LOADED * float(total[:, 0].max(initial=0.0))) & (bound > 0.0)
+    return float((lengths(total[loaded, 1:]) / bound[loaded]).max(initial=0.0))

@@ -101,8 +101,8 @@ class StageAnswer(OneLine):
         Mechanism of a part that falls, of its moving blocks, ascending; empty if not kept.
     sensitive
         Whether it stands only for some of the contact stiffnesses tried, or after settling.
-    utilisation
-        Of the joint that uses most of its friction, as a whole: see :class:`drystone.Result`.
+    joint_used
+        Largest share of what a joint bears along its face that the sum of its forces needs.
     """
 
     verdict: Verdict
@@ -117,14 +117,14 @@ class StageAnswer(OneLine):
     uniform: Candidate | None = None
     motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     sensitive: bool = False
-    utilisation: float = 0.0
+    joint_used: float = 0.0
 
     @property
     def margin(self) -> float:
-        """What is left of the friction of its most used joint, 0 to 1; 0 if it falls, else NaN."""
+        """Share left of the friction of its most used joint, 0 to 1; 0 if it falls, else NaN."""
         if self.verdict is Verdict.UNDECIDED:
             return float("nan")
-        return max(0.0, 1.0 - self.utilisation) if self.stands else 0.0
+        return max(0.0, 1.0 - self.joint_used) if self.stands else 0.0
 
     @property
     def stands(self) -> bool:
