@@ -25,7 +25,7 @@ from drystone import Assembly, Model, Structure, Verdict, check, models
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import build_equilibrium
 from drystone.mechanics.statics import build_statics
-from drystone.sequence import StagedModel
+from drystone.sequence import Stage, StagedModel
 from drystone.sequence.stages import members
 from drystone.solvers.threads import one_blas_thread
 
@@ -61,9 +61,7 @@ def subsets(model: Model, count: int, seed: int) -> list[Subset]:
 
 def cut_out(model: Model, subset: Subset) -> Model:
     """The blocks in place and the supports, held ones fixed."""
-    fixed = np.flatnonzero(model.assembly.fixed).tolist()
-    placed, held = (list(members(some)) for some in subset)
-    part = model.with_supports([*fixed, *held]).subset(sorted([*fixed, *placed]))
+    part, _ = StagedModel(model).cut_out(Stage(*subset))
     return part.with_contacts(part.contacts.select(part.active))
 
 

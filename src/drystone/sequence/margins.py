@@ -21,7 +21,7 @@ from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
 from drystone.sequence.plans import Plan
 from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, mask_of, members
+from drystone.sequence.stages import Stage, mask_of
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
@@ -189,10 +189,7 @@ def _margin_of(
     directions: int,
 ) -> Margin:
     """Margins of one stage."""
-    stage = Stage(*stage)
-    fixed = np.flatnonzero(structure.assembly.fixed).tolist()
-    resting = structure.model.with_supports([*fixed, *members(stage.held)])
-    some = resting.subset(sorted([*fixed, *members(stage.placed)]))
+    some, _ = structure.cut_out(Stage(*stage))
     if some.assembly.fixed.all():
         return Margin(0.0, upper)
     some = some.with_contacts(some.contacts.select(some.active))

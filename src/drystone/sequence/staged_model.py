@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.loads import LoadCase
@@ -116,6 +116,13 @@ class StagedModel(OfModel, OneLine):
             out.append(Stage(reached | held, held, stage.quick, stage.near))
             left &= ~reached
         return out
+
+    def cut_out(self, stage: Stage) -> tuple[Model, Ints]:
+        """The model of a stage, its held blocks fixed, and the positions of its blocks."""
+        fixed = np.flatnonzero(self.assembly.fixed).tolist()
+        blocks = np.array(sorted([*fixed, *members(stage.placed)]), dtype=np.intp)
+        resting = self.model.with_supports([*fixed, *members(stage.held)])
+        return resting.subset(blocks), blocks
 
     @cached_property
     def largest(self) -> tuple[int, int]:

@@ -269,11 +269,9 @@ class Structure(OneLine):
 
     def _if_more_touches(self, stage: Stage, asked: _Asked) -> StageAnswer:
         """The check of a stage that falls, with the pairs of blocks that were not joined."""
-        model = asked.evaluator.model.model
-        fixed = np.flatnonzero(model.assembly.fixed).tolist()
-        blocks = np.array(sorted([*fixed, *members(stage.placed)]))
-        resting = model.with_supports([*fixed, *members(stage.held)])
-        found = self._check(replace(resting.subset(blocks), report=model.report))
+        staged = asked.evaluator.model
+        model, blocks = staged.cut_out(stage)
+        found = self._check(replace(model, report=staged.model.report))
         falling = tuple(blocks[list(found.falling)].tolist())
         used = 0.0 if found.force is None else most_used(found.contacts, found.force)
         return StageAnswer(found.verdict, found.message, falling, joint_used=used)
