@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import pickle
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -43,8 +44,10 @@ class Evaluator(OneLine):
         File for all answers; if it exists and belongs to this model, the work continues from it.
     late
         Called before parts are checked; True ends the work.
-    falls
-        Whether motions with which parts fell prove other parts to fall, without a check.
+    learns
+        Whether checks begin at the rest state of the nearest part that was asked before, and
+        mechanisms prove other parts to fall. What was asked before then changes forces, and which
+        blocks fall, but no verdict.
     kept
         Largest number of parts whose answers are kept, those asked last.
 
@@ -71,7 +74,7 @@ class Evaluator(OneLine):
         executor: Executor | ExecutorFactory | None = None,
         checkpoint: PathLike | None = None,
         late: Callable[[], bool] = bool,
-        falls: bool = False,
+        learns: bool = False,
         kept: float = float("inf"),
     ) -> None:
         self.model = model
@@ -80,7 +83,9 @@ class Evaluator(OneLine):
         self.solved = 0
         self.asked = 0
         self.solve_s = 0.0
-        self._falls = KnownFalls(model) if falls else None
+        self._falls = KnownFalls(model) if learns else None
+        # moving blocks and rest states of the last parts that stood: 50 us to look through
+        self._rested: deque[tuple[int, Floats]] = deque(maxlen=200)
         self._kept = kept
         self._known: dict[Stage, StageAnswer] = {}
         # of parts that nobody asked for yet: from the checkpoint, and with where they begin ahead
@@ -215,6 +220,8 @@ class Evaluator(OneLine):
         self._known[part] = found
         if self._falls is not None:
             self._falls.add(part, found.motion)
+            if len(found.rest):
+                self._rested.append((part.placed & ~part.held, found.rest))
         if self._checkpoint is not None:
             self._checkpoint.add(part, found)
 
@@ -230,8 +237,27 @@ class Evaluator(OneLine):
         """The known answer of a part: the check, or a quick look that shows that it stands."""
         return self._known.get(self._key(part))
 
+    def _rest_of_nearest(self, part: Stage) -> Floats | None:
+        """Displacements (n, 6) of the part that differs in the fewest blocks, the last of several.
+
+        None where it has no block of the part.
+        """
+        moving = part.placed & ~part.held
+        blocks, rest = min(
+            reversed(self._rested),
+            key=lambda one: (one[0] ^ moving).bit_count(),
+            default=(0, np.zeros((0, 6))),
+        )
+        if not blocks & moving:
+            return None
+        out = np.zeros((len(self.model.assembly), 6))
+        out[list(members(blocks))] = rest
+        return out
+
     def _rest_near(self, part: Stage) -> Floats | None:
         """Displacements (n, 6) of the known rest states of a part and of its similar stage."""
+        if self._falls is not None:
+            return self._rest_of_nearest(part)
         out: Floats | None = None
         for stage in (part.near, (part.placed, part.held)):
             for other in () if stage is None else self.model.parts(Stage(*stage)):

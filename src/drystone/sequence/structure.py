@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Unpack
 
@@ -126,7 +125,7 @@ class Structure(OneLine):
         self.robust, self.each_s = robust, each_s
         self.kept = whole(kept, "kept", least=1)
         self._check = StageCheck(options, each_s, brief=True)
-        self._asked: dict[bytes, _Asked] = {}
+        self._asked: dict[bytes, Evaluator] = {}
         self._of(None)  # refuses a model without supports
 
     def _summary(self) -> str:
@@ -232,7 +231,7 @@ class Structure(OneLine):
         rows = np.packbits(masks & ~self.model.assembly.fixed, axis=1, bitorder="little")
         return [int.from_bytes(row.tobytes(), "little") for row in rows]
 
-    def _of(self, load: Whole | None) -> _Asked:
+    def _of(self, load: Whole | None) -> Evaluator:
         """What is known under a load."""
         model = self.model if load is None else self.model.with_load(load)
         key = model.load.wrench.tobytes()
@@ -240,11 +239,11 @@ class Structure(OneLine):
             while len(self._asked) >= 8:  # loads, chosen
                 del self._asked[next(iter(self._asked))]
             staged = StagedModel(model, self._check)
-            self._asked[key] = _Asked(Evaluator(staged, falls=True, kept=self.kept))
+            self._asked[key] = Evaluator(staged, learns=True, kept=self.kept)
         return self._asked[key]
 
     def _answers(
-        self, sets: Sequence[tuple[int, int]], asked: _Asked, pool: WorkerPool | None = None
+        self, sets: Sequence[tuple[int, int]], asked: Evaluator, pool: WorkerPool | None = None
     ) -> list[StageAnswer]:
         """The answers about sets of blocks in place and of held blocks among them."""
         for placed, held in sets:
@@ -253,9 +252,8 @@ class Structure(OneLine):
                 raise InputError(
                     f"'{names[0]}' is held and not in place", remedy="put it among the blocks"
                 )
-        stages = [Stage(*one, False, asked.nearest(one)) for one in sets]
-        found = asked.evaluator.answers(stages, pool=pool)
-        asked.standing.extend(one for one, answer in zip(sets, found, strict=True) if answer.stands)
+        stages = [Stage(*one) for one in sets]
+        found = asked.answers(stages, pool=pool)
         return [
             self._if_more_touches(stage, asked) if answer.verdict is Verdict.UNSTABLE
             and self._may_touch_more else answer
@@ -267,31 +265,14 @@ class Structure(OneLine):
         """Whether a proof of a fall may rest on blocks that were not joined."""
         return may_touch_more(self.model)
 
-    def _if_more_touches(self, stage: Stage, asked: _Asked) -> StageAnswer:
+    def _if_more_touches(self, stage: Stage, asked: Evaluator) -> StageAnswer:
         """The check of a stage that falls, with the pairs of blocks that were not joined."""
-        staged = asked.evaluator.model
+        staged = asked.model
         model, blocks = staged.cut_out(stage)
         found = self._check(replace(model, report=staged.model.report))
         falling = tuple(blocks[list(found.falling)].tolist())
         used = 0.0 if found.force is None else most_used(found.contacts, found.force)
         return StageAnswer(found.verdict, found.message, falling, joint_used=used)
-
-
-@dataclass(frozen=True, eq=False)
-class _Asked:
-    """What is known of a structure under one load, and some of the last subsets that stood."""
-
-    evaluator: Evaluator
-    standing: deque[tuple[int, int]] = field(default_factory=lambda: deque(maxlen=200))
-
-    def nearest(self, asked: tuple[int, int]) -> tuple[int, int] | None:
-        """The one that differs in the fewest blocks; the last of several."""
-        placed, held = asked
-        return min(
-            reversed(self.standing),
-            key=lambda one: (one[0] ^ placed | one[1] ^ held).bit_count(),
-            default=None,
-        )
 
 
 def _again(model: Model, robust: bool, each_s: float, kept: int) -> Structure:
