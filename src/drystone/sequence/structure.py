@@ -78,10 +78,10 @@ class StageAnswers(OneLine):
 class Structure(OneLine):
     """A model of which many subsets are asked whether they stand.
 
-    Supports are always in place. The verdict is that of :func:`drystone.check` on the model of the
-    blocks in place. It costs less, as the answers that are known already are used: of connected
-    parts that come again, of a similar subset, whose rest state is where the next one begins, and
-    of a mechanism, which proves each subset to fall that has it as well.
+    Supports are always in place. The verdict is that of :func:`drystone.check` on each connected
+    part of the blocks in place. It costs less, as what is known already is used: the answers of
+    parts that come again; the rest state of a similar part, where the next one begins; and
+    mechanisms, which prove other parts to fall.
 
     Parameters
     ----------
