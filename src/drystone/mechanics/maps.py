@@ -16,7 +16,7 @@ from drystone.base.errors import SolverError
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
-from drystone.solvers.multifrontal import BlockOrdering
+from drystone.solvers.multifrontal import ordering_of
 from drystone.solvers.refinement import Solve, refined
 
 FULL = 12_000
@@ -127,7 +127,7 @@ class SparseMaps:
         ends = np.append(0, np.cumsum(np.bincount(where[n:], minlength=len(unique))))
         # a sum as a sparse product: ten times as fast as reduceat
         self.of_block = _matrix(np.ones(len(order)), (kind * m + source)[order], ends, 4 * m)
-        self.ordering = BlockOrdering(position, self.row, self.column, 6)
+        self.ordering = ordering_of(position, self.row, self.column, 6)
 
     def at(self, axes: Floats, arm_a: Floats, arm_b: Floats) -> None:
         """As for few blocks."""

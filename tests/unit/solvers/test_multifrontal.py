@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone.base.errors import SolverError
-from drystone.solvers.multifrontal import BlockOrdering
+from drystone.solvers.multifrontal import BlockOrdering, ordering_of
 
 
 def random_system(count, width, rng, reach):
@@ -52,6 +52,16 @@ def test_parts_that_nothing_couples_are_solved_side_by_side(last):
     dense[row, column] = blocks[:, 0, 0]
     x = BlockOrdering(position, row, column, 1).factorise(blocks).solve(np.ones((60, 1)))
     np.testing.assert_allclose(dense @ x.ravel(), 1.0, atol=1e-12)
+
+
+def test_the_order_of_a_small_graph_depends_on_no_position():
+    rng = np.random.default_rng(9)
+    position, row, column, blocks, _ = random_system(150, 3, rng, 0.25)
+    right = rng.normal(size=(150, 3))
+    alone = BlockOrdering(position, row, column, 3).factorise(blocks).solve(right)
+    for place in (position, rng.uniform(size=(150, 3))):
+        found = ordering_of(place, row, column, 3).factorise(blocks).solve(right)
+        np.testing.assert_array_equal(found, alone)
 
 
 def test_later_factors_change_no_earlier_ones():
