@@ -186,20 +186,8 @@ class _WedgeSearch:
 
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
-        for done, layout in enumerate(layouts):
-            self.clock.tell(f"planning layouts{self.so_far}", done, len(layouts))
-            for wedge in self.options.wedges:
-                self.look(layout, wedge, wedge)
-            self.tell(layout)
-            if self.late() or self.free:
-                break
-        several = sorted(self.promised, key=lambda one: self.promised[one])
-        several = several[: 1 if self.free else _DEEPENED]
-        for done, layout in enumerate(several):
-            self.clock.tell(f"planning wedges{self.so_far}", done, len(several))
-            for even, odd in permutations(self.options.wedges, 2):
-                self.look(layout, even, odd)
-            self.tell(layout)
+        self.look_with_one_wedge(layouts)
+        self.look_with_unlike_wedges()
         if self.best is None and self.log:
             raise InputError(
                 f"no layout was planned: {self.log[0].partition(': ')[2]}",
@@ -208,6 +196,26 @@ class _WedgeSearch:
         if self.best is None:
             raise InputError("the search was stopped before its first plan", remedy="give it time")
         return self.answer(self.best)
+
+    def look_with_one_wedge(self, layouts: list[Layout]) -> None:
+        """Look at each layout with the same wedge at all bed lines, until one needs no help."""
+        for done, layout in enumerate(layouts):
+            self.clock.tell(f"planning layouts{self.so_far}", done, len(layouts))
+            for wedge in self.options.wedges:
+                self.look(layout, wedge, wedge)
+            self.tell(layout)
+            if self.late() or self.free:
+                break
+
+    def look_with_unlike_wedges(self) -> None:
+        """Look at the layouts that promise least help with every pair of wedges."""
+        several = sorted(self.promised, key=lambda one: self.promised[one])
+        several = several[: 1 if self.free else _DEEPENED]
+        for done, layout in enumerate(several):
+            self.clock.tell(f"planning wedges{self.so_far}", done, len(several))
+            for even, odd in permutations(self.options.wedges, 2):
+                self.look(layout, even, odd)
+            self.tell(layout)
 
     @property
     def so_far(self) -> str:
@@ -228,11 +236,12 @@ class _WedgeSearch:
         if shell is None:
             return
         wedges = wedges or (even,) * line_count(shell)
-        for course, (low, high) in enumerate(zip([0.0, *wedges], [*wedges, 0.0], strict=True)):
-            if (course, low, high) not in known and not self.late():
-                found = self.course_alone(shell, course)
-                if not self.late():
-                    known[course, low, high] = found
+        for place in zip(range(len(wedges) + 1), [0.0, *wedges], [*wedges, 0.0], strict=True):
+            if place not in known:
+                found = self.course_alone(shell, place[0])
+                if self.late():
+                    return
+                known[place] = found
 
     def built(self, layout: Layout, wedge: float | tuple[float, ...]) -> Shell | None:
         """The shell of a layout with other wedges; ``None`` where it cannot have them."""
