@@ -140,17 +140,29 @@ def back_from_code(*event):
     )
 
 
-def how_of_models(*event):
-    """What ``**how`` takes, where a function says nothing of it."""
+SHARED = {
+    "given": "A model; or an assembly or a file that ``how`` turns into one.",
+    "check": "A function that gives the verdict on a model; that of drystone when left out.",
+    "how": "How a model is made of an assembly or a file: the keywords of :func:`drystone.read`.",
+}
+"""Parameters of many functions, where a function says nothing of them."""
+
+
+def shared_parameters(*event):
+    """A line for each parameter that all analyses share and that is not described."""
     _, what, _, called, _, lines = event
-    if what != "function" or "how" not in inspect.signature(called).parameters or "how" in lines:
-        return
     rules = [i for i, line in enumerate(lines) if re.fullmatch("-{3,}", line)]
-    if not rules or lines[rules[0] - 1] != "Parameters":
+    if what != "function" or not rules or lines[rules[0] - 1] != "Parameters":
         return
     end = rules[1] - 1 if len(rules) > 1 else len(lines)
-    told = "How a model is made of an assembly or a file: the keywords of :func:`drystone.read`."
-    lines[end:end] = ["how", f"    {told}", ""]
+    heads = [
+        one.partition(" : ")[0] for one in lines[rules[0] + 1 : end] if one[:1] not in ("", " ")
+    ]
+    told = {name.strip(" *") for head in heads for name in head.split(",")}
+    for name in inspect.signature(called).parameters:
+        if name in SHARED and name not in told:
+            lines[end:end] = [name, f"    {SHARED[name]}", ""]
+            end += 3
 
 
 def by_last_name(app, env, node, content):
@@ -176,7 +188,7 @@ def setup(app: Sphinx) -> None:
     app.connect("include-read", without_links)
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
-    app.connect("autodoc-process-docstring", how_of_models, priority=400)
+    app.connect("autodoc-process-docstring", shared_parameters, priority=400)
     app.connect("html-page-context", social)
     app.connect("html-page-context", back_from_code)
     app.connect("missing-reference", by_last_name)
