@@ -180,7 +180,7 @@ def reproduce(
 ) -> Told:
     """Compute the case studies of the source, and compare with the published figures.
 
-    Exit code 0: all figures agree. 1: some differ. 2: bad input.
+    Exit code 0: all figures that can be compared agree. 1: some differ. 2: bad input.
     """
     from drystone import reproduce as cases  # the program starts fast
     from drystone.answer import Role, Sentence, Statement
@@ -199,7 +199,9 @@ def reproduce(
         written += [] if out is None else cases.save_case(found[-1], out)
         waiting.wrote = written
     wrong = [case.section for case in found if not case.agrees]
-    verdict = f"{', '.join(wrong)} differs" if wrong else "all figures agree"
+    compared = sum(line.agrees is not None for case in found for line in case.lines)
+    agree = "all figures agree" if compared else "no published figure can be compared"
+    verdict = f"{', '.join(wrong)} differs" if wrong else agree
     told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
     numbers = {"sections": [case.numbers() for case in found]}
     answer = Statement((told,), tuple(case.table() for case in found), numbers)

@@ -3,6 +3,7 @@
 import json
 
 from drystone.cli import main
+from drystone.reproduce import SECTIONS, Case, Line
 
 
 def test_a_section_prints_published_beside_found(capsys):
@@ -10,6 +11,15 @@ def test_a_section_prints_published_beside_found(capsys):
     out = capsys.readouterr().out
     assert "all figures agree" in out
     assert "stable / unstable" in out
+
+
+def test_a_section_without_published_figures_is_not_said_to_agree(capsys, monkeypatch):
+    alone = Case("5.1.1", "a shape of ours", (Line("blocks held", "", "4", None),), {})
+    monkeypatch.setitem(SECTIONS, "5.1.1", lambda: alone)
+    assert main(["reproduce", "5.1.1"]) == 0
+    out = capsys.readouterr().out
+    assert "no published figure can be compared" in out
+    assert "figures agree" not in out
 
 
 def test_the_sections_are_listed(capsys):
