@@ -61,6 +61,7 @@ class Waiting:
         self._begun: tuple[str, float] | None = None
         self._state = ("", 0, 0)
         self._doing = ""
+        self._due = False
         self._bar: Progress | None = None
         self._timer: threading.Timer | None = None
         self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
@@ -140,6 +141,8 @@ class Waiting:
         self._begun = (key, time.perf_counter())
         self._doing = clean(wording)
         self(wording, 0, 0)
+        if self._due:
+            self._tell()
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Progress of the running work; a total of zero means that it is not known."""
@@ -185,8 +188,10 @@ class Waiting:
 
     def _tell(self) -> None:
         with self._lock:
-            at_work = self._timer is not None and self._begun is not None  # no server that waits
-            if at_work and sys.stderr is not None:
+            if self._timer is None or sys.stderr is None:
+                return
+            self._due = self._begun is None  # told once there is something to tell
+            if not self._due:
                 stage, done, total = self._state
                 told = f"{stage}, {done} of {total}" if done < total else self._doing
                 with suppress(OSError, ValueError):  # closed or full: nobody reads it

@@ -316,8 +316,10 @@ def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
     children = [one for thread in threads for one in (thread / "children").read_text().split()]
     assert children
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does
-    rest = running.communicate(timeout=300)
-    assert (running.returncode, *rest) == (0, b"", b"")
+    out, err = running.communicate(timeout=300)
+    assert (running.returncode, out) == (0, b"")
+    # reading may have been slow, and then it was said
+    assert err in (b"", f"drystone: reading {folder / 'arch.json'} ...\n".encode())
     end = time.monotonic() + 60.0
     while any(Path(f"/proc/{child}").exists() for child in children):
         assert time.monotonic() < end
