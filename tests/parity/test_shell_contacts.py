@@ -6,12 +6,15 @@ import pytest
 from drystone import Contacts, find_contacts
 from drystone.shells import (
     Ground,
+    JointForm,
     Layout,
     Shell,
     ShellBody,
     barrel_vault,
     build_shell,
     dome,
+    find_form,
+    rectangular_plan,
     sample_shell,
 )
 
@@ -24,6 +27,11 @@ SHELLS = {
         barrel_vault(), Layout(courses=10, blocks=4), ShellBody(joggle_deg=20.0)
     ),
     "keystone": lambda: build_shell(dome(keystone=True), Layout(courses=6, blocks=12)),
+    "faceted joints": lambda: build_shell(
+        find_form(rectangular_plan(6.0, 5.0), height=1.8).shape,
+        Layout(courses=6, width=1.2, wedge=0.2),
+        ShellBody(thickness=0.3, joints=JointForm.FACETED),
+    ),
     "fixed springers": lambda: build_shell(
         dome(), Layout(courses=6, blocks=12, wedge=0.2), ShellBody(ground=Ground.SPRINGERS)
     ),

@@ -78,6 +78,14 @@ class ShellPattern:
             expert=True,
         ),
     ] = False
+    joints: Annotated[
+        str,
+        Option(
+            "Make each joint plane, or keep a warped one as two triangles (plane).",
+            kind=kinds.one_of(("plane", "faceted")),
+            expert=True,
+        ),
+    ] = "plane"
     straight: Annotated[bool, Option("Make the inner face of every block planar.", expert=True)] = (
         False
     )
@@ -119,12 +127,13 @@ class ShellPattern:
 
     def body(self, thickness: float | None) -> ShellBody:
         """What blocks of a thickness [m] are like."""
-        from drystone.shells import Ground, Intrados, ShellBody
+        from drystone.shells import Ground, Intrados, JointForm, ShellBody
 
         return ShellBody(
             thickness=thickness,
             joggle_deg=self.joggle,
             intrados=Intrados.STRAIGHT if self.straight else Intrados.OFFSET,
+            joints=JointForm(self.joints),
             ground=Ground.SPRINGERS if self.fix_springers else Ground.BLOCKS,
         )
 

@@ -1,4 +1,4 @@
-"""Shells: a surface divided into courses and staggered blocks with planar joints."""
+"""Shells: a surface divided into courses and staggered blocks with planar or faceted joints."""
 
 from drystone.shells.cell_sizes import shape_volume
 from drystone.shells.fabrication import (
@@ -27,7 +27,7 @@ from drystone.shells.shell_families import (
     tri_dome,
 )
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Ground, Intrados, Layout, ShellBody
+from drystone.shells.shell_options import Ground, Intrados, JointForm, Layout, ShellBody
 from drystone.shells.sources import (
     curve_through,
     patch_from_curves,
@@ -44,6 +44,7 @@ __all__ = [
     "FormFound",
     "Ground",
     "Intrados",
+    "JointForm",
     "Layout",
     "MeshFit",
     "Patch",

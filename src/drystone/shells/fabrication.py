@@ -36,7 +36,7 @@ class FlatFace(OneLine):
     block, neighbour
         Names; the neighbour is empty on a free edge.
     corner : (k, 2) [m]
-        Seen from outside the block, the intrados edge along x.
+        Seen from outside the block, the intrados edge along x; of a triangle its first edge.
     """
 
     block: str
@@ -92,7 +92,7 @@ def flat_faces(shell: Shell, block: int | str) -> tuple[FlatFace, ...]:
     for face in cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[2]:
         corner = point[list(face)]
         out = polygon.area_vector(corner)
-        along = corner[1] - corner[0] if len(face) == 4 else corner[0] - corner[-1]
+        along = corner[1] - corner[0] if len(face) <= 4 else corner[0] - corner[-1]
         x = along / np.linalg.norm(along)
         y = np.cross(out / np.linalg.norm(out), x)
         flat = (corner - corner[0]) @ np.stack([x, y], axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -49,10 +49,13 @@ class Pins(OneLine):
         From the intrados to the extrados, vertex after vertex: two points, or five where the bed
         joint has a joggle.
     start : (v + 1,) vertex i has the points start[i] to start[i + 1]
+    faceted
+        Whether a warped side face is two triangles.
     """
 
     point: Floats
     start: Ints
+    faceted: bool = False
 
     def of(self, vertex: int) -> range:
         """Points of one vertex, intrados first."""
@@ -163,16 +166,31 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
     factor = np.clip(thickness / np.maximum(across, 1e-300), 0.5, 2.0)
     pin = np.repeat(np.arange(len(middle)), np.diff(pins.start))
     grown = middle[pin] + factor[pin, None] * (pins.point - middle[pin])
-    return Pins(grown, pins.start)
+    return replace(pins, point=grown)
 
 
 def _side_polygons(mesh: Tessellation, pins: Pins, edge: tuple[int, int]) -> list[tuple[int, ...]]:
-    """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
+    """Side faces of the cell on the left of an edge, outwards.
+
+    One; four at a joggle; two where a warped face is faceted, with the same diagonal for both
+    cells.
+    """
     a, b = pins.of(edge[0]), pins.of(edge[1])
+    if pins.faceted and _is_warped(pins.point[[a[0], b[0], b[1], a[1]]]):
+        if edge[0] < edge[1]:
+            return [(a[0], b[0], b[1]), (a[0], b[1], a[1])]
+        return [(a[0], b[0], a[1]), (b[0], b[1], a[1])]
     head = (min(edge), max(edge)) in mesh.heads
     if len(a) == len(b) and not head:
         return [(a[i], b[i], b[i + 1], a[i + 1]) for i in range(len(a) - 1)]
     return [(*b, *reversed(a))]
+
+
+def _is_warped(corner: Floats) -> bool:
+    """Whether four corners (4, 3) [m] are not in one plane."""
+    across = np.cross(corner[2] - corner[0], corner[3] - corner[1])
+    size = float(np.linalg.norm(across))
+    return bool(abs((corner[1] - corner[0]) @ across) > _PLANAR * size**1.5)
 
 
 def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:

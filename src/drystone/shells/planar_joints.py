@@ -1,4 +1,4 @@
-"""Pins with planar joints between them, with the required thickness."""
+"""Pins with planar or faceted joints between them, with the required thickness."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from drystone.shells.patch import Side
 from drystone.shells.pattern import Tessellation
 from drystone.shells.planarise import PlanarReport, planarise
 from drystone.shells.shape import Shape
-from drystone.shells.shell_options import Intrados, ShellBody
+from drystone.shells.shell_options import Intrados, JointForm, ShellBody
 
 _LARGE_DRIFT = 0.25
 """Drift, relative to the width of a block, above which a shell has a note. Chosen: the lap of head
@@ -59,6 +59,8 @@ def planar_pins(
 ) -> PlanarPins:
     """Pins with planar joints between them, at the thickness asked for.
 
+    Faceted joints stay as warped as they are; the report says how much that is.
+
     The pins are planarised, lengthened, given their joggle, and planarised again. The second time
     changes something only with joggles or planar intrados, and then little: a step in a planar
     joint hardly warps it.
@@ -68,12 +70,15 @@ def planar_pins(
     leaned, and the sample of 40 blocks needed a friction of 0.38 instead of 0.24.
     """
     raised = raise_pins(mesh, thickness)
+    faceted = body.joints is JointForm.FACETED
 
     def planar(pins: Pins) -> tuple[Pins, PlanarReport]:
         polygons = joint_polygons(mesh, pins)
         if body.intrados is Intrados.STRAIGHT:
             polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
-        point, report = planarise(pins.point, polygons, scale=width, progress=progress)
+        point, report = planarise(
+            pins.point, polygons, scale=width, most=0 if faceted else 30, progress=progress
+        )
         return Pins(point, pins.start), report
 
     tilted, first = planar(raised)
@@ -91,6 +96,7 @@ def planar_pins(
         drift=float(drift.max()),
         steps=first.steps + last.steps,
     )
+    pins = replace(pins, faceted=faceted)
     return PlanarPins(pins, report, float(across.max()), int(drift.argmax()))
 
 
@@ -135,9 +141,9 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: ShellBody) -> None:
     Raises
     ------
     InputError
-        They are not planar.
+        They are neither planar nor faceted.
     """
-    if made.report.warp_after > _LARGEST_WARP:
+    if made.report.warp_after > _LARGEST_WARP and not made.pins.faceted:
         what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
             f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",
@@ -173,7 +179,7 @@ def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:
     """Notes about joints that are not planar and about a large drift, with the block."""
     report = made.report
     notes = []
-    if not report.reached:
+    if not report.reached and not made.pins.faceted:
         notes.append(f"joints are up to {report.warp_after:.1e} of a block from planar")
     if report.drift > _LARGE_DRIFT:
         notes.append(

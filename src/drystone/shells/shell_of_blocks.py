@@ -100,13 +100,15 @@ class Shell(Answer):
         planar = self.planar
         ground = counted(int(self.ground.sum()), "ground block")
         flat = "the joints are planar" if planar.reached else "some joints are not planar"
+        made = f" before, {planar.warp_after:.1e} after planarising"
+        if self.pins.faceted:
+            flat, made = "warped joints are two triangles", ""
         return [
-            Sentence(flat, Role.GOOD if planar.reached else Role.BAD),
+            Sentence(flat, Role.GOOD if planar.reached or self.pins.faceted else Role.BAD),
             Sentence(f"{self.title}, {ground}, {self.volume:.2f} m3"),
             Sentence(
-                f"largest warp of a joint {planar.warp_before:.2%} of a block before, "
-                f"{planar.warp_after:.1e} after planarising; largest drift {planar.drift:.1%}, "
-                f"{self.off_surface:.1%} off the surface"
+                f"largest warp of a joint {planar.warp_before:.2%} of a block{made}; "
+                f"largest drift {planar.drift:.1%}, {self.off_surface:.1%} off the surface"
             ),
         ]
 
@@ -154,7 +156,8 @@ class Shell(Answer):
     def contacts(self) -> Contacts:
         """The joints between its blocks, one for each face that two blocks share.
 
-        They are equal to the result of :func:`drystone.find_contacts`, without a search.
+        They are equal to the result of :func:`drystone.find_contacts`, without a search. Of faceted
+        joints the search makes two triangles one where they turn by less than 0.1 degree.
         """
         loops, ends = [], []
         for block, cell in enumerate(self.mesh.cells):

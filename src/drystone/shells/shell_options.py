@@ -27,6 +27,15 @@ class Intrados(enum.Enum):
     staggered bond need the wedge that the curvatures ask for: ``Layout(wedge=None)``."""
 
 
+class JointForm(enum.Enum):
+    """The joints between blocks of a surface that is curved both ways."""
+
+    PLANE = "plane"
+    """Corners are moved until each joint is plane."""
+    FACETED = "faceted"
+    """Corners stay where the normals of the surface put them; a warped joint is two triangles."""
+
+
 class Ground(enum.Enum):
     """How a shell is supported."""
 
@@ -95,6 +104,7 @@ class ShellBody(Options):
         or -25 to -10; 0 for none. A block is then removed by a rotation, not by a straight lift;
         see ``add_joggle``.
     intrados
+    joints
     ground
     ground_depth : [m]
         Depth of the ground blocks; the mean thickness when left out.
@@ -102,13 +112,15 @@ class ShellBody(Options):
     Raises
     ------
     InputError
-        A joggle out of range, or a value of another type.
+        A joggle out of range, a joggle or straight intrados with faceted joints, or a value of
+        another type.
     """
 
     thickness: Thickness | None = None
     density: float = DEFAULT_DENSITY
     joggle_deg: float = 0.0
     intrados: Intrados = Intrados.OFFSET
+    joints: JointForm = JointForm.PLANE
     ground: Ground = Ground.BLOCKS
     ground_depth: float | None = None
 
@@ -120,4 +132,10 @@ class ShellBody(Options):
                 f"the joggle is {self.joggle_deg} degrees",
                 remedy=f"give {LEAST_JOGGLE:g} to {LARGEST_JOGGLE:g}, the same below zero, "
                 "or 0 for none",
+            )
+        straight = self.intrados is Intrados.STRAIGHT
+        if self.joints is JointForm.FACETED and (size != 0.0 or straight):
+            raise InputError(
+                f"{'a straight intrados' if straight else 'a joggle'} needs plane joints",
+                remedy="leave it out, or the faceted joints",
             )

@@ -53,7 +53,8 @@ def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> tuple[Tessellati
     )
     start = np.concatenate([pins.start, pins.start[-1] + 2 * np.arange(1, len(old) + 1)])
     ground = np.concatenate([np.zeros(len(mesh.cells), dtype=bool), np.ones(added, dtype=bool)])
-    return grounded, Pins(np.concatenate([pins.point, far]), start), ground
+    extended = replace(pins, point=np.concatenate([pins.point, far]), start=start)
+    return grounded, extended, ground
 
 
 def _outwards(mesh: Tessellation) -> dict[int, Floats]:

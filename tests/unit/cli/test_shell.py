@@ -36,6 +36,18 @@ def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:
     assert len(list(folder.iterdir())) == 32
 
 
+def test_joints_are_made_plane_or_kept_as_triangles(tmp_path: Path, capsys: Capsys) -> None:
+    flat = tmp_path / "flat.svg"
+    vault = ("shell", "tri-dome", "--courses", "4", "--width", "1.6", "--thickness", "0.3")
+    drawn = []
+    for joints in ("plane", "faceted"):
+        code, told = answer(capsys, *vault, "--joints", joints, "--unrolled", str(flat))
+        assert (code, told["verdict"]) == (0, "stable")
+        assert told["shell"]["planar"] is (joints == "plane")
+        drawn.append(flat.read_text().count("<polygon"))
+    assert drawn[1] > 1.3 * drawn[0]
+
+
 def test_files_of_single_blocks_have_the_format_asked_for(tmp_path: Path, capsys: Capsys) -> None:
     folder = tmp_path / "blocks"
     answer(capsys, *DOME, "--block-files", str(folder), "--block-format", "stl")

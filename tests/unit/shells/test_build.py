@@ -1,14 +1,16 @@
 import pickle
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from drystone import InputError, find_contacts
+from drystone import InputError, check, find_contacts
 from drystone.shells import (
     Edge,
     Ground,
     Intrados,
+    JointForm,
     Layout,
     Seam,
     Shape,
@@ -95,6 +97,55 @@ def test_joints_are_planar_and_shared(kind):
     assert largest_warp(shell.pins.point, joints(shell)) < 1e-8
     assert matched(shell)
     assert not any(block.repairs for block in shell.assembly.blocks)
+
+
+def free_faces_volume(blocks):
+    """[m3] enclosed by the faces that no other block has, as fans about their middles."""
+    faces = [block.vertices[list(face)] for block in blocks for face in block.faces]
+    keys = [frozenset(map(tuple, corner.tolist())) for corner in faces]
+    total = 0.0
+    for corner, key in zip(faces, keys, strict=True):
+        if keys.count(key) == 1:
+            after = np.roll(corner, -1, axis=0)
+            total += float((np.cross(corner, after) @ corner.mean(axis=0)).sum()) / 6.0
+    return total
+
+
+def test_faceted_joints_join_the_same_blocks_as_plane_ones():
+    """Two triangles each, the same ones in both blocks, with nothing between them."""
+    layout = Layout(courses=5, width=1.4, wedge=0.2)
+    plane, faceted = (
+        build_shell(FORM.shape, layout, ShellBody(thickness=0.3, joints=form)) for form in JointForm
+    )
+    blocks = faceted.assembly.blocks
+    assert not any(block.repairs for block in blocks)
+    assert matched(faceted)
+    assert sum(block.volume for block in blocks) == pytest.approx(free_faces_volume(blocks))
+    assert faceted.planar.drift < 1e-12 < 1e-3 < faceted.planar.warp_after
+    assert check(plane.model()).stable
+    assert check(faceted.model()).stable
+    found = find_contacts(faceted.assembly).contacts
+    for contacts in (faceted.contacts, found):
+        joints = Counter(joint.blocks for joint in contacts)
+        assert joints.keys() == {joint.blocks for joint in plane.contacts}
+        warped = [
+            pair
+            for pair, number in Counter(joint.blocks for joint in plane.contacts).items()
+            if joints[pair] == 2 * number
+        ]
+        assert len(warped) > 0.8 * len(joints)
+
+
+def test_faceted_joints_that_are_plane_stay_whole():
+    shell = build_shell(dome(), Layout(courses=4, blocks=8), ShellBody(joints=JointForm.FACETED))
+    pairs = [joint.blocks for joint in shell.contacts]
+    assert len(pairs) == len(set(pairs))
+
+
+@pytest.mark.parametrize("other", [{"joggle_deg": 15.0}, {"intrados": Intrados.STRAIGHT}])
+def test_a_joggle_and_a_straight_intrados_need_plane_joints(other):
+    with pytest.raises(InputError, match="needs plane joints"):
+        ShellBody(joints=JointForm.FACETED, **other)
 
 
 def test_stress_makes_a_shell_thicker_where_it_works_harder():
