@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 @command(
     "drystone convert arch.json arch.obj",
     "drystone convert arch.obj again.json --supports lowest --contacts",
+    "drystone convert arch.json print.stl --joint-allowance 0.58mm",
 )
 def convert(
     *,
@@ -41,6 +42,15 @@ def convert(
             metavar="FORMAT",
         ),
     ] = None,
+    joint_allowance: Annotated[
+        float | None,
+        Option(
+            "Write the blocks to fabricate: the two faces of each joint moved inward by half of "
+            "this length each.",
+            OUTPUT,
+            kind=kinds.LENGTH,
+        ),
+    ] = None,
     overwrite: Annotated[bool, Option("Write over the model itself.", OUTPUT)] = False,
     waiting: Waiting,
 ) -> Told:
@@ -50,6 +60,12 @@ def convert(
     from drystone.supports import ground_of, select
 
     how = source.how
+    if contacts and joint_allowance is not None:
+        raise InputError(
+            "blocks with a joint allowance touch nowhere",
+            where="--contacts",
+            remedy="leave it out, or write two files",
+        )
     friction = how.pop("friction", None)
     supports = how.get("supports")
     chosen = io.format_of(target, to, writing=True)
@@ -67,11 +83,16 @@ def convert(
         grounded, fixed = ground_of(read.assembly, supports)
         placed = select(grounded, str(fixed))
         read = replace(read, assembly=placed, results=(), loads=())
-    if contacts:
+    if contacts or joint_allowance is not None:
         waiting.stage("detect", "finding contacts")
         made = Model.of(read.assembly, friction=friction, anyway=True)
         notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
         read = replace(read, contacts=made.contacts, results=())
+        if joint_allowance is not None:
+            from drystone import design
+
+            smaller = design.joint_allowance(made, joint_allowance)
+            read = replace(read, assembly=smaller, contacts=None, loads=())
     waiting.stage("write", f"writing {target}")
     io.write(read, target, format=to)
     from drystone.answer import Role, Sentence, Statement
@@ -81,9 +102,13 @@ def convert(
         "blocks": len(read.assembly),
         "fixed": int(read.assembly.fixed.sum()),
         "interfaces": None if read.contacts is None else read.contacts.count,
+        "joint_allowance": joint_allowance,
         "loses": chosen.loses,
     }
     told = [Sentence(f"{len(read.assembly)} blocks, {chosen.title}", Role.GOOD)]
+    if joint_allowance is not None:
+        said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
+        told.append(Sentence(said, Role.REMARK))
     if chosen.loses:
         told.append(Sentence(f"this format does not store {chosen.loses}", Role.REMARK))
     arrays = [str(Path(target).with_suffix(".npz"))] if chosen.name == "drystone-npz" else []

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.assembly import Block
+from drystone.assembly import Block, replace_block
 from drystone.base.arrays import Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.changed_model import changed, fresh_name
+from drystone.design.changed_model import EQUAL, changed, fresh_name
 from drystone.design.joint_plane import (
     block_with,
     body_of,
@@ -173,13 +173,13 @@ def move_face(model: Model, block: int | str, face: int, distance: float) -> Mod
     Raises
     ------
     InputError
-        More than three faces meet at a corner of the face, or a face would be swallowed.
+        A corner of the face is left with no point on all its planes, or a face would be swallowed.
     """
     i = int(model.assembly.indices([block])[0])
     body = model.assembly.blocks[i]
     if not 0 <= face < len(body.faces):
         raise InputError(f"block '{body.name}' has no face {face}", remedy="number them from 0")
-    return changed(model, {i: _with_moved(body, {face: number(distance, "the distance")})})
+    return changed(model, {i: with_moved_faces(body, {face: number(distance, "the distance")})})
 
 
 def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
@@ -196,7 +196,7 @@ def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
     new = {}
     for i in blocks:
         body = model.assembly.blocks[i]
-        planes = [_plane(body, k) for k in range(len(body.faces))]
+        planes = [face_plane(body, k) for k in range(len(body.faces))]
         free = [k for k in _by_area(body) if not _in_joint(model, i, *planes[k])]
         pairs = [
             (one, two)
@@ -211,7 +211,7 @@ def thicken_blocks(model: Model, blocks: Sequence[int], share: float) -> Model:
         one, two = pairs[0]
         middle = body.vertices[list(body.faces[two])].mean(axis=0)
         thickness = planes[one][1] - float(planes[one][0] @ middle)
-        new[i] = _with_moved(body, dict.fromkeys((one, two), 0.5 * share * thickness))
+        new[i] = with_moved_faces(body, dict.fromkeys((one, two), 0.5 * share * thickness))
     return changed(model, new)
 
 
@@ -235,34 +235,48 @@ def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
     )
 
 
-def _with_moved(body: Block, distances: Mapping[int, float]) -> Block:
-    """A block with some faces moved outward by distances [m], its other planes where they are."""
-    plane = [_plane(body, k) for k in range(len(body.faces))]
-    for face, distance in distances.items():
-        plane[face] = (plane[face][0], plane[face][1] + distance)
+def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
+    """A block with some faces moved outward by distances [m], its other planes where they are.
+
+    A corner takes the shortest way that moves it as far along the normal of each of its faces as
+    the face moves: warped faces stay as warped as they are.
+
+    Raises
+    ------
+    InputError
+        A corner is left with no point on all its planes, or a face or an edge would be swallowed.
+    """
+    normal = np.array([face_plane(body, k)[0] for k in range(len(body.faces))])
+    away = np.array([distances.get(k, 0.0) for k in range(len(body.faces))])
     vertices = np.array(body.vertices)
-    where = f"block '{body.name}'"
     for v in sorted({v for face in distances for v in body.faces[face]}):
         meeting = [k for k, loop in enumerate(body.faces) if v in loop]
-        if len(meeting) != 3:
+        step = np.linalg.lstsq(normal[meeting], away[meeting], rcond=EQUAL)[0]
+        error = np.abs(normal[meeting] @ step - away[meeting]).max()
+        if error > 1e-3 * np.abs(away).max():
             raise InputError(
-                "more than three faces meet at a corner of the face that moves",
-                where=where,
-                remedy="choose another face",
+                "more than three faces meet at a corner of the face that moves, and no point is "
+                "on all of their planes",
+                where=f"block '{body.name}', face {min(set(meeting) & set(distances))}",
+                remedy="shape the block so that three faces meet there",
             )
-        vertices[v] = np.linalg.solve(
-            np.array([plane[k][0] for k in meeting]), np.array([plane[k][1] for k in meeting])
-        )
-    for loop in body.faces:
-        before = area_vector(body.vertices[list(loop)])
-        after = area_vector(vertices[list(loop)])
-        sizes = float(np.linalg.norm(before) * np.linalg.norm(after))
-        if before @ after < 0.999 * sizes or sizes == 0.0:
-            raise InputError("would remove a whole face", where=where, remedy="move it less")
-    return Block(vertices, body.faces, body.name, body.density, body.metadata)
+        vertices[v] += step
+    for face, loop in enumerate(body.faces):
+        before, after = body.vertices[list(loop)], vertices[list(loop)]
+        was, area = area_vector(before), area_vector(after)
+        sizes = float(np.linalg.norm(was) * np.linalg.norm(area))
+        edge, turned = (np.roll(corner, -1, axis=0) - corner for corner in (before, after))
+        kept = ((edge * turned).sum(axis=1) > 0.0) | ~edge.any(axis=1)
+        if was @ area < 0.999 * sizes or sizes == 0.0 or not kept.all():
+            raise InputError(
+                "would remove a whole face",
+                where=f"block '{body.name}', face {face}",
+                remedy="move it less",
+            )
+    return replace_block(body, vertices=vertices)
 
 
-def _plane(block: Block, face: int) -> tuple[Floats, float]:
+def face_plane(block: Block, face: int) -> tuple[Floats, float]:
     """Unit normal and offset of a face."""
     corner = block.vertices[list(block.faces[face])]
     area = area_vector(corner)
@@ -273,7 +287,7 @@ def _plane(block: Block, face: int) -> tuple[Floats, float]:
 def faces_toward(block: Block, direction: Floats) -> list[int]:
     """Faces of a block whose normals are within 45 degrees of a direction, the nearest first."""
     along = unit(direction)
-    cosine = [float(_plane(block, k)[0] @ along) for k in range(len(block.faces))]
+    cosine = [float(face_plane(block, k)[0] @ along) for k in range(len(block.faces))]
     order = sorted(range(len(cosine)), key=lambda k: -cosine[k])
     return [k for k in order if cosine[k] > 0.7]
 

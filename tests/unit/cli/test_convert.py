@@ -96,3 +96,15 @@ def test_convert_lays_the_ground_that_is_asked_for(tmp_path: Path) -> None:
     assert main(["convert", str(model), str(out), "--supports", "ground"]) == 0
     assembly = io.read(out).assembly
     assert assembly.fixed.tolist() == [False, False, True]
+
+
+def test_blocks_to_fabricate_leave_room_in_their_joints(tmp_path: Path, capsys: Capsys) -> None:
+    source, target = tmp_path / "tower.obj", tmp_path / "print.json"
+    io.write(tower(3), source)
+    arguments = ["convert", str(source), str(target), "--joint-allowance"]
+    assert main([*arguments, "0.58mm"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "joints are open by 0.58 mm; analyse the model without it" in said
+    assert io.read(target).assembly.volume == pytest.approx([0.99971, 0.99942, 0.99971])
+    assert main([*arguments, "-1mm"]) == 2
+    assert main([*arguments, "1mm", "--contacts"]) == 2
