@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.ragged import linked
 from drystone.checks import accelerations, block_speed
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.statics import Statics, build_statics
@@ -111,11 +112,22 @@ class Problem:
         return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
 
     def slide_by_overlap(self, displacement: Floats) -> float:
-        """Largest slide of a pressed corner by the largest overlap, of motions (n, 6) [m, rad]."""
+        """Largest slide of a pressed corner by the largest overlap, of motions (n, 6) [m, rad].
+
+        By that of the same part: what stands beside a part and does not touch it says nothing of
+        it.
+        """
         statics = self.statics
         moved = statics.displacement(statics.scaled_motion(displacement, statics.mean_length))
-        slide = lengths(moved[moved[:, 0] < 0.0, 1:])
-        return float(slide.max()) / -float(moved[:, 0].min()) if len(slide) else 0.0
+        pressed = moved[:, 0] < 0.0
+        a, b = statics.block_a, statics.block_b
+        touch = (a >= 0) & (b >= 0)
+        part = linked(a[touch], b[touch], statics.free_count)[np.maximum(a, b)[pressed]]
+        slide, overlap = np.zeros((2, statics.free_count))
+        np.maximum.at(slide, part, lengths(moved[pressed, 1:]))
+        np.maximum.at(overlap, part, -moved[pressed, 0])
+        some = overlap > 0.0
+        return float((slide[some] / overlap[some]).max(initial=0.0))
 
     def ground_share(self, ground: Floats) -> Floats:
         """Share (n free,) of each block's load that the ground springs (n free, 6) carry."""

@@ -10,7 +10,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, se
 from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_checks import every_stiffness
-from drystone.models import box, concave, cube_curve, h_model, random_pack, wedge
+from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wedge
 from drystone.models.solids import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
@@ -239,6 +239,15 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     near = check(tilted(wedge("a"), X, 59.1), options=CheckOptions.robust())
     assert near.settlement is None
     assert "whichever joints press more" in near.message
+
+
+def test_what_slides_far_is_followed_whatever_stands_beside_it() -> None:
+    """Blocks beside it that overlap more once hid that it slides: they were said to stand."""
+    whole = Model.of(bridge(), friction=0.66).with_supports([0, 1, 8])
+    alone, beside = [0, 2, 6, 8], [1, 5, 7, 10]
+    assert check(whole.subset([8, *beside])).stable
+    assert check(whole.subset(alone)).falls
+    assert check(whole.subset([*alone, *beside])).falls
 
 
 @pytest.mark.parametrize("tilt", [50.0, 57.0])
