@@ -78,10 +78,10 @@ class StageAnswers(OneLine):
 class Structure(OneLine):
     """A model of which many subsets are asked whether they stand.
 
-    Supports are always in place. The verdict is that of :func:`drystone.check` on each connected
-    part of the blocks in place. It costs less, as what is known already is used: the answers of
-    parts that come again; the rest state of a similar part, where the next one begins; and
-    mechanisms, which prove other parts to fall.
+    Supports are always in place. The verdict is that of :func:`drystone.check` on the blocks in
+    place. It costs less, as what is known already is used: the answers of connected parts that come
+    again; the rest state of a similar part, where the next one begins; and mechanisms, which prove
+    other parts to fall.
 
     Parameters
     ----------
@@ -254,11 +254,12 @@ class Structure(OneLine):
                 )
         stages = [Stage(*one) for one in sets]
         found = asked.answers(stages, pool=pool)
+        if not self._may_touch_more:
+            return found
         return [
-            self._if_more_touches(stage, asked) if answer.verdict is Verdict.UNSTABLE
-            and self._may_touch_more else answer
+            self._if_more_touches(stage, asked) if answer.verdict is Verdict.UNSTABLE else answer
             for stage, answer in zip(stages, found, strict=True)
-        ]  # fmt: skip
+        ]
 
     @cached_property
     def _may_touch_more(self) -> bool:
