@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 @command(
     "drystone convert arch.json arch.obj",
     "drystone convert arch.obj again.json --supports lowest --contacts",
-    "drystone convert arch.json print.stl --joint-allowance 0.58mm",
 )
 def convert(
     *,

@@ -261,6 +261,12 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
                 remedy="shape the block so that three faces meet there",
             )
         vertices[v] += step
+    _refuse_swallowed(body, vertices)
+    return replace_block(body, vertices=vertices)
+
+
+def _refuse_swallowed(body: Block, vertices: Floats) -> None:
+    """Refuse new vertices with which a face or an edge of a block is gone or turned around."""
     for face, loop in enumerate(body.faces):
         before, after = body.vertices[list(loop)], vertices[list(loop)]
         was, area = area_vector(before), area_vector(after)
@@ -273,7 +279,6 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
                 where=f"block '{body.name}', face {face}",
                 remedy="move it less",
             )
-    return replace_block(body, vertices=vertices)
 
 
 def face_plane(block: Block, face: int) -> tuple[Floats, float]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.assembly import Assembly
-from drystone.base.arrays import number
+from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.design.block_surgery import face_plane, with_moved_faces
 from drystone.design.changed_model import EQUAL
@@ -71,30 +71,31 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
 def _joined_faces(model: Model, block: int) -> list[int]:
     """The faces of a block on which a joint lies, and those in one plane with them."""
     body, contacts = model.assembly.blocks[block], model.contacts
-    planes = [face_plane(body, k) for k in range(len(body.faces))]
     mine = (contacts.block_a == block) | (contacts.block_b == block)
     found = set()
     for i in np.flatnonzero(mine & (contacts.corners.counts > 2)).tolist():
+        outward = contacts.frame[i] * (1.0 if contacts.block_a[i] == block else -1.0)
         joint = contacts.polygon(i)
-        outward = contacts.frame[i, 0] * (1.0 if contacts.block_a[i] == block else -1.0)
-        across = contacts.frame[i, 1:].T
-        cover = shapely.Polygon(joint @ across)
-        for k, (normal, offset) in enumerate(planes):
-            if (
-                normal @ outward > 1.0 - NEAR
-                and np.abs(joint @ normal - offset).max() < NEAR * body.size
-            ):
-                face = shapely.Polygon(body.vertices[list(body.faces[k])] @ across)
-                common = face.intersection(cover).area
-                if common > NEAR * min(face.area, cover.area):
-                    found.add(k)
+        found |= {k for k in range(len(body.faces)) if _lies_on(joint, outward, body, k)}
+    planes = [face_plane(body, k) for k in sorted(found)]
     return [
         k
-        for k, ((normal, _), loop) in enumerate(zip(planes, body.faces, strict=True))
+        for k, loop in enumerate(body.faces)
         if any(
-            normal @ planes[j][0] > 1.0 - EQUAL
-            and np.abs(body.vertices[list(loop)] @ planes[j][0] - planes[j][1]).max()
-            < EQUAL * body.size
-            for j in found
+            face_plane(body, k)[0] @ normal > 1.0 - EQUAL
+            and np.abs(body.vertices[list(loop)] @ normal - offset).max() < EQUAL * body.size
+            for normal, offset in planes
         )
     ]
+
+
+def _lies_on(joint: Floats, outward: Floats, body: Block, face: int) -> bool:
+    """Whether a joint (c, 3), with rows n, u, v and n out of the block, lies on a face."""
+    normal, offset = face_plane(body, face)
+    if normal @ outward[0] < 1.0 - NEAR or np.abs(joint @ normal - offset).max() > NEAR * body.size:
+        return False
+    cover, whole = (
+        shapely.Polygon(corner @ outward[1:].T)
+        for corner in (joint, body.vertices[list(body.faces[face])])
+    )
+    return bool(cover.intersection(whole).area > NEAR * min(cover.area, whole.area))
