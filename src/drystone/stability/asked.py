@@ -185,6 +185,11 @@ class Asked:
             if motion is not None:
                 yield motion
 
+    def smooth_motion(self) -> Floats | None:
+        """The first motion (n, 6) with smooth friction, which is followed more easily, if any."""
+        smooth = law.uniform(self.problem.statics, slip=10.0)
+        return first_motion(self.problem, self.attempt(smooth).falling())
+
     def nothing_free(self) -> Result:
         """STABLE: there is nothing to calculate."""
         model = self.problem.model

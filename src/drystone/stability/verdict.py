@@ -364,6 +364,8 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         reached = "forces could balance the loads, but the loads alone do not bring them about"
         words = f"{reached}; {found.message}; shims or prestress might hold it: {asked.sensitive}"
     motion = next(asked.first_motions(), None)
+    if motion is None and not uniform.stands:
+        motion = asked.smooth_motion()
     if motion is None:
         motion = asked.problem.normalised(found.displacement)
     return replace(asked.unstable(words, motion, uniform), settlement=found)
