@@ -68,7 +68,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
     "plan": (lambda: drystone.plan(STACK), "Can be assembled without help"),
-    "plan with scaffolding": (lambda: scaffolding(PROPPED, "strut"), "Not every stage stands"),
+    "plan with scaffolding": (lambda: scaffolding(PROPPED, "rope"), "Not every stage stands"),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
     "supports that move far": (
         lambda: move_supports(ARCH, SINKING, to=0.02), "Stands with its supports moved by 20 mm"

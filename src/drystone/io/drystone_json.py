@@ -41,7 +41,7 @@ ARRAYS = {
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("sensitive_to", "stopped", "options", "solver", "iterations", "time_s"),
+    *("tilt_margin", "sensitive_to", "stopped", "options", "solver", "iterations", "time_s"),
 )
 _HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
@@ -213,6 +213,7 @@ def _result(
         prop=array("prop"),
         sensitive_to=tuple(Sensitivity[name] for name in sensitive),
         eta=field["eta"].number() if field.has("eta") else None,
+        tilt_margin=field["tilt_margin"].number() if field.has("tilt_margin") else None,
         stopped=field.get("stopped", "").text(),
     )
 

@@ -154,6 +154,7 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "samples": dataclasses.asdict(result.samples),
         "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
         "eta": result.eta,
+        "tilt_margin": result.tilt_margin,
         "sensitive_to": [one.name.lower() for one in result.sensitive_to],
         "stopped": result.stopped,
         "options": _plain(result.options),

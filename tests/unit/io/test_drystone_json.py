@@ -77,6 +77,7 @@ def full_model() -> io.Contents:
         sensitive_to=(Sensitivity.JOINTS, Sensitivity.ENDS),
         residuals=Residuals(1e-17, 0.0, 5e-324, 1.7e308, 0.1),
         eta=1.0 / 3.0,
+        tilt_margin=20.0 / 3.0,
         options={"eta": 10.0},
         solver="newton 1",
         iterations=12,
