@@ -125,10 +125,16 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             text += f", up to {quantity(layer.largest, layer.unit)}"
             wide = 1.6 * layer.width if layer.value is None else 3.0
         handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
-    figure.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=4, frameon=False,
-        fontsize=8, handlelength=1.6, columnspacing=1.6, labelcolor=sheet.colours["edge"],
-    )  # fmt: skip
+    for columns in (4, 3):
+        legend = figure.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=columns,
+            frameon=False, fontsize=8, handlelength=1.6, columnspacing=1.6,
+            labelcolor=sheet.colours["edge"],
+        )  # fmt: skip
+        gravity = figure.bbox.x1 - 0.7 * figure.dpi  # its arrow and its name
+        if columns == 3 or legend.get_window_extent().x1 < gravity:
+            return
+        legend.remove()
 
 
 def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
