@@ -44,8 +44,8 @@ def convert(
     joint_allowance: Annotated[
         float | None,
         Option(
-            "Write the blocks to fabricate: the two faces of each joint moved inward by half of "
-            "this length each.",
+            "Blocks to fabricate, with room in their joints: both faces of each move inward by "
+            "half of this length.",
             OUTPUT,
             kind=kinds.LENGTH,
         ),
