@@ -154,7 +154,8 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
     -------
     float or None
         None where it is not asked: of more blocks, of joints that carry more than friction, and of
-        loads along an axis. At most 90.
+        loads along an axis; and where forces balance them up to 90 degrees, as wedged blocks press
+        on each other however they are turned.
     """
     if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
         return None
@@ -165,7 +166,7 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
             return None
         found = _largest(model, family.turned(90.0), FrictionCone.exact(), stop)
         least = min(least, float(np.rad2deg(np.arctan(found.factor))))
-    return least if least > 0.0 else None
+    return least if 0.0 < least < 90.0 else None
 
 
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:

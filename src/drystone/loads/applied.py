@@ -122,9 +122,10 @@ def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> F
 
 
 def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
-    """The acceleration (3,) [m/s2] of most free masses; of two, that of about gravity's size.
+    """The acceleration (3,) [m/s2] of all masses that the load case knows.
 
-    It is the one that the load case knows, where it knows one.
+    Of a case that knows none, as that of a file: the acceleration of most free masses, if it is
+    gravity's size within a fifth. Others are forces on blocks.
     """
     if load.acceleration.any():
         return load.acceleration
@@ -135,6 +136,9 @@ def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
         return np.zeros(3)
     each, count = np.unique((acceleration / largest).round(9), axis=0, return_counts=True)
     far = np.abs(np.linalg.norm(each, axis=1) * largest - STANDARD_GRAVITY)
+    each, count, far = (some[far <= 0.2 * STANDARD_GRAVITY] for some in (each, count, far))
+    if not len(each):
+        return np.zeros(3)
     chosen = each[np.lexsort((far, -count))[0]]
     alike = np.abs(acceleration / largest - chosen).max(axis=1) < 1e-8
     mean: Floats = acceleration[alike].mean(axis=0)

@@ -20,6 +20,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
+from drystone.loads.applied import applied_loads
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.stability import check
@@ -152,6 +153,11 @@ def gravity_region(
     stands
         Whether to compute the full verdict too. It takes longer.
 
+    Raises
+    ------
+    InputError
+        No block is held, or there are loads beside the weights, which turn with gravity.
+
     Examples
     --------
     >>> from drystone.models import tower
@@ -167,6 +173,12 @@ def gravity_region(
             raise InputError(
                 "no block is held", where="key", remedy="name a block, or leave it out"
             )
+    beside = applied_loads(model.assembly, model.load).block
+    if len(beside):
+        raise InputError(
+            f"'{model.assembly.names[beside[0]]}' has a load beside its weight",
+            remedy="leave the loads out: only the weights turn with gravity",
+        )
     unit = _unit_directions(directions)
     jobs = [(model, tuple(one), stands) for one in unit.tolist()]
     found: list[tuple[bool, bool, bool]] = []

@@ -98,7 +98,7 @@ class Structure(OneLine):
     Raises
     ------
     InputError
-        What was given cannot be made into a model, or no block is fixed.
+        What was given cannot be made into a model, no block is fixed, or a number is out of range.
 
     Examples
     --------
@@ -122,6 +122,8 @@ class Structure(OneLine):
     ) -> None:
         options = CheckOptions.robust() if robust else CheckOptions()
         self.model: Model = supported_model(given, **how)
+        if not each_s >= 0.0:
+            raise InputError(f"each_s is {each_s}", remedy="give seconds, none or more")
         self.robust, self.each_s = robust, each_s
         self.kept = whole(kept, "kept", least=1)
         self._check = StageCheck(options, each_s, brief=True)
@@ -152,7 +154,7 @@ class Structure(OneLine):
         Raises
         ------
         InputError
-            There is no such block, or a held block is not in place.
+            There is no such block, a held block is not in place, or the load moves supports.
         """
         placed, fixed = (self._mask(some) for some in (blocks, held))
         return self._answers([(placed, fixed)], self._of(load))[0]
@@ -186,13 +188,18 @@ class Structure(OneLine):
         Raises
         ------
         InputError
-            A mask has another shape, or a held block is not in place.
+            A mask has another shape, a held block is not in place, or the load moves supports.
         """
         placed = self._masks(masks, "masks")
         if placed.ndim != 2:
             raise InputError(f"masks has shape {placed.shape}", remedy="give (s, n)")
         fixed = np.zeros_like(placed)
-        fixed |= False if held is None else self._masks(held, "held")
+        if held is not None:
+            given = self._masks(held, "held")
+            if given.ndim == 2 and len(given) != len(placed):
+                said = f"held has {counted(len(given), 'row')} and masks {len(placed)}"
+                raise InputError(said, remedy="give one row for each, or one for all")
+            fixed |= given
         sets = list(zip(self._sets(placed), self._sets(fixed), strict=True))
         order = sorted(range(len(sets)), key=lambda i: -sets[i][0].bit_count())
         clock = Clock(time_limit_s, stop, progress)
@@ -219,11 +226,14 @@ class Structure(OneLine):
 
     def _masks(self, given: Bools, what: str) -> Bools:
         """Masks (..., n) of blocks."""
-        masks = np.asarray(given)
-        n = len(self.model)
+        n, remedy = len(self.model), "give an array of bool whose rows have {} entries"
+        try:
+            masks = np.asarray(given)
+        except ValueError as error:  # rows of several lengths
+            raise InputError(f"{what} is no array", remedy=remedy.format(n)) from error
         if masks.dtype != bool or masks.ndim not in (1, 2) or masks.shape[-1] != n:
             said = f"{what} has shape {masks.shape} and type {masks.dtype}"
-            raise InputError(said, remedy=f"give an array of bool whose rows have {n} entries")
+            raise InputError(said, remedy=remedy.format(n))
         return masks
 
     def _sets(self, masks: Bools) -> list[int]:
@@ -234,6 +244,7 @@ class Structure(OneLine):
     def _of(self, load: Whole | None) -> Evaluator:
         """What is known under a load."""
         model = self.model if load is None else self.model.with_load(load)
+        model.require_still()
         key = model.load.wrench.tobytes()
         if key not in self._asked:
             while len(self._asked) >= 8:  # loads, chosen

@@ -6,7 +6,7 @@ import pytest
 
 import drystone
 from drystone.limits.bounds import tilt_margin
-from drystone.models import tower
+from drystone.models import dovetail, tower
 
 
 def test_the_margin_of_a_column_is_the_tilt_at_which_it_overturns() -> None:
@@ -23,3 +23,7 @@ def test_it_is_not_asked_where_it_takes_long_or_has_no_meaning() -> None:
     push = drystone.LoadCase.seismic(model.assembly, 0.01, 0.01)
     loaded = model.with_load(model.load + push)
     assert tilt_margin(loaded) is None
+
+
+def test_wedged_blocks_that_forces_balance_at_every_tilt_have_no_margin() -> None:
+    assert tilt_margin(drystone.Model.of(dovetail(), friction=0.6)) is None

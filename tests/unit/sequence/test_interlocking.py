@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone import InputError, Model
+from drystone import InputError, LoadCase, Model
 from drystone.models import arch, box, burr, dovetail, tower, wall
 from drystone.sequence import gravity_region, interlocking
 from drystone.sequence.interlocking import opening_rows
@@ -114,3 +114,10 @@ def test_directions_must_be_directions():
         gravity_region(tower(2), directions=np.zeros((1, 3)))
     with pytest.raises(InputError):
         gravity_region(tower(2), directions=0)
+
+
+def test_loads_beside_the_weights_do_not_turn_with_gravity() -> None:
+    model = tower(3)
+    load = LoadCase.gravity(model) + LoadCase.point_load(model, 2, (0.0, 0.0, 1e6))
+    with pytest.raises(InputError, match="'block-2' has a load beside its weight"):
+        gravity_region(model, friction=0.6, load=load)

@@ -169,3 +169,17 @@ def test_no_proof_of_a_fall_rests_on_blocks_that_are_near_and_were_not_joined():
     masks = np.array([[True, True, False], [True, True, True]])
     found = Structure(model).stands_many(masks)
     assert list(found.verdict) == [checked(model, mask) for mask in masks]
+
+
+def test_what_cannot_be_asked_of_many_subsets_is_refused_in_words() -> None:
+    structure = Structure(tower(3), friction=0.6)
+    masks = np.ones((3, 3), dtype=bool)
+    with pytest.raises(InputError, match="held has 2 rows and masks 3"):
+        structure.stands_many(masks, held=np.zeros((2, 3), dtype=bool))
+    with pytest.raises(InputError, match="masks is no array"):
+        structure.stands_many([[True], [True, False]])  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="each_s is -1"):
+        Structure(tower(3), each_s=-1.0)
+    sinking = drystone.LoadCase.settlement(tower(3), 0, (0.0, 0.0, -0.01, 0.0, 0.0, 0.0))
+    with pytest.raises(InputError, match="moves supports"):
+        structure.stands([1, 2], load=sinking)

@@ -147,3 +147,12 @@ def test_joints_that_carry_nothing_do_not_use_most_friction() -> None:
     result = drystone.Result("rest", drystone.Verdict.STABLE, model, force=force)
     (table,) = [one for one in result.tables() if one.key == "most_loaded"]
     assert table["interface"].tolist() == [0, 0]
+
+
+def test_equal_loads_without_weights_are_loads_and_no_acceleration() -> None:
+    assembly = tower(4)
+    load = LoadCase.point_load(assembly, 1, (0.0, 0.0, -500.0))
+    load += LoadCase.point_load(assembly, 2, (0.0, 0.0, -500.0))
+    told = drystone.check(assembly, friction=0.6, load=load).loads()
+    assert list(told["block"]) == ["block-1", "block-2"]
+    assert np.allclose(told["force"], (0.0, 0.0, -500.0))
