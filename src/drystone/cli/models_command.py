@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.cli import families, kinds, options
 from drystone.cli.check_command import solve
 from drystone.cli.command import command
@@ -193,9 +193,16 @@ def reproduce(
         cases.reproduce(section)  # says which there are
     found: list[Case] = []
     written: list[str] = []
+    left: list[Sentence] = []
     for name in cases.SECTIONS if section == "all" else [section]:
         waiting.stage("solve", f"section {name}")
-        found.append(cases.reproduce(name))
+        try:
+            found.append(cases.reproduce(name))
+        except MissingDependency as error:
+            if section != "all":
+                raise
+            left.append(Sentence(f"section {name} is left out: {error}", Role.REMARK))
+            continue
         written += [] if out is None else cases.save_case(found[-1], out)
         waiting.wrote = written
     wrong = [case.section for case in found if not case.agrees]
@@ -204,6 +211,6 @@ def reproduce(
     verdict = f"{', '.join(wrong)} differs" if wrong else agree
     told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
     numbers = {"sections": [case.numbers() for case in found]}
-    answer = Statement((told,), tuple(case.table() for case in found), numbers)
+    answer = Statement((told, *left), tuple(case.table() for case in found), numbers)
     asked = "all sections" if section == "all" else f"section {section}"
     return Told(answer, subject=asked, written=written, everything=True)
