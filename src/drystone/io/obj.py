@@ -49,9 +49,9 @@ def read(data: bytes, path: Path) -> Draft:
     Blocks are the objects (``o``) where two or more have faces, else the groups (``g``), else the
     whole file is one block. A block gets its own copy of the vertices that its faces use.
     """
-    vertices, parts = _parse(decode(data, path), path)
+    vertices, parts, cut_off = _parse(decode(data, path), path)
     shapes, notes = _shapes(vertices, _blocks(parts), path)
-    return Draft(tuple(shapes), notes=tuple(notes))
+    return Draft(tuple(shapes), notes=(*notes, *cut_off))
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
@@ -78,9 +78,11 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
         yield start, last
 
 
-def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
+def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part], list[str]]:
+    """Vertices, parts with faces, and a note where the file ends before the faces of an object."""
     vertices: list[list[float]] = []
     parts = [_Part(0, None, None, 1)]
+    begun = 0  # vertices before the last object
     for number, line in _lines(text):
         keyword, *rest = line.split(None, 1)
         argument = rest[0] if rest else ""
@@ -90,6 +92,7 @@ def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
             parts[-1].faces.append(_face(argument, len(vertices), f"{path}, line {number}"))
         elif keyword == "o":
             parts.append(_Part(parts[-1].number + 1, argument or None, None, number))
+            begun = len(vertices)
         elif keyword == "g":
             name = argument if argument and argument != "default" else None
             parts.append(_Part(parts[-1].number, parts[-1].object, name, number))
@@ -103,7 +106,12 @@ def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
             raise FormatError(
                 f"'{line[:40]}' is not OBJ", where=f"{path}, line {number}", remedy="export it anew"
             )
-    return vertices, [part for part in parts if part.faces]
+    last = [part for part in parts if part.number == parts[-1].number]
+    cut_off = []
+    if len(vertices) > begun and not any(part.faces for part in last):
+        told = f"'{last[0].object}' at line {last[0].line}" if last[0].object else "the last object"
+        cut_off = [f"{told} has vertices and no faces: was the file cut off there?"]
+    return vertices, [part for part in parts if part.faces], cut_off
 
 
 def _vertex(argument: str, where: str) -> list[float]:

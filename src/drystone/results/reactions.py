@@ -14,23 +14,7 @@ from drystone.results.solution import Solution
 
 
 def reaction_table(result: Solution) -> Table:
-    """The reaction of each support: the sum of the forces that it gives to free blocks.
-
-    Returns
-    -------
-    Table
-        One row per support that touches a free block.
-
-    Columns
-    -------
-    support
-    point [m]
-        The middle of its corners of contact, weighted by the normal forces on them.
-    force [N]
-        On the free blocks, world axes.
-    moment [N m]
-        On the free blocks, about the point.
-    """
+    """The table of :meth:`drystone.Result.reactions`."""
     contacts, fixed = result.contacts, result.assembly.fixed
     toward = _toward_free(contacts, result)
     corner = np.flatnonzero(toward[contacts.interface])
@@ -73,7 +57,7 @@ def reaction_layer(result: Solution, resultants: Resultants) -> tuple[Layer, ...
         return ()
     return (
         Layer(
-            "reactions", "reactions of supports", LayerKind.ARROWS, "reaction",
+            "reactions", "reactions at joints of supports", LayerKind.ARROWS, "reaction",
             resultants.position[held], toward[held, None] * resultants.force[held],
             interface=first[held], single=True, width=2.4, group="reactions",
         ),

@@ -69,12 +69,13 @@ class Result(Solution, Answer):
         if self.samples.tried:
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
-        if self.tilt_margin is not None:
-            said.append(Sentence(f"safety: {self._safety()}, of tilts about x and y"))
+        if self._safety:
+            said.append(Sentence(f"safety: {self._safety}, of tilts about x and y"))
         if self.verdict is Verdict.STABLE and self.force is not None:
             said += self._without_margin() + self._on_corners()
         return [one for one in said if one.text]
 
+    @property
     def _safety(self) -> str:
         margin = self.tilt_margin
         return "" if margin is None else f"forces balance it up to a tilt of {margin:.3g} degrees"
@@ -127,7 +128,7 @@ class Result(Solution, Answer):
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
         stage, facts = self.stage(), self.asked.facts()
-        facts |= {"Safety": self._safety()} if self.tilt_margin is not None else {}
+        facts |= {"Safety": self._safety} if self._safety else {}
         title = f"drystone: {stage.headline.lower()}"
         return Scene(self.assembly, self.contacts, (stage,), title, facts)
 
@@ -240,7 +241,7 @@ class Result(Solution, Answer):
         return applied_loads(self.assembly, self.load).table(self.assembly.names)
 
     def reactions(self) -> Table:
-        """What each support gives to the free blocks on it.
+        """What each support gives to the free blocks on it; one row per support that touches one.
 
         Columns
         -------

@@ -97,6 +97,14 @@ def test_nameless_blocks_are_named_and_that_is_told(tmp_path: Path) -> None:
     assert load(tmp_path, CUBE + FACES).assembly.names == ("model",)
 
 
+def test_an_object_without_the_faces_of_its_vertices_is_told(tmp_path: Path) -> None:
+    whole = f"o pier\n{CUBE}{FACES}"
+    found = load(tmp_path, whole + f"o cap\n{cube_at(2.0)}")
+    assert found.assembly.names == ("pier",)
+    assert "'cap' at line 16 has vertices and no faces: was the file cut off there?" in found.notes
+    assert not load(tmp_path, whole + "o empty\n").notes
+
+
 def test_corners_written_once_per_face_are_merged_and_that_is_told(tmp_path: Path) -> None:
     rows = [line[2:] for line in CUBE.splitlines()]
     faces = [[int(i) - 1 for i in line.split()[1:]] for line in FACES.splitlines()]

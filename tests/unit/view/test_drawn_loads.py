@@ -124,7 +124,7 @@ def test_names_of_many_loads_stay_short() -> None:
 def test_loads_and_reactions_are_in_cad_files(loaded: drystone.Result, tmp_path: Path) -> None:
     save_cad(loaded, tmp_path / "arch.glb")
     content = (tmp_path / "arch.glb").read_bytes()
-    for name in (b"loads", b"moments, up to 30 N m", b"reactions of supports", b"0.05 g"):
+    for name in (b"loads", b"moments, up to 30 N m", b"reactions at joints of supports", b"0.05 g"):
         assert name in content
 
 
