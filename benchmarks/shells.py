@@ -1,8 +1,7 @@
 """Four shells at three sizes, what they stand, and the wedge: ``python -m benchmarks.shells``.
 
 Correctness first: a shell whose blocks do not fit stops the run. Each part (build, stand, wedge)
-writes its table: docs/trust/tables/shells-build.csv and shells-stand.csv, and the wedge into
-docs/reference/shells.md with its plot.
+writes its table, docs/trust/tables/shells-PART.csv, and the wedge its plot.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.tables import TABLES, write_part, write_table
+from benchmarks.tables import TABLES, write_table
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, Verdict
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.geometry.surface import edge_defects
@@ -39,7 +38,7 @@ from drystone.shells import (
 from drystone.stability import check
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGE, PLOT = DOCS / "reference" / "shells.md", DOCS / "images" / "shells-wedge.svg"
+PLOT = DOCS / "images" / "shells-wedge.svg"
 TIGHTEST = DetectionOptions(gap=1e-6)
 SIZES = (40, 400, 4000)
 WEDGES = (0.0, 0.1, 0.2, 0.3, 0.4)
@@ -269,11 +268,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="*", default=list(SIZES))
     arguments = parser.parse_args()
     for part in arguments.parts or PARTS:
-        lines = PARTS[part](arguments.sizes)
-        if part == "wedge":
-            write_part(PAGE, part, "\n".join(lines))
-        else:
-            write_table(TABLES / f"shells-{part}.csv", lines)
+        write_table(TABLES / f"shells-{part}.csv", PARTS[part](arguments.sizes))
 
 
 if __name__ == "__main__":
