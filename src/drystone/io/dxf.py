@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -103,6 +104,42 @@ def read(
     return Draft(tuple(named_apart(shapes)[0]), found.units, notes=tuple(notes))
 
 
+def read_polyline(data: bytes, path: Path) -> Floats:
+    """Corners (p, 2) [m] of the only open polyline of a DXF file, those on its arcs included.
+
+    Raises
+    ------
+    FormatError
+        It has none, or several.
+    """
+    found = drawing(data, path)
+    lines = [
+        _chained(_bends(one) if one.kind == "LWPOLYLINE" else _corners_of(one)) @ matrix[:2, :2].T
+        + matrix[:2, 3]
+        for one, matrix, _ in _wanted(found, (), False)[0]
+        if one.kind in ("LWPOLYLINE", "POLYLINE") and not one.flags & (_CLOSED | _GRID | _FACES)
+    ]
+    if len(lines) != 1:
+        raise FormatError(
+            f"holds {counted(len(lines), 'open polyline')}",
+            where=str(path),
+            remedy="draw the intrados alone, as one open polyline",
+        )
+    return lines[0] * scale_of(found.units or "m")
+
+
+def _corners_of(entity: Entity) -> Floats:
+    """Corners and the bulges after them (c, 3) of a polyline with vertices of its own."""
+    own = [one for one in entity.inner if not one.flags & _FRAME]
+    return np.array([[*one.point()[:2], one.number(42)] for one in own]).reshape(-1, 3)
+
+
+def _chained(bends: Floats) -> Floats:
+    """Corners (c, 2) of an open line of corners with bulges (b, 3)."""
+    parts = [_arc(a, b) for a, b in pairwise(bends)]
+    return np.concatenate([*parts, bends[-1:, :2]])
+
+
 @dataclass(frozen=True, eq=False)
 class _Outline:
     """A closed outline: its corners (c, 3), and its own thickness as a vector (3,)."""
@@ -193,11 +230,11 @@ def _outline(entity: Entity) -> Floats | None:
         return _closed(_bends(entity), entity.number(38), entity)
     if entity.kind != "POLYLINE" or entity.flags & (_GRID | _FACES):
         return None
-    own = [one for one in entity.inner if not one.flags & _FRAME]
-    at = np.array([one.point() for one in own]).reshape(-1, 3)
     if entity.flags & _IN_SPACE:
+        own = [one for one in entity.inner if not one.flags & _FRAME]
+        at = np.array([one.point() for one in own]).reshape(-1, 3)
         return at if entity.flags & _CLOSED and len(at) > 2 else None
-    return _closed(np.c_[at[:, :2], [one.number(42) for one in own]], entity.number(30), entity)
+    return _closed(_corners_of(entity), entity.number(30), entity)
 
 
 def _closed(bends: Floats, height: float, entity: Entity) -> Floats | None:

@@ -5,6 +5,7 @@ with planar faces that touch exactly; lengths are in metres, gravity is along -z
 """
 
 from drystone.models.arches import arch, buttressed_arch
+from drystone.models.bridges import segmental_bridge
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.domes import dome, lune
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
@@ -51,6 +52,7 @@ __all__ = [
     "overhang",
     "prism",
     "random_pack",
+    "segmental_bridge",
     "shelf",
     "snake",
     "stool",
