@@ -303,7 +303,9 @@ def _stage(build: Callable[[], Assembly], mu: float, share: float) -> Model:
 
 
 def _shell(kind: str, courses: int) -> Assembly:
-    return shells.shell_by_name(kind, courses=courses, width=0.9).assembly
+    return shells.shell_by_name(
+        kind, courses=courses, width=0.9, ground=shells.Ground.BLOCKS
+    ).assembly
 
 
 def _stages() -> Iterator[tuple[str, Made]]:

@@ -70,14 +70,14 @@ class ShellPattern:
             "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
         ),
     ] = 0.0
-    fix_springers: Annotated[
-        bool,
+    ground: Annotated[
+        str,
         Option(
-            "Fix the springers themselves, as where they are let into a wall, and add no blocks "
-            "under them.",
+            "What is fixed: the springers themselves, or blocks added under them (springers).",
+            kind=kinds.one_of(("springers", "blocks")),
             expert=True,
         ),
-    ] = False
+    ] = "springers"
     joints: Annotated[
         str,
         Option(
@@ -134,7 +134,7 @@ class ShellPattern:
             joggle_deg=self.joggle,
             intrados=Intrados.STRAIGHT if self.straight else Intrados.OFFSET,
             joints=JointForm(self.joints),
-            ground=Ground.SPRINGERS if self.fix_springers else Ground.BLOCKS,
+            ground=Ground(self.ground),
         )
 
 

@@ -176,7 +176,7 @@ def vault() -> Case:
         _counted(
             "after the loop (7.13)", "17 free, 2 held, 2 propped", deep, None,
             f"{ASSUMED}; the wedges are those that `drystone shell free-edge --courses 6 "
-            "--fix-springers --buildable` finds",
+            "--buildable` finds",
         ),
     )  # fmt: skip
     return Case("7.5.1", "Vault designs", lines, {"vault": deep, "vault-first": shallow})

@@ -19,7 +19,7 @@ from drystone.shells.shell_families import (
     tri_dome,
 )
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Layout, ShellBody
+from drystone.shells.shell_options import Ground, Intrados, JointForm, Layout, ShellBody
 
 SPAN, EYE = 6.0, 1.0
 """[m] Where none is given."""
@@ -97,8 +97,11 @@ def shell_by_name(
     courses: int = COURSES,
     blocks: int | None = None,
     width: float | None = None,
-    wedge: float = 0.0,
+    wedge: float | None = None,
     joggle: float = 0.0,
+    joints: JointForm = JointForm.PLANE,
+    straight: bool = False,
+    ground: Ground = Ground.SPRINGERS,
 ) -> Shell:
     """A shell of blocks on a surface that is known by name.
 
@@ -113,9 +116,13 @@ def shell_by_name(
     blocks
         In each course; or their ``width`` [m], the usual one of the shape when left out.
     wedge
-        See :class:`drystone.shells.Layout`.
+        See :class:`drystone.shells.Layout`. When left out 0, or what planar inner faces need.
     joggle : [degrees]
         See :class:`drystone.shells.ShellBody`.
+    joints, ground
+        See :class:`drystone.shells.ShellBody`; a named surface has fixed springers.
+    straight
+        Make the inner faces planar.
 
     Raises
     ------
@@ -125,7 +132,7 @@ def shell_by_name(
     Examples
     --------
     >>> shell_by_name("barrel", courses=6, blocks=4, thickness=0.4)
-    Shell('barrel vault', 27 voussoirs, Assembly(36 blocks, 9 fixed))
+    Shell('barrel vault', 27 voussoirs, Assembly(27 blocks, 9 fixed))
     """
     if surface not in SURFACES:
         raise InputError(f"surface '{surface}' is not known", remedy=f"use {', '.join(SURFACES)}")
@@ -142,9 +149,16 @@ def shell_by_name(
         courses=courses,
         blocks=blocks,
         width=usual_width(surface, span) if blocks is None and width is None else width,
-        wedge=wedge,
+        wedge=0.0 if wedge is None and not straight else wedge,
     )
-    return build_shell(shape, layout, ShellBody(thickness=thickness, joggle_deg=joggle))
+    body = ShellBody(
+        thickness=thickness,
+        joggle_deg=joggle,
+        intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,
+        joints=joints,
+        ground=ground,
+    )
+    return build_shell(shape, layout, body)
 
 
 SAMPLES: Mapping[str, Mapping[int, tuple[Layout, float]]] = {

@@ -98,7 +98,9 @@ class Shell(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """How many blocks, and how far they are from plane joints and from the surface."""
         planar = self.planar
-        ground = counted(int(self.ground.sum()), "ground block")
+        ground = f"{self.assembly.fixed.sum()} of them supports"
+        if self.ground.any():
+            ground = counted(int(self.ground.sum()), "ground block")
         flat = "the joints are planar" if planar.reached else "some joints are not planar"
         made = f" before, {planar.warp_after:.1e} after planarising"
         if self.pins.faceted:

@@ -20,7 +20,7 @@ def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:
         capsys,
         *DOME,
         *("--out", str(model), "--schedule", str(table), "--unrolled", str(flat)),
-        *("--block-files", str(folder)),
+        *("--block-files", str(folder), "--ground", "blocks"),
     )
     assert code == 0
     assert told["verdict"] == "stable"
@@ -71,7 +71,7 @@ def test_shell_tells_a_person_what_was_built(capsys: Capsys) -> None:
     assert main(list(DOME)) == 0
     out = capsys.readouterr().out
     assert "STABLE" in out
-    assert "32 voussoirs in 4 courses, 8 ground blocks" in out
+    assert "32 voussoirs in 4 courses, 8 of them supports" in out
 
 
 def test_a_form_is_found_for_a_plan(capsys: Capsys) -> None:

@@ -289,7 +289,7 @@ SHELLS = {
 @pytest.mark.parametrize("surface", SHELLS)
 def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
     """Faces are warped: their planes are centimetres away. An item off the surface is refused."""
-    model = shell_by_name(surface, **SHELLS[surface]).model(friction=0.6)
+    model = shell_by_name(surface, **SHELLS[surface], ground="blocks").model(friction=0.6)
     size = model.assembly.size
     told = [surface, str(len(model.assembly.free))]
     for kind in Support:

@@ -523,3 +523,23 @@ def test_a_shell_travels_to_another_process(name: str):
     assert np.array_equal(again.assembly.centroid, shell.assembly.centroid)
     point = [one.shape.patches[0].point(0.3, 0.7) for one in (again, shell)]
     assert np.array_equal(*point)
+
+
+def test_a_named_shell_takes_what_the_command_takes():
+    """Its springers are fixed, as those of the source's vault are; its faces as they are asked."""
+    size = {"courses": 4, "blocks": 6, "thickness": 0.5}
+    found = {
+        "as it is": shell_by_name("dome", **size),
+        "straight": shell_by_name("dome", **size, straight=True),
+        "faceted": shell_by_name("dome", **size, joints="faceted", wedge=0.2),
+        "blocks": shell_by_name("dome", **size, ground="blocks"),
+    }
+    fixed = {told: int(shell.assembly.fixed.sum()) for told, shell in found.items()}
+    assert fixed == dict.fromkeys(found, 6)
+    assert {told: int(shell.ground.sum()) for told, shell in found.items()} == {
+        "as it is": 0, "straight": 0, "faceted": 0, "blocks": 6,
+    }  # fmt: skip
+    assert found["faceted"].pins.faceted
+    assert found["straight"].contacts.area.sum() != found["as it is"].contacts.area.sum()
+    with pytest.raises(InputError, match="ground is 'sand'"):
+        shell_by_name("dome", **size, ground="sand")
