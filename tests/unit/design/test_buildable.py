@@ -36,12 +36,10 @@ def vault(wedges: list[float]) -> Shell:
     return build_shell(niche_shape(), replace(layout, wedge=wedges), body)
 
 
-def test_the_published_vault_needs_no_help_with_deeper_wedges_below_two_of_four_courses(
+def test_the_published_vault_needs_no_help_with_deep_wedges_below_two_of_four_courses(
     tmp_path: Path,
 ) -> None:
     """As `make_buildable` finds it: (0.02, 0.02, 0.3, 0.1), in half a minute."""
-    shallow = plan(vault([0.02, 0.02, 0.02, 0.3]).model(friction=0.6), options=BY_COURSE)
-    assert any(Help.of(shallow))
     path = tmp_path / "vault.json"
     drystone.write(vault([0.02, 0.02, 0.3, 0.1]).model(friction=0.6), path)
     model = drystone.read(path)
