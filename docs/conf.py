@@ -5,6 +5,7 @@ import inspect
 import os
 import re
 import sys
+import tomllib
 from itertools import takewhile
 from pathlib import Path
 
@@ -19,6 +20,7 @@ import drystone
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "site"))
 import gallery
+from buttons import buttons
 from reference import write_reference
 
 project = "drystone"
@@ -183,9 +185,18 @@ def without_links(*event):
     content[0] = re.sub(r"\[([^]]+)\]\((?!docs/|https?:)[^)]*\)", r"\1", content[0])
 
 
+def with_buttons(*event):
+    """Put the buttons where a page asks for them."""
+    source = event[-1]
+    project = tomllib.loads((HERE.parent / "pyproject.toml").read_text("utf-8"))["project"]
+    told = buttons(project.get("urls", {}).get("Repository", ""))
+    source[0] = source[0].replace("<!-- buttons -->", told)
+
+
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
+    app.connect("source-read", with_buttons)
     app.connect("autodoc-process-docstring", each_attribute, priority=390)
     app.connect("autodoc-process-docstring", whole_description, priority=400)
     app.connect("autodoc-process-docstring", shared_parameters, priority=400)

@@ -91,10 +91,10 @@ def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
 
     clear(objects)
     (stage,) = scene_of(result).stages
-    for group in block_groups(stage):
-        for i in group.member.tolist():
+    for _, colour, blocks in block_groups(stage):
+        for i in blocks:
             objects[i][KEPT] = list(objects[i].color)
-            objects[i].color = (*rgb(group.colour).tolist(), 1.0)
+            objects[i].color = (*rgb(colour).tolist(), 1.0)
     draw_joints(stage, scene)
     if result.falls and result.mechanism is not None:
         play(result, objects, scene)
