@@ -28,7 +28,7 @@ def kinds() -> set[type[Answer]]:
     """Every public class of answers."""
     found = set()
     for info in pkgutil.iter_modules(drystone.__path__, "drystone."):
-        if info.name.rpartition(".")[2] in ("__main__", "cli", "mcp"):
+        if info.name.rpartition(".")[2] in ("__main__", "cli", "gym", "mcp"):
             continue
         room = import_module(info.name)
         for name in getattr(room, "__all__", ()):

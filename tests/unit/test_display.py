@@ -46,7 +46,8 @@ from drystone.joints import force_network
 from drystone.models import arch, box, burr, dome, shelf, tower, vault
 from drystone.view import notebook
 
-INSIDE = {"cli", "geometry", "solvers", "formulations", "statics", "checks", "display", "settings"}
+INSIDE = {"cli", "gym", "geometry", "solvers", "formulations", "statics", "checks"}
+INSIDE |= {"display", "settings"}
 """Rooms whose types no user meets."""
 
 

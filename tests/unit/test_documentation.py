@@ -383,8 +383,8 @@ def test_an_extra_that_an_error_names_exists() -> None:
     assert named <= set(project["optional-dependencies"])
 
 
-WITH_AN_EXTRA = {"drystone.cli", "drystone.mcp"}
-"""Started from the command line; the second needs a package that the site is built without."""
+WITH_AN_EXTRA = {"drystone.cli", "drystone.gym", "drystone.mcp"}
+"""The first is a program; the others need packages that the site is built without."""
 
 
 def test_the_reference_has_every_public_name() -> None:

@@ -72,6 +72,11 @@ class RemovalTest(OneLine):
             self._free[key] = leaves or not self.freedom(*key).blocked
         return self._free[key] or self._turns(block, placed)
 
+    def leaves(self, block: int, placed: int, directions: Floats) -> Bools:
+        """Whether it can be removed straight, for each direction (d, 3), unit."""
+        normals = self._normals(*self._key(block, placed))
+        return np.asarray((directions @ normals.T >= -TOLERANCE).all(axis=1))
+
     def path(self, block: int, placed: int) -> RemovalPath | NoPath:
         """The path on which a block is removed from those in place, or why there is none."""
         key = (block, placed & ~(1 << block))
