@@ -16,7 +16,7 @@ import drystone.base.files
 ROOT = Path(__file__).parents[1]
 
 FLOORS = {
-    "Show": ("cli", "gym", "live", "mcp", "reproduce", "view"),
+    "Show": ("cli", "gym", "live", "mcp", "reproduce", "report", "view"),
     "Design and plan": ("design", "compat", "sequence", "shells", "models"),
     "Analyse": (
         "limits",

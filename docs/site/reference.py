@@ -27,6 +27,7 @@ ROOMS = {
     "Forces in joints": ("drystone.joints", "drystone.virtual"),
     "Files": ("drystone.io",),
     "Pictures": ("drystone.view",),
+    "Reports": ("drystone.report",),
     "Blocks, loads and repairs": (
         "drystone.assembly",
         "drystone.loads",

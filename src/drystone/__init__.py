@@ -93,6 +93,7 @@ _ROOMS = (
     "fall",
     "limits",
     "models",
+    "report",
     "sequence",
     "settlement",
     "shells",

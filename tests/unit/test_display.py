@@ -44,6 +44,7 @@ from drystone.fall import FallOptions, Film
 from drystone.io import FORMATS, Inspection, read_file
 from drystone.joints import force_network
 from drystone.models import arch, box, burr, dome, shelf, tower, vault
+from drystone.report import TitleBlock
 from drystone.view import notebook
 
 INSIDE = {"cli", "gym", "geometry", "solvers", "formulations", "statics", "checks"}
@@ -73,7 +74,7 @@ def public_types() -> set[type]:
 def values(folder: Path) -> Iterator[object]:
     """Real ones, from which all others can be reached."""
     stands = drystone.check(vault(), friction=0.6)
-    yield from (stands, stands.asked, stands.sentences()[0])
+    yield from (stands, stands.asked, stands.sentences()[0], TitleBlock(project="A wall"))
     yield from (stands.resultants, stands.joints(), stands.contacts[0])
     yield drystone.check(arch(), friction=0.9).thrust_line()
     yield drystone.check(shelf(), friction=0.9)

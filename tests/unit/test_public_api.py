@@ -31,6 +31,7 @@ ROOMS = [
     "fall",
     "limits",
     "models",
+    "report",
     "sequence",
     "settlement",
     "shells",

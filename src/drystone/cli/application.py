@@ -153,6 +153,7 @@ app.places = {
         "drystone.design.recuts",
         "Change joints until every block is placed alone and stands at once",
     ),
+    "report": "report_command",
     "reproduce": "models_command",
     "scaffold": "scaffold_command",
     "settle": "motion_commands",

@@ -1,8 +1,9 @@
-"""Strict reading of JSON: every value has a required type, every error names its path."""
+"""Strict reading of JSON and TOML: every value has a required type, every error names its path."""
 
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -54,6 +55,20 @@ def parse(data: bytes, path: Path, whole: str = "export it again") -> Field:
         raise FormatError(f"is no JSON that can be used: {what}", where=str(path)) from error
     top = Field(value, "", path)
     return top if isinstance(value, list) else top.object()
+
+
+def parse_toml(data: bytes, path: Path) -> Field:
+    """The top-level table of a TOML file.
+
+    Raises
+    ------
+    FormatError
+        Not TOML; the line is named.
+    """
+    try:
+        return Field(tomllib.loads(decode(data, path)), "", path)
+    except tomllib.TOMLDecodeError as error:
+        raise FormatError(f"is not TOML: {error}", where=str(path)) from error
 
 
 class _TwiceError(ValueError):

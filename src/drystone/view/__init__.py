@@ -2,11 +2,11 @@
 
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.view.figure import save_figure
+from drystone.view.joint_page import save_report
 from drystone.view.notebook import Frame, interact, show
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import PRESETS, Preset
 from drystone.view.plots import save_chart
-from drystone.view.report import save_report
 from drystone.view.save_cad import save_cad
 from drystone.view.subjects import scene_of
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import html
+from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import NAME, shortened
+from drystone.base.display import NAME, OneLine, shortened
 from drystone.base.files import write_text
 from drystone.base.table import Table
 from drystone.geometry.kern import kern
@@ -95,7 +96,7 @@ def _report_text(result: Result, strength: float | None, worst: int) -> str:
         summary += f" The peak pressure exceeds {_number(strength)}Pa at {over} joints."
     head = "".join(f"<th>{column}</th>" for column in _HEAD)
     rows = "".join(_row(row) for row in table.take(chosen))
-    plans = "".join(_plan(result, table, i) for i in chosen)
+    plans = "".join(plan_figure(joint_plan(result, table, i)) for i in chosen)
     legend = (
         '<p class="legend">Plan of each joint, seen against its normal:'
         f"{_swatch('stone')}joint{_swatch('kern')}kern{_swatch('force')}centre of pressure</p>"
@@ -147,34 +148,73 @@ def _row(row: dict[str, Any]) -> str:
     )
 
 
-def _plan(result: Result, table: Table, i: int) -> str:
-    """The joint, its kern and its centre of pressure as a small SVG, u to the right, v up."""
+@dataclass(frozen=True, eq=False)
+class JointPlan(OneLine):
+    """The plan of a joint, seen against its normal.
+
+    Attributes
+    ----------
+    joint
+        Its number.
+    blocks
+        Names of both blocks.
+    corners, kern : (c, 2), (d, 2) [m], along u and v
+    pressed : (2,) [m]
+        Centre of pressure.
+    """
+
+    joint: int
+    blocks: tuple[str, str]
+    corners: Floats
+    kern: Floats
+    pressed: Floats
+
+    def _summary(self) -> str:
+        return f"joint {self.joint}, {self.width:.3g} m wide"
+
+    @property
+    def width(self) -> float:
+        """[m], the larger of both extents."""
+        return float(np.ptp(self.corners, axis=0).max())
+
+    def on(self, points: Floats, side: float, margin: float) -> Floats:
+        """Points (p, 2) [m] on a square of a side, with a margin, from its lower left corner."""
+        low, high = self.corners.min(axis=0), self.corners.max(axis=0)
+        scale = (side - 2.0 * margin) / self.width if self.width > 0.0 else 1.0
+        placed: Floats = 0.5 * side + scale * (points - 0.5 * (low + high))
+        return placed
+
+
+def joint_plan(result: Result, table: Table, i: int) -> JointPlan:
+    """The plan of a row of the joint table of a result."""
     contacts = result.contacts.joints
     origin, flat = local_corners(contacts)
     corners = flat[contacts.start[i] : contacts.start[i + 1]]
     position = np.array([table[axis][i] for axis in "xyz"])
     at = contacts.frame[i, 1:] @ (position - origin[i])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    extent = float((high - low).max())
-    scale = (_SIDE - 2 * 12) / extent if extent > 0.0 else 1.0
-    middle = 0.5 * (low + high)
+    names = (str(table["block_a"][i]), str(table["block_b"][i]))
+    return JointPlan(i, names, corners, kern(corners), at)
+
+
+def plan_figure(plan: JointPlan) -> str:
+    """The joint, its kern and its centre of pressure as a small SVG, u to the right, v up."""
 
     def pixels(points: Floats) -> Floats:
-        return 0.5 * _SIDE + scale * (points - middle) * np.array([1.0, -1.0])
+        return np.array([0.0, _SIDE]) + plan.on(points, _SIDE, 12.0) * np.array([1.0, -1.0])
 
     def path(points: Floats) -> str:
         return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels(points))
 
-    x, y = pixels(at)
-    names = [table[side][i] for side in ("block_a", "block_b")]
-    label = html.escape(f"joint {i}: {' – '.join(shortened(name, NAME) for name in names)}")
+    x, y = pixels(plan.pressed)
+    between = " – ".join(shortened(name, NAME) for name in plan.blocks)
+    label = html.escape(f"joint {plan.joint}: {between}")
     return (
         f'<figure><svg viewBox="0 0 {_SIDE} {_SIDE}" width="{_SIDE}" height="{_SIDE}" role="img" '
-        f'aria-label="{label}"><polygon class="stone" points="{path(corners)}"/>'
-        f'<polygon class="kern" points="{path(kern(corners))}"/>'
+        f'aria-label="{label}"><polygon class="stone" points="{path(plan.corners)}"/>'
+        f'<polygon class="kern" points="{path(plan.kern)}"/>'
         f'<circle class="force" cx="{x:.1f}" cy="{y:.1f}" r="5"/></svg>'
-        f"<figcaption>joint {i}: {' – '.join(map(name_text, names))}"
-        f"<br>{extent:.3g} m wide</figcaption></figure>"
+        f"<figcaption>joint {plan.joint}: {' – '.join(map(name_text, plan.blocks))}"
+        f"<br>{plan.width:.3g} m wide</figcaption></figure>"
     )
 
 

@@ -9,7 +9,7 @@ from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
 from drystone.assembly import Block
 from drystone.model import Model
 from drystone.models import arch, tower
-from drystone.view.report import save_report
+from drystone.view.joint_page import save_report
 from tests.oracle import touching_faces
 
 

@@ -1,0 +1,112 @@
+"""The answers of an assessment: the verdict, why it falls, and the limits that are asked for."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Unpack
+
+from drystone.answer import Answer
+from drystone.base.declared import declared, declared_at, nested, refuse_unknown
+from drystone.base.errors import InputError, meant
+from drystone.base.progress import Clock, Progress, Stop
+from drystone.base.settings import checked_call
+from drystone.design import DiagnosisOptions, diagnose
+from drystone.io.load_options import grown
+from drystone.io.opening import Given, How, supported_model
+from drystone.limits import LIMITS
+from drystone.limits.bounds import tilt_margin
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.stability import CheckOptions, check
+
+SENSITIVITY = ("friction --scaled", "shrink")
+"""Limits of what stands, if none are asked for: by which share friction and joints may shrink."""
+
+
+@checked_call
+def assess(
+    given: Given,
+    *,
+    limits: Sequence[str] | None = None,
+    options: CheckOptions | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> list[Answer]:
+    """The verdict on a model, why it falls if it does, and limits.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file that ``how`` turns into one.
+    limits
+        Each as behind ``drystone limit``, such as ``tilt --axis y`` or ``load keystone:1kN``; when
+        left out, those of friction and of the size of joints of what stands.
+    options
+        Of the check.
+
+    Raises
+    ------
+    InputError
+        There is no such limit, or it takes no such option.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> [one.title for one in assess(tower(2), limits=["tilt"], friction=0.6)]
+    ['Stands', 'Stands up to 30.9 degrees about x']
+    """
+    model = supported_model(given, **how)
+    asked = [_limit(words, model) for words in (SENSITIVITY if limits is None else limits)]
+    clock = Clock(time_limit_s, stop)
+    late: dict[str, Any] = {"progress": progress, "stop": clock.late}
+    result = check(model, options=options, **late)
+    if result.stable:
+        result = replace(result, tilt_margin=tilt_margin(model, stop=clock.late))
+    answers: list[Answer] = [result]
+    if result.falls:
+        few = DiagnosisOptions(needs=False, regions=3)
+        answers.append(diagnose(model, result=result, options=few, stop=clock.late))
+    if result.stable or limits is not None:
+        answers += [one(model, late) for one in asked]
+    return answers
+
+
+def _limit(words: str, model: Model) -> Callable[[Model, dict[str, Any]], Answer]:
+    """What computes a limit in words."""
+    name, *rest = shlex.split(words) or [""]
+    if name not in LIMITS:
+        remedy = meant(name, LIMITS)
+        raise InputError(f"there is no limit '{name}'", where="limit", remedy=remedy)
+    offered = LIMITS[name]
+    paths = {path.rpartition(".")[2]: path for path in (*offered.arguments, *offered.options)}
+    takes = list(offered.arguments)
+    values: dict[str, Any] = {}
+    while rest:
+        word = rest.pop(0)
+        if word.startswith("--"):
+            key = word.removeprefix("--").replace("-", "_")
+            refuse_unknown([key], list(paths))
+            flag = bool in declared_at(offered.analysis, paths[key]).kinds
+            if not (flag or rest):
+                raise InputError(f"{word} needs a value", where="limit", remedy=f"limit {name}")
+            text: Any = True if flag else rest.pop(0)
+        elif takes:
+            key, text = takes.pop(0), word
+        else:
+            raise InputError(f"'{word}' is one word too many", where=f"limit {name}")
+        one = declared_at(offered.analysis, paths[key])
+        values[paths[key]] = grown(text, model) if LoadCase in one.kinds else one.value(text)
+    if takes:
+        raise InputError(f"{takes[0]} is missing", where=f"limit {name}", remedy="give it")
+    known = declared(offered.analysis)
+
+    def computed(of: Model, late: dict[str, Any]) -> Answer:
+        common = {name: value for name, value in late.items() if name in known}
+        found: Answer = offered.analysis(of, **nested(offered.analysis, values), **common)
+        return found
+
+    return computed

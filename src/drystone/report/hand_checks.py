@@ -1,0 +1,163 @@
+"""Checks that a reader does again by hand: weights, sums of forces and moments, thrust."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.display import OneLine
+from drystone.base.table import Table
+from drystone.loads.applied import common_acceleration
+from drystone.model import Model
+from drystone.results import Result
+
+
+def weights(model: Model) -> Table:
+    """Volume, mass and weight of free blocks and supports, a row for each density."""
+    assembly = model.assembly
+    density = np.array([block.density for block in assembly.blocks]).round(6)
+    g = float(np.linalg.norm(common_acceleration(assembly, model.load)))
+    rows = []
+    for fixed in (False, True):
+        for one in np.unique(density[assembly.fixed == fixed]).tolist():
+            mine = (density == one) & (assembly.fixed == fixed)
+            volume = float(assembly.volume[mine].sum())
+            what = "supports" if fixed else "free blocks"
+            rows.append((what, int(mine.sum()), one, volume, one * volume, one * volume * g))
+    names = ("of", "blocks", "density", "volume", "mass", "weight")
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+    units = {"density": "kg/m3", "volume": "m3", "mass": "kg", "weight": "N"}
+    return Table("weights", columns, units)
+
+
+def balance(result: Result) -> Table:
+    """Sums of forces, and of moments about the origin, of all free blocks together.
+
+    What acts on each block is the wrench about its centroid; what the supports give is the table of
+    reactions.
+    """
+    assembly, load = result.assembly, result.load
+    free = ~assembly.fixed
+    own = assembly.mass[:, None] * common_acceleration(assembly, load)
+    others = load.wrench[:, :3] - own
+    reactions = result.reactions()
+    forces = [own[free], others[free], reactions["force"]]
+    places = [assembly.centroid[free], assembly.centroid[free], reactions["point"]]
+    couples = [np.zeros((1, 3)), load.wrench[free, 3:], reactions["moment"]]
+    force = np.array([one.sum(axis=0) for one in forces])
+    moment = np.array([
+        np.cross(at, one).sum(axis=0) + couple.sum(axis=0)
+        for at, one, couple in zip(places, forces, couples, strict=True)
+    ])  # fmt: skip
+    columns = {
+        "sum_of": ["acceleration of the masses", "other loads", "reactions", "all (zero)"],
+        "force": np.vstack([force, force.sum(axis=0)]),
+        "moment": np.vstack([moment, moment.sum(axis=0)]),
+    }
+    return Table("equilibrium of all free blocks", columns, {"force": "N", "moment": "N m"})
+
+
+@dataclass(frozen=True)
+class CrownThrust(OneLine):
+    """Thrust at the crown by moments of one half about its springing, and from the joints.
+
+    Attributes
+    ----------
+    load : [N]
+        What acts on the half along gravity.
+    arm : [m]
+        Of that load about the springing, horizontally.
+    moment : [N m]
+        Of everything else that acts on the half about the springing, the shear at the crown with
+        it.
+    rise : [m]
+        From the reaction at the springing to the centre of pressure at the crown.
+    by_hand, by_joints : [N]
+    """
+
+    load: float
+    arm: float
+    moment: float
+    rise: float
+    by_hand: float
+    by_joints: float
+
+    def table(self) -> Table:
+        """The calculation, a row for each quantity."""
+        told = [
+            ("load on one half, V", self.load, "N"),
+            ("its arm about the springing, a", self.arm, "m"),
+            ("moment of other forces about the springing, M", self.moment, "N m"),
+            ("rise of the thrust, f", self.rise, "m"),
+            ("thrust by hand, H = (V a + M) / f", self.by_hand, "N"),
+            ("thrust from the forces in the joints", self.by_joints, "N"),
+        ]
+        columns = {
+            "quantity": [name for name, _, _ in told],
+            "value": [f"{value:,.4g}" for _, value, _ in told],
+            "unit": [unit for _, _, unit in told],
+        }
+        return Table("thrust at the crown", columns)
+
+
+def crown_thrust(result: Result) -> CrownThrust | None:
+    """The thrust at the crown of an arch or a vault on two sides; ``None`` where there is none.
+
+    The crown is the highest joint that carries thrust and is steeper than 45 degrees. A vertical
+    plane through it parts the structure. All joints across it carry the thrust.
+    """
+    joints, assembly = result.contacts.joints, result.assembly
+    table = result.joints()
+    force = np.stack([table[f"force_{axis}"] for axis in "xyz"], axis=1)
+    point = np.stack([table[axis] for axis in "xyz"], axis=1)
+    free = ~(assembly.fixed[joints.block_a] | assembly.fixed[joints.block_b])
+    level = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
+    carries = level & free & (table["normal"] > 1e-3 * table["normal"].max(initial=0.0))
+    if not carries.any():
+        return None
+    top = int(np.flatnonzero(carries)[np.argmax(point[carries, 2])])
+    way = joints.frame[top, 0] * np.array([1.0, 1.0, 0.0])
+    way /= np.linalg.norm(way)
+    beyond = (assembly.centroid - joints.centroid[top]) @ way > 0.0
+    sign = beyond[joints.block_b].astype(float) - beyond[joints.block_a]
+    cut = (sign != 0.0) & free
+    half = ~assembly.fixed & ~beyond
+    pressed = np.maximum(np.abs(table["normal"][cut]), 1e-300)
+    crown = pressed @ point[cut] / pressed.sum()
+    # on the half before the plane acts the opposite of what it gives to the one beyond
+    given = -(sign[cut, None] * force[cut])
+    foot = _springing(result, half)
+    if foot is None:
+        return None
+    springing, reaction_moment = foot
+    rise = float(crown[2] - springing[2])
+    wrench, arms = result.load.wrench[half], assembly.centroid[half] - springing
+    load, by_joints = float(-wrench[:, 2].sum()), float(-(given @ way).sum())
+    if rise <= 0.05 * float(np.ptp(assembly.bounds[..., 2])) or load <= 0.0:
+        return None
+    arm = float(-wrench[:, 2] @ (arms @ way)) / load
+    every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0) + reaction_moment
+    every = every + np.cross(point[cut] - springing, given).sum(axis=0)
+    every = every - (sign[cut] * table["torque"][cut]) @ joints.frame[cut, 0]
+    total = float(every @ np.cross(way, [0.0, 0.0, 1.0]))
+    moment = by_joints * rise - load * arm - total
+    return CrownThrust(load, arm, moment, rise, (load * arm + moment) / rise, by_joints)
+
+
+def _springing(result: Result, half: Bools) -> tuple[Floats, Floats] | None:
+    """Mean point of what supports give to some blocks, and its moment about it."""
+    joints, fixed = result.contacts.joints, result.assembly.fixed
+    table = result.joints()
+    force = np.stack([table[f"force_{axis}"] for axis in "xyz"], axis=1)
+    point = np.stack([table[axis] for axis in "xyz"], axis=1)
+    onto_b = fixed[joints.block_a] & half[joints.block_b]
+    onto_a = fixed[joints.block_b] & half[joints.block_a]
+    mine = onto_a | onto_b
+    if not mine.any():
+        return None
+    given = np.where(onto_b[mine, None], force[mine], -force[mine])
+    weight = np.maximum(lengths(given), 1e-300)
+    middle = weight @ point[mine] / weight.sum()
+    return middle, np.cross(point[mine] - middle, given).sum(axis=0)

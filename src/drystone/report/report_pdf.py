@@ -1,0 +1,231 @@
+"""A document as a PDF of A4 pages, whose text can be searched, by reportlab."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from html import escape
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.base.display import NAME, shortened
+from drystone.base.errors import MissingDependency
+from drystone.base.table import Table
+from drystone.report.document import LISTED, Document, Heading, Part, Picture
+from drystone.view.joint_page import JointPlan
+
+_MARGIN = 51.0
+"""[points], 18 mm."""
+_WIDTH, _HEIGHT = 595.28, 841.89
+"""[points], of A4."""
+_PLAN = 110.0
+"""[points], side of the plan of a joint."""
+
+
+def pdf_of(document: Document) -> bytes:
+    """The pages; the same document gives the same bytes.
+
+    Raises
+    ------
+    MissingDependency
+        reportlab is not installed.
+    """
+    require_pdf()
+    from reportlab.platypus import SimpleDocTemplate
+
+    made = io.BytesIO()
+    template = SimpleDocTemplate(
+        made, pagesize=(_WIDTH, _HEIGHT), leftMargin=_MARGIN, rightMargin=_MARGIN,
+        topMargin=_MARGIN, bottomMargin=_MARGIN, title=document.title,
+        author=document.entries.get("Author", ""), creator=document.foot, invariant=1,
+    )  # fmt: skip
+    paper = _Paper()
+    story: list[Any] = [paper.text(document.title, "title"), paper.entries(document.entries)]
+    for number, section in enumerate(document.sections, 1):
+        story.append(paper.text(f"{number}  {section.title}", "section"))
+        story += [one for part in section.parts for one in paper.part(part)]
+    template.build(story, canvasmaker=_numbered(document))
+    return made.getvalue()
+
+
+def require_pdf() -> None:
+    """Refuse where reportlab is not installed.
+
+    Raises
+    ------
+    MissingDependency
+    """
+    if find_spec("reportlab") is None:
+        raise MissingDependency("reportlab", extra="report", purpose="a PDF report")
+
+
+def _numbered(document: Document) -> Any:
+    """A canvas whose pages know how many there are."""
+    from reportlab.pdfgen.canvas import Canvas  # as above
+
+    class Numbered(Canvas):  # type: ignore[misc]  # it has no types
+        def __init__(self, *given: Any, **named: Any) -> None:
+            super().__init__(*given, **named)
+            self._pages: list[dict[str, Any]] = []
+
+        def showPage(self) -> None:  # noqa: N802  # the name of reportlab
+            self._pages.append(dict(self.__dict__))
+            self._startPage()
+
+        def save(self) -> None:
+            for number, page in enumerate(self._pages, 1):
+                self.__dict__.update(page)
+                self.setFont("DejaVu", 7.5)
+                self.drawString(_MARGIN, 28.0, shortened(document.title, 70))
+                foot = f"{document.foot}   {number} / {len(self._pages)}"
+                self.drawRightString(_WIDTH - _MARGIN, 28.0, foot)
+                super().showPage()
+            super().save()
+
+    return Numbered
+
+
+class _Paper:
+    """Fonts and styles, and the parts of a document in them."""
+
+    def __init__(self) -> None:
+        import matplotlib
+        from reportlab.lib.styles import ParagraphStyle
+        from reportlab.pdfbase import pdfmetrics
+        from reportlab.pdfbase.ttfonts import TTFont
+
+        fonts = Path(matplotlib.get_data_path()) / "fonts" / "ttf"
+        for name, file in (("DejaVu", "DejaVuSans"), ("DejaVuBold", "DejaVuSans-Bold")):
+            pdfmetrics.registerFont(TTFont(name, fonts / f"{file}.ttf"))
+        plain = ParagraphStyle("text", fontName="DejaVu", fontSize=8.5, leading=11.5, spaceAfter=4)
+        bold = {"parent": plain, "fontName": "DejaVuBold", "keepWithNext": 1}
+        self.styles = {
+            "text": plain,
+            "title": ParagraphStyle("title", fontSize=15, leading=20, spaceAfter=8, **bold),
+            "section": ParagraphStyle(
+                "section", fontSize=11, leading=15, spaceBefore=12, spaceAfter=5, **bold
+            ),
+            "heading": ParagraphStyle("heading", spaceBefore=7, spaceAfter=3, **bold),
+            "cell": ParagraphStyle("cell", plain, fontSize=7, leading=8.6, spaceAfter=0),
+            "head": ParagraphStyle("head", plain, fontName="DejaVuBold", fontSize=7, leading=8.6),
+        }
+
+    def text(self, text: str, style: str = "text") -> Any:
+        """A paragraph."""
+        from reportlab.platypus import Paragraph
+
+        return Paragraph(escape(text), self.styles[style])
+
+    def part(self, part: Part) -> list[Any]:
+        """What is printed of a part."""
+        from reportlab.platypus import Image, KeepTogether, Spacer
+
+        match part:
+            case str():
+                return [self.text(part)]
+            case Heading():
+                return [self.text(part.text, "heading")]
+            case Table():
+                return self.table(part)
+            case Picture():
+                width = _WIDTH - 2.0 * _MARGIN
+                image = Image(io.BytesIO(part.png), width, width * part.size[1] / part.size[0])
+                return [KeepTogether([image, self.text(part.caption)])]
+            case Mapping():
+                return [self.entries(part), Spacer(1, 6)]
+        return [self.plans(part), Spacer(1, 6)]
+
+    def entries(self, entries: Mapping[str, str]) -> Any:
+        """Names and texts side by side."""
+        rows = [
+            [self.text(name, "head"), self.text(told, "cell")] for name, told in entries.items()
+        ]
+        return self._grid(rows, [110.0, _WIDTH - 2.0 * _MARGIN - 110.0])
+
+    def table(self, table: Table) -> list[Any]:
+        """A table under its title; of long columns the cells are broken into lines."""
+        from reportlab.pdfbase.pdfmetrics import stringWidth
+        from reportlab.platypus import Spacer
+
+        heads, rows = table.cells()
+        cells = [[shortened(cell, NAME) for cell in row] for row in rows[:LISTED]]
+        natural = np.array([
+            max(
+                stringWidth(heads[i], "DejaVuBold", 7),
+                *(stringWidth(row[i], "DejaVu", 7) for row in cells),
+            )
+            for i in range(len(heads))
+        ]) + 9.0  # fmt: skip
+        widths = _fitted(natural, _WIDTH - 2.0 * _MARGIN)
+        made = [[self.text(one, "head") for one in heads]]
+        made += [[self.text(cell, "cell") for cell in row] for row in cells]
+        told = [self.text(table.title.capitalize(), "heading"), self._grid(made, widths, head=1)]
+        if len(rows) > LISTED:
+            told.append(self.text(f"and {len(rows) - LISTED} more"))
+        return [*told, Spacer(1, 6)]
+
+    def _grid(self, rows: list[list[Any]], widths: Any, head: int = 0) -> Any:
+        from reportlab.lib.colors import black, grey
+        from reportlab.platypus import Table as Grid
+        from reportlab.platypus import TableStyle
+
+        style = [
+            ("VALIGN", (0, 0), (-1, -1), "TOP"),
+            ("LINEBELOW", (0, 0), (-1, -1), 0.25, grey),
+            ("TOPPADDING", (0, 0), (-1, -1), 1.5),
+            ("BOTTOMPADDING", (0, 0), (-1, -1), 2.0),
+            ("LEFTPADDING", (0, 0), (-1, -1), 3.0),
+            ("RIGHTPADDING", (0, 0), (-1, -1), 3.0),
+        ]
+        if head:
+            style.append(("LINEBELOW", (0, 0), (-1, 0), 0.8, black))
+        return Grid(rows, list(widths), repeatRows=head, hAlign="LEFT", style=TableStyle(style))
+
+    def plans(self, plans: tuple[JointPlan, ...]) -> Any:
+        """The plans of joints, four in a row."""
+        from reportlab.platypus import Table as Grid
+
+        cells: list[Any] = [[_plan(one), self.text(_plan_words(one), "cell")] for one in plans]
+        rows = [cells[i : i + 4] for i in range(0, len(cells), 4)]
+        rows = [[*row, *[""] * (4 - len(row))] for row in rows]
+        return Grid(rows, [(_WIDTH - 2.0 * _MARGIN) / 4.0] * 4)
+
+
+def _fitted(natural: Any, width: float) -> Any:
+    """Widths of columns that fit: wide columns get equally less."""
+    low, high = 0.0, float(natural.max())
+    for _ in range(40):
+        cap = 0.5 * (low + high)
+        low, high = (cap, high) if np.minimum(natural, cap).sum() < width else (low, cap)
+    return natural if natural.sum() <= width else np.minimum(natural, low)
+
+
+def _plan_words(plan: JointPlan) -> str:
+    between = " – ".join(shortened(name, 24) for name in plan.blocks)
+    return f"joint {plan.joint}: {between}, {plan.width:.3g} m wide"
+
+
+def _plan(plan: JointPlan) -> Any:
+    """The joint, its kern (dashed) and the centre of pressure."""
+    from reportlab.graphics.shapes import Circle, Drawing, Polygon
+    from reportlab.lib.colors import Color, black
+
+    def flat(points: Any) -> list[float]:
+        placed: list[float] = plan.on(points, _PLAN, 8.0).ravel().tolist()
+        return placed
+
+    drawing = Drawing(_PLAN, _PLAN)
+    stone = Color(0.9, 0.9, 0.9)
+    drawing.add(Polygon(flat(plan.corners), fillColor=stone, strokeColor=black, strokeWidth=0.7))
+    drawing.add(
+        Polygon(
+            flat(plan.kern), fillColor=None, strokeColor=black, strokeWidth=0.5,
+            strokeDashArray=[3, 2],
+        )
+    )  # fmt: skip
+    x, y = flat(plan.pressed)
+    drawing.add(Circle(x, y, 2.6, fillColor=black, strokeColor=None))
+    return drawing

@@ -1,0 +1,143 @@
+"""Drawings of a report: dimensions, pictures of answers, and the sketch of signs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+
+from drystone.answer import Answer, Scene
+from drystone.answer.chart import Chart
+from drystone.answer.drawing import bare_scene
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.units import quantity
+from drystone.model import Model
+from drystone.report.document import Picture
+from drystone.view.figure import draw
+from drystone.view.plots import save_chart
+
+_WIDTH = 6.7
+"""[inches], of a picture across a page of A4."""
+_DPI = 150
+
+
+def answer_picture(answer: Answer) -> Picture | None:
+    """What an answer draws on paper; ``None`` where it has no picture."""
+    try:
+        shown = answer.figure()
+    except InputError:
+        return None
+    if isinstance(shown, Chart):
+        return _picture(save_chart(shown), shown.title)
+    return _picture(_drawn(shown), shown.stages[shown.still].headline)
+
+
+def loads_picture(model: Model) -> Picture:
+    """The model with its loads as arrows."""
+    scene = bare_scene(model.assembly, model.contacts, model)
+    return _picture(_drawn(scene), f"Loads: {model.load.name}")
+
+
+def dimensions_picture(model: Model) -> Picture:
+    """An elevation and a side view with the overall dimensions."""
+    from matplotlib.figure import Figure  # slow to import
+
+    scene = bare_scene(model.assembly, model.contacts)
+    span = scene.bounds[1] - scene.bounds[0]
+    front, side = (0, 1) if span[0] >= span[1] else (1, 0)
+    views = [(front, _toward(front)), (side, _toward(side))]
+    figure = Figure(figsize=(_WIDTH, 3.1), facecolor="white")
+    shares = np.clip([span[front], span[side]], 0.25 * span.max(), None)
+    grid = figure.add_gridspec(
+        1, 2, width_ratios=shares.tolist(), left=0.06, right=0.97, bottom=0.08, top=0.9
+    )
+    for number, (along, toward) in enumerate(views):
+        axes: Any = figure.add_subplot(grid[0, number])
+        draw(scene, (_WIDTH, 3.1), toward=toward, layers=(), inside=axes)
+        axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
+        _dimensions(axes, float(span[along]), float(span[2]), 0.08 * float(span.max()))
+    return _picture(figure, f"Overall dimensions; {'xy'[front]} and z in the elevation")
+
+
+def signs_picture() -> Picture:
+    """Axes, and the forces in a joint, with the senses in which they are positive."""
+    from matplotlib.figure import Figure  # as above
+    from matplotlib.patches import Polygon
+
+    figure = Figure(figsize=(_WIDTH, 2.2), facecolor="white")
+    axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_xlim(0.0, 6.7)
+    axes.set_ylim(0.0, 2.2)
+    axes.axis("off")
+    for end, name in (((1.35, 0.5), "x"), ((0.95, 0.85), "y"), ((0.5, 1.35), "z, up")):
+        _arrow(axes, (0.5, 0.5), end)
+        axes.text(end[0] + 0.06, end[1], name, fontsize=9, va="center")
+    axes.text(0.15, 0.12, "moments: right-hand rule", fontsize=8)
+    for low, name in ((0.15, "block a"), (1.0, "block b")):
+        corners = [(2.4, low), (4.0, low), (4.0, low + 0.85), (2.4, low + 0.85)]
+        axes.add_patch(Polygon(corners, facecolor="#e4e4e4", edgecolor="black"))
+        axes.text(2.5, low + 0.08, name, fontsize=8)
+    _arrow(axes, (3.2, 1.0), (3.2, 1.7))
+    axes.text(3.26, 1.6, "n, a to b", fontsize=8)
+    _arrow(axes, (3.2, 1.0), (3.9, 1.0))
+    axes.text(3.55, 0.8, "u", fontsize=8)
+    axes.text(2.5, 1.93, "joint: n, u, and v away from you", fontsize=8)
+    told = (
+        "normal force N > 0: compression",
+        "forces act on block b;",
+        "block a gets the opposite",
+        "reactions act on the structure",
+        "loads act on the block named",
+    )
+    for row, text in enumerate(told):
+        axes.text(4.75, 1.85 - 0.36 * row, text, fontsize=8.5, va="center")
+    return _picture(figure, "Axes, and the signs of the forces in a joint")
+
+
+def _drawn(scene: Scene) -> Any:
+    undated = tuple(replace(one, facts={}) for one in scene.stages)
+    return draw(replace(scene, stages=undated, facts={}, made=""), (_WIDTH, 3.7))
+
+
+def _toward(along: int) -> Floats:
+    """From the model to the eye, in the view in which an axis points right."""
+    return np.array([0.0, -1.0, 0.0]) if along == 0 else np.array([1.0, 0.0, 0.0])
+
+
+def _dimensions(axes: Any, width: float, height: float, away: float) -> None:
+    """Lines of dimension below and left of a view about the middle of the model."""
+    x, y = 0.5 * width, 0.5 * height
+    for start, end, text, at, turned in (
+        ((-x, -y - away), (x, -y - away), quantity(width, "m"), (0.0, -y - 1.35 * away), 0),
+        ((-x - away, -y), (-x - away, y), quantity(height, "m"), (-x - 1.35 * away, 0.0), 90),
+    ):
+        axes.annotate(
+            "", xy=end, xytext=start, annotation_clip=False,
+            arrowprops={"arrowstyle": "<->", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0},
+        )  # fmt: skip
+        axes.text(
+            *at, text, fontsize=8, rotation=turned,
+            ha="center" if turned == 0 else "right", va="top" if turned == 0 else "center",
+        )  # fmt: skip
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlim(-x - 3.0 * away, x + away)
+    axes.set_ylim(-y - 3.0 * away, y + away)
+
+
+def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
+    axes.annotate(
+        "", xy=end, xytext=start,
+        arrowprops={"arrowstyle": "-|>", "lw": 1.3, "color": "k", "shrinkA": 0.0, "shrinkB": 0.0},
+    )  # fmt: skip
+
+
+def _picture(figure: Any, caption: str) -> Picture:
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(_WIDTH, _WIDTH * height / width)
+    made = BytesIO()
+    figure.savefig(made, format="png", dpi=_DPI, metadata={"Software": None})
+    pixels = int(_WIDTH * _DPI), int(_WIDTH * height / width * _DPI)
+    return Picture(made.getvalue(), pixels, caption)

@@ -1,0 +1,72 @@
+"""The title block of a report: whose structure it is, who calculated it and when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+
+from drystone.base.arrays import of_type
+from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.settings import Options
+from drystone.io.jsontext import parse_toml
+
+
+@dataclass(frozen=True)
+class TitleBlock(Options):
+    """What stands in the title block of a report; empty entries are left out.
+
+    Attributes
+    ----------
+    project
+        What is assessed.
+    part
+        The part of it that the report is about.
+    client
+        For whom.
+    author
+        Who calculated.
+    checker
+        Who checks it.
+    number
+        Of the report.
+    date
+        Of the report (today).
+    """
+
+    project: str = ""
+    part: str = ""
+    client: str = ""
+    author: str = ""
+    checker: str = ""
+    number: str = ""
+    date: str = ""
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            of_type(getattr(self, one.name), str, one.name, "give a text")
+
+    @classmethod
+    def read(cls, path: PathLike) -> TitleBlock:
+        """From the keys of a TOML file.
+
+        Raises
+        ------
+        FormatError
+            It is no TOML, has a key that no title block has, or a value that is no text.
+        """
+        top = parse_toml(read_bytes(path), as_path(path))
+        top.only(tuple(one.name for one in fields(cls)))
+        return cls(**{name: one.text() for name, one in top.items()})
+
+    def over(self, other: TitleBlock) -> TitleBlock:
+        """Its entries, and those of another where it has none."""
+        return replace(other, **self._filled())
+
+    def entries(self, made: str) -> Mapping[str, str]:
+        """Entries by their words; ``made`` is the date where none is given."""
+        told = {**self._filled(), "date": self.date or made}
+        return {name.capitalize(): text for name, text in told.items()}
+
+    def _filled(self) -> dict[str, str]:
+        each = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: text for name, text in each.items() if text}
