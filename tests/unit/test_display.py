@@ -23,6 +23,7 @@ from drystone import (
     Model,
     design,
     limits,
+    loads,
     programs,
     reproduce,
     sequence,
@@ -130,6 +131,7 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.programs.find_forces(stack, virtual=["kern"])
     yield limits.imperfections(stack, limits.Imperfections(), draws=2)
     push = LoadCase.seismic(stack.assembly, 1.0)
+    yield from (loads.Fill(0.3, 2e4), loads.Earth("x", 18e3, 0.3))
     yield limits.Tilt(stack, np.array([1.0, 0.0, 0.0]))
     yield from (limits.Friction(stack), limits.LoadFactor(stack, push), limits.Shrunk(stack))
     yield limits.Parametric(tower, lambda given: Model.of(given).contacts)

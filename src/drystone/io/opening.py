@@ -132,9 +132,10 @@ def read(
     load
         A load at the centroid of a block or at a point in m, added to the others: a force such as
         ``BLOCK:0,0,-500`` in N, ``BLOCK:2kN`` along gravity, a mass ``BLOCK:80kg``, a moment
-        ``BLOCK:m=0,0,25`` in N m, each with ``@X,Y,Z`` or without; or a part in JSON. Several are
-        added up. In Python also the whole load: a load case, a multiple of gravity, or an
-        acceleration (3,) [m/s2].
+        ``BLOCK:m=0,0,25`` in N m, each with ``@X,Y,Z`` or without; fill of a bridge such as
+        ``fill:cover=0.3m,weight=20kN/m3``, earth behind a wall such as
+        ``earth:side=-x,weight=18kN/m3,k=0.33``; or a part in JSON. Several are added up. In Python
+        also the whole load: a load case, a multiple of gravity, or an acceleration (3,) [m/s2].
     case
         A load case of the file in place of the weight, such as ``1.35*dead``. Several are added up
         (the first one).

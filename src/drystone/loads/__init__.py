@@ -1,5 +1,7 @@
 """Load cases: one wrench per block, and motions of supports."""
 
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
+from drystone.loads.earth import Earth
+from drystone.loads.fill import Fill
 
-__all__ = ["DOWN", "STANDARD_GRAVITY", "LoadCase"]
+__all__ = ["DOWN", "STANDARD_GRAVITY", "Earth", "Fill", "LoadCase"]

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TypeAlias
 
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.loads.case import LoadCase, name_of_sum
+from drystone.loads.earth import Earth
+from drystone.loads.fill import Fill
 
 _Direction: TypeAlias = tuple[float, float, float]
 
+_GROUND: Mapping[str, type[Fill] | type[Earth]] = {"fill": Fill, "earth": Earth}
+"""Loads of the ground, by the word before their values."""
 _EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
@@ -58,13 +62,19 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
 def load_of_words(
     text: str, assembly: Assembly, where: str = "load", gravity: _Direction | None = None
 ) -> LoadCase:
-    """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
+    """A load case from ``BLOCK:WHAT[@X,Y,Z]``, ``fill:WORDS`` or ``earth:WORDS``.
 
     Raises
     ------
     InputError
         It cannot be read, or the block is fixed or unknown.
     """
+    kind, _, words = text.partition(":")
+    if kind in _GROUND and kind not in assembly.names:
+        try:
+            return _GROUND[kind].named(words).on(assembly)
+        except InputError as error:
+            raise error.located(f"{where} {kind}") from error
     block, colon, rest = text.rpartition(":")
     what, at_sign, place = (part.strip() for part in rest.partition("@"))
     if not colon or not block:

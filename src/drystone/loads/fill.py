@@ -1,0 +1,203 @@
+"""Fill of a bridge: its weight below a road, its pressure, and what spreads through it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
+from drystone.loads.case import LoadCase
+from drystone.loads.ground_words import Reader, length, pressure_ratio, read_words, spread, weight
+from drystone.loads.seen_strips import SeenStrips, Spots, Traction
+
+
+@dataclass(frozen=True)
+class Fill(Options):
+    """Fill between the tops of blocks and a level road along x.
+
+    Attributes
+    ----------
+    cover : [m] >= 0
+        Of the road above the highest block.
+    weight : [N/m3] >= 0
+        By volume.
+    k : >= 0
+        Horizontal by vertical pressure on what is inclined.
+    passive : >= 0
+        Largest such ratio that fill mobilises against what moves into it; none at zero. ``limit
+        train`` uses it, and no verdict.
+    spread : >= 0
+        Of a load, horizontal by vertical, to each side.
+    law
+        How a load spreads: ``even`` over that width, or ``boussinesq`` of an elastic half space.
+
+    Notes
+    -----
+    The vertical pressure at depth h is ``weight * h``, on each horizontal area. The horizontal one
+    is ``k`` times that, on each vertical area. Fill lies on what is seen from above.
+
+    Examples
+    --------
+    >>> Fill.named("cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3")
+    Fill(cover=0.3, weight=20000, k=0.3)
+    """
+
+    cover: float
+    weight: float
+    k: float = 0.0
+    passive: float = 0.0
+    spread: float = 0.5
+    law: Literal["even", "boussinesq"] = "even"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.cover < 0.0:
+            raise InputError(
+                f"the road would be {-self.cover:g} m below the crown", remedy="give a cover from 0"
+            )
+        self._refuse_below(0.0, "weight", "k", "passive", "spread")
+        if 0.0 < self.passive < self.k:
+            raise InputError(
+                f"passive is {self.passive:g}, k {self.k:g}", remedy="give more than k"
+            )
+        if self.law not in ("even", "boussinesq"):
+            raise InputError(f"law is '{self.law}'", remedy="use one of even, boussinesq")
+
+    @classmethod
+    def named(cls, text: str) -> Self:
+        """From ``cover=0.3m,weight=20kN/m3``, and ``k``, ``passive``, ``spread``, ``law``.
+
+        Raises
+        ------
+        InputError
+            It cannot be read, or one of the first two is missing.
+        """
+        known: Mapping[str, Reader] = {
+            "cover": length,
+            "weight": weight,
+            "k": pressure_ratio,
+            "law": str,
+            "passive": pressure_ratio,
+            "spread": spread,
+        }
+        example = "cover=0.3m,weight=20kN/m3"
+        found = read_words(text, known, example)
+        for name in ("cover", "weight"):
+            if name not in found:
+                raise InputError(f"fill has no {name}", remedy=f"write {example}")
+        return cls(**found)
+
+    def on(self, assembly: Assembly) -> LoadCase:
+        """Its weight, and its pressure by ``k``, on the free blocks."""
+        top = Tops.of(assembly, self)
+        name = f"fill to {self.cover:g} m above the crown"
+        said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
+        return LoadCase(top.pressed(1.0, self.k), name, said)
+
+
+@dataclass(frozen=True, eq=False)
+class Tops:
+    """Tops of blocks under fill.
+
+    Attributes
+    ----------
+    assembly
+    fill
+    strips
+        Seen from above, t along x.
+    road : [m]
+        Level of the road.
+    """
+
+    assembly: Assembly
+    fill: Fill
+    strips: SeenStrips
+    road: float
+
+    @classmethod
+    def of(cls, assembly: Assembly, fill: Fill) -> Self:
+        """Those of an assembly."""
+        strips = SeenStrips.of(assembly, np.eye(3))
+        free = ~assembly.fixed[strips.block]
+        if not free.any():
+            raise InputError("no free block has a top", where="fill", remedy="free some blocks")
+        road = float(strips.r[free].max()) + fill.cover
+        return cls(assembly, fill, strips, road)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest x [m] of the free blocks under fill."""
+        free = self.strips.t[~self.assembly.fixed[self.strips.block]]
+        return float(free.min()), float(free.max())
+
+    @property
+    def breadth(self) -> float:
+        """[m], along y."""
+        low, high = self.strips.s - 0.5 * self.strips.width, self.strips.s + 0.5 * self.strips.width
+        return float(high.max() - low.min())
+
+    def depth(self, x: float) -> float:
+        """[m], from the road to the highest top at a place, or at the nearest that has one."""
+        t, r = self.strips.t, self.strips.r
+        away = np.maximum(np.maximum(t[:, 0] - x, x - t[:, 1]), 0.0)
+        here = away <= away.min() + 1e-9 * self.breadth
+        share = np.clip((x - t[here, 0]) / np.diff(t[here])[:, 0], 0.0, 1.0)
+        top = r[here, 0] + share * np.diff(r[here])[:, 0]
+        return max(self.road - float(top.max()), 0.0)
+
+    def pressed(self, vertical: float, horizontal: float) -> Floats:
+        """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
+        weight, road = self.fill.weight, self.road
+
+        def traction(at: Spots) -> Floats:
+            down = weight * np.maximum(road - at.r, 0.0)
+            part = np.column_stack([horizontal * at.slope, np.full(len(down), -vertical)])
+            return np.asarray(down[:, None] * part)
+
+        return self.strips.wrenches(self.assembly, traction)
+
+    def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
+        """Wrenches (n, 6) of a force [N] down on the road at a place.
+
+        Parameters
+        ----------
+        force
+        x
+        contact, across : [m]
+            Length along x and width along y on which it acts on the road; over the whole width
+            where ``across`` is zero. A bridge that is narrower than the width through which it
+            spreads bears its share.
+        """
+        depth, wide = self.depth(x), self.breadth
+        reach = 0.5 * contact + self.fill.spread * depth
+        if across > 0.0:
+            force *= min(1.0, wide / (across + 2.0 * self.fill.spread * depth))
+        if self.fill.law == "boussinesq" and depth > 0.0:
+            places = x + np.linspace(-8.0, 8.0, 129) * max(depth, 0.5 * contact)
+            part = self.strips.cut_at(places)
+            return part.wrenches(self.assembly, _elastic(force / wide, x, contact, depth))
+        reach = max(reach, 1e-6 * wide)
+        even = force / (2.0 * reach * wide)
+        part = self.strips.within(x - reach, x + reach)
+        return part.wrenches(self.assembly, lambda at: np.tile([0.0, 0.0, -even], (len(at.t), 1)))
+
+
+def _elastic(line: float, x: float, contact: float, depth: float) -> Traction:
+    """Vertical pressure below an even strip load on an elastic half space.
+
+    Source: Boussinesq 1885, as integrated over a strip by Terzaghi 1943, section 136.
+    """
+    half = max(0.5 * contact, 1e-6 * depth)
+
+    def traction(at: Spots) -> Floats:
+        near, far = np.arctan((at.t - x - half) / depth), np.arctan((at.t - x + half) / depth)
+        share = (far - near + 0.5 * (np.sin(2.0 * far) - np.sin(2.0 * near))) / np.pi
+        return np.column_stack([np.zeros((len(share), 2)), -share * line / (2.0 * half)])
+
+    return traction

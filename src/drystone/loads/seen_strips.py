@@ -1,0 +1,179 @@
+"""What can be seen of blocks from one side, in strips: where fill lies on them, or earth behind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
+from drystone.geometry.triangulate import triangulate
+
+_SAME = 1e-9
+"""Lengths that are equal, by the extent of the assembly."""
+_GAUSS = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
+_SHARE = np.array([5.0, 8.0, 5.0]) / 18.0
+"""Points and weights by which polynomials up to the fifth degree are integrated."""
+
+
+class Spots(NamedTuple):
+    """Points of strips: t, r (p,) [m], and the slope (p, 2) of r along t and s."""
+
+    t: Floats
+    r: Floats
+    slope: Floats
+
+
+Traction: TypeAlias = Callable[[Spots], Floats]
+"""Traction along the axes (p, 3) [Pa], by area seen, at points."""
+
+
+@dataclass(frozen=True, eq=False)
+class SeenStrips(OneLine):
+    """Strips of faces seen along ``-axes[2]``, cut across ``axes[0]``.
+
+    Coordinates are along the axes: t along the first, s along the second, r towards the eye.
+
+    Attributes
+    ----------
+    axes : (3, 3)
+        Rows, right-handed.
+    block : (m,)
+    t : (m, 2) [m]
+        Its two ends.
+    s, width : (m, 2) [m]
+        Middle and width of both ends.
+    r : (m, 2) [m]
+        At the middle of both ends.
+    slope : (m, 2)
+        Of r along t and s.
+    """
+
+    axes: Floats
+    block: Ints
+    t: Floats
+    s: Floats
+    width: Floats
+    r: Floats
+    slope: Floats
+
+    def _summary(self) -> str:
+        blocks = counted(len(np.unique(self.block)), "block")
+        return f"{counted(len(self.block), 'strip')} of {blocks}"
+
+    @classmethod
+    def of(cls, assembly: Assembly, axes: Floats) -> SeenStrips:
+        """Those of an assembly that no other block hides.
+
+        Examples
+        --------
+        >>> from drystone.models import tower
+        >>> seen = SeenStrips.of(tower(3), np.eye(3))
+        >>> float((seen.width.mean(axis=1) * np.diff(seen.t)[:, 0]).sum())
+        1.0
+        """
+        faces = assembly.faces
+        corner = faces.point[faces.loop]
+        triangle, face = triangulate(corner, faces.start)
+        at = corner[triangle] @ axes.T
+        normal = np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0])
+        towards = normal[:, 2] > _SAME * np.linalg.norm(normal, axis=1)
+        at, normal, block = at[towards], normal[towards], faces.owner[face[towards]]
+        slope = -normal[:, :2] / normal[:, 2:]
+        at = np.take_along_axis(at, np.argsort(at[..., 0], axis=1)[..., None], axis=1)
+        cut = _on_line(at[:, 0], at[:, 2], at[:, 1, 0])
+        ends = (
+            np.stack([at[:, 0], at[:, 0], at[:, 1], cut], axis=1),
+            np.stack([at[:, 1], cut, at[:, 2], at[:, 2]], axis=1),
+        )
+        both = np.concatenate(ends).reshape(-1, 2, 2, 3)  # strip, end, side
+        middle, across = both.mean(axis=2), np.abs(np.diff(both[..., 1], axis=2))[..., 0]
+        twice = np.tile(np.arange(len(at)), 2)
+        made = cls(
+            axes, block[twice], middle[..., 0], middle[..., 1], across, middle[..., 2], slope[twice]
+        )
+        extent = float(np.ptp(assembly.bounds.reshape(-1, 3), axis=0).max())
+        least = _SAME * extent
+        made = made._chosen(
+            (made.t[:, 1] - made.t[:, 0] > least) & (made.width.max(axis=1) > least)
+        )
+        places = np.unique(made.t)
+        made = made.cut_at(places[np.append(True, np.diff(places) > least)])
+        made = made._chosen(made.t[:, 1] - made.t[:, 0] > 2.0 * least)
+        return made._chosen(~_hidden(made, least))
+
+    def _chosen(self, which: Bools | Ints) -> SeenStrips:
+        return SeenStrips(
+            self.axes,
+            frozen(self.block[which]),
+            *(frozen(one[which]) for one in (self.t, self.s, self.width, self.r, self.slope)),
+        )
+
+    def cut_at(self, places: Floats) -> SeenStrips:
+        """The same strips, cut at places (c,) [m] along t."""
+        first = np.searchsorted(places, self.t[:, 0], side="right")
+        count = np.maximum(np.searchsorted(places, self.t[:, 1], side="left") - first, 0)
+        own = np.repeat(np.arange(len(self.block)), count + 1)
+        rank = np.arange(len(own)) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)
+        inner = np.append(places, np.inf)
+        low = np.where(rank == 0, self.t[own, 0], inner[first[own] + rank - 1])
+        high = np.where(rank == count[own], self.t[own, 1], inner[first[own] + rank])
+        return self._chosen(own)._between(low, high)
+
+    def within(self, low: float, high: float) -> SeenStrips:
+        """Their parts between two places [m] along t."""
+        inside = self._chosen((self.t[:, 0] < high) & (self.t[:, 1] > low))
+        return inside._between(np.maximum(inside.t[:, 0], low), np.minimum(inside.t[:, 1], high))
+
+    def _between(self, low: Floats, high: Floats) -> SeenStrips:
+        share = (np.stack([low, high], axis=1) - self.t[:, :1]) / np.diff(self.t)
+        s, width, r = (
+            frozen(one[:, :1] + share * np.diff(one)) for one in (self.s, self.width, self.r)
+        )
+        t = frozen(np.stack([low, high], axis=1))
+        return SeenStrips(self.axes, self.block, t, s, width, r, self.slope)
+
+    def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:
+        """Wrenches (n, 6) [N, N m] of a traction on the blocks.
+
+        Parameters
+        ----------
+        assembly
+        traction
+        """
+        ends = np.stack([1.0 - _GAUSS, _GAUSS])  # (2, 3)
+        t, s, width, r = (one @ ends for one in (self.t, self.s, self.width, self.r))
+        area = width * np.diff(self.t) * _SHARE
+        steep = np.repeat(self.slope, 3, axis=0)
+        force = area.reshape(-1, 1) * traction(Spots(t.ravel(), r.ravel(), steep)) @ self.axes
+        point = np.stack([t.ravel(), s.ravel(), r.ravel()], axis=1) @ self.axes
+        block = np.repeat(self.block, 3)
+        found = np.zeros((len(assembly), 6))
+        np.add.at(found[:, :3], block, force)
+        np.add.at(found[:, 3:], block, np.cross(point - assembly.centroid[block], force))
+        return found
+
+
+def _on_line(start: Floats, end: Floats, t: Floats) -> Floats:
+    """Points (m, 3) on lines at their first coordinate (m,)."""
+    length = end[:, 0] - start[:, 0]
+    share = (t - start[:, 0]) / np.where(length > 0.0, length, 1.0)
+    return np.asarray(start + share[:, None] * (end - start))
+
+
+def _hidden(strips: SeenStrips, least: float) -> Bools:
+    """Those with another one nearer to the eye; all strips at one place have the same ends."""
+    t, s, width, r = (one.mean(axis=1) for one in (strips.t, strips.s, strips.width, strips.r))
+    order = np.argsort(t, kind="stable")
+    ends = np.flatnonzero(np.diff(t[order]) > least) + 1
+    hidden = np.zeros(len(t), dtype=bool)
+    for here in np.split(order, ends):
+        over = r[here] > r[here][:, None] + least
+        beside = np.abs(s[here] - s[here][:, None]) < 0.5 * width[here] - least
+        hidden[here] = (over & beside).any(axis=1)
+    return hidden

@@ -1,0 +1,122 @@
+"""Fill on bridges and earth behind walls: sums, levels, hidden faces, and what is refused."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, InputError, Model, check
+from drystone.loads import Earth, Fill, LoadCase
+from drystone.loads.fill import Tops
+from drystone.models import segmental_bridge, tower
+from drystone.models.simple import box
+
+
+def base_moment(assembly: Assembly, load: LoadCase) -> np.ndarray:
+    """Force and moment about the origin of all loads."""
+    force, moment = load.wrench[:, :3], load.wrench[:, 3:]
+    turned = moment + np.cross(assembly.centroid, force)
+    return np.concatenate([force.sum(axis=0), turned.sum(axis=0)])
+
+
+def test_fill_weighs_what_lies_between_the_road_and_the_ring() -> None:
+    bridge = segmental_bridge(6.0, 1.5, 0.45, 200)
+    fill = Fill.named("cover=0.3m,weight=20kN/m3")
+    force = fill.on(bridge).wrench[~bridge.fixed, :3].sum(axis=0)
+    radius, centre, road = 3.75 + 0.45, 1.5 - 3.75, 1.5 + 0.45 + 0.3
+    half = radius * 0.8  # sine of the angle of the feet
+    under = half * np.sqrt(radius**2 - half**2) + radius**2 * np.arcsin(half / radius)
+    area = 2.0 * half * (road - centre) - under
+    assert force == pytest.approx([0.0, 0.0, -2e4 * area], rel=1e-4, abs=1e-6)
+
+
+def test_fill_presses_both_haunches_inwards_and_its_sum_is_that_of_the_vertical_plane() -> None:
+    bridge = segmental_bridge(voussoirs=10)
+    load = Fill(cover=0.0, weight=2e4, k=0.5).on(bridge)
+    push = load.wrench[1:-1, 0]
+    assert (push[:5] > 0.0).all()
+    assert push[:5] == pytest.approx(-push[:4:-1])
+    high = 1.5 + 0.45 - (1.5 + 0.45 - 4.2 + 4.2 * 0.6)  # of the extrados above its feet
+    assert push[:5].sum() == pytest.approx(0.5 * 2e4 * 0.5 * high**2, rel=1e-9)
+
+
+def test_fill_lies_on_the_outer_ring_only() -> None:
+    bridge = segmental_bridge(voussoirs=6, rings=2, ring=0.3)
+    loaded = np.flatnonzero(Fill(0.2, 2e4).on(bridge).wrench[:, 2])
+    assert {bridge.names[i].partition("-v")[0] for i in loaded} == {"ring-2"}
+
+
+@pytest.mark.parametrize("law", ["even", "boussinesq"])
+def test_a_load_spreads_and_none_of_it_is_lost(law: str) -> None:
+    bridge = segmental_bridge(voussoirs=20)
+    top = Tops.of(bridge, Fill(1.0, 2e4, law=law))  # type: ignore[arg-type]
+    total = base_moment(bridge, LoadCase(top.spread(1e3, 3.0, 0.3, 0.0)))
+    assert total[2] == pytest.approx(-1e3, rel=2e-2)
+    assert total[4] == pytest.approx(3.0 * 1e3, rel=2e-2)
+
+
+def test_a_narrow_bridge_bears_its_share_of_an_axle() -> None:
+    bridge = segmental_bridge(voussoirs=20, width=1.0)
+    top = Tops.of(bridge, Fill(0.3, 2e4))
+    force = top.spread(1e3, 3.0, 0.3, 2.4)[:, 2].sum()
+    assert force == pytest.approx(-1e3 / (2.4 + 0.3), rel=1e-9)
+
+
+def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
+    wall = tower(4)
+    load = Earth.named("side=-x,weight=18kN/m3,k=active:30deg").on(wall)
+    total = base_moment(wall, load)
+    assert total[0] == pytest.approx(6e3 * 16.0 / 2.0)
+    assert total[4] == pytest.approx(6e3 * 64.0 / 6.0)
+
+
+def test_water_and_a_surcharge_add_to_earth() -> None:
+    wall = tower(3)
+    load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=1m,surcharge=10kPa").on(wall)
+    thrust = 0.5 * (20e3 * 4.5 - 9810.0 * 0.5 + 10e3 * 3.0) + 9810.0 * 0.5
+    assert load.wrench[:, 1].sum() == pytest.approx(-thrust)
+
+
+def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() -> None:
+    wide, high = box((2.0, 1.0, 1.0), name="foot"), box((1.0, 1.0, 1.0), (0.0, 0.0, 1.0), "stem")
+    wall = Assembly((wide, high), np.zeros(2, dtype=bool))
+    toe = Earth(side="-x", weight=2e4, k=0.3).on(wall)
+    heel = Earth(side="x", weight=2e4, k=0.3).on(wall)
+    assert toe.wrench[:, 0] == pytest.approx(-heel.wrench[:, 0])
+    from drystone.models.solids import prism
+
+    leaning = Assembly((prism([(0, 0), (2, 0), (1, 2), (0, 2)], (0, 1)),), np.array([False]))
+    load = Earth(side="x", weight=2e4, k=0.3).on(leaning)
+    assert load.wrench[0, :3] == pytest.approx([-0.3 * 4e4, 0.0, -2e4])  # half of 1 m by 2 m
+
+
+def test_a_wall_overturns_where_earth_turns_it_more_than_its_weight_holds() -> None:
+    wall = Assembly(
+        (box((3.0, 1.0, 0.5), (-1.0, 0.0, -0.5), "ground"), box((1.0, 1.0, 3.0), name="wall")),
+        np.array([True, False]),
+    ).with_density(2000.0)
+    weight = 2000.0 * 9.81 * 3.0
+    k = weight * 0.5 / (18e3 * 27.0 / 6.0)
+    for share, stands in ((0.98, True), (1.02, False)):
+        words = f"earth:side=-x,weight=18kN/m3,k={share * k}"
+        assert check(Model.of(wall, friction=1.5), load=words).stable is stands
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("fill:cover=-0.1m,weight=20kN/m3", "the road would be 0.1 m below the crown"),
+        ("fill:cover=0.1m,weight=20", "'20' has no unit"),
+        ("fill:cover=0.1m", "fill has no weight"),
+        ("fill:cover=0.1m,weight=20kN/m3,k=-0.3", "is -0.3"),
+        ("fill:cover=0.1m,weight=20kN/m3,k=0.5,passive=0.3", "give more than k"),
+        ("fill:cover=0.1m,weight=20kN/m3,law=odd", "law is 'odd'"),
+        ("fill:cover=0.1m,height=2m", "is not NAME=VALUE"),
+        ("earth:side=-x,weight=18kN/m3,k=-1", "is -1"),
+        ("earth:side=z,weight=18kN/m3,k=0.3", "side is 'z'"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,top=-1m", "is below the wall"),
+        ("earth:side=-x,weight=18kN/m3,k=resting:30deg", "no state of earth"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10", "not a number with a unit"),
+    ],
+)
+def test_ground_that_cannot_be_is_told_in_one_line(words: str, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        check(segmental_bridge(voussoirs=4), friction=0.6, load=words)
