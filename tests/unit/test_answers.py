@@ -9,6 +9,7 @@ import pkgutil
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -60,6 +61,8 @@ def answers() -> Iterator[Answer]:
     yield from (order, sequence.scaffolding(order))
     yield sequence.handling(order, [sequence.Robot("left")])
     yield sequence.margins(order, tilt_width=5.0, directions=1)
+    with TemporaryDirectory() as folder:
+        yield sequence.dataset([stack], folder, options=sequence.DatasetOptions(rows=2))
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
     yield reproduce("5.1.1")
     found = drystone.find_contacts(tower(3))

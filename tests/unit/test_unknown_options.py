@@ -7,6 +7,7 @@ import json
 import pkgutil
 from collections.abc import Callable, Iterator
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,8 @@ from drystone.mcp.folder import MODEL, Folder
 from drystone.models import tower
 
 BESIDE: dict[str, tuple[Any, ...]] = {
+    "assembly_envs": (1,),
+    "dataset": ("data",),
     "imperfections": (Imperfections(offset=0.01),),
     "limit_load": (1.0,),
     "move_supports": ({0: (0.0, 0.0, -1.0)},),
@@ -29,7 +32,7 @@ BESIDE: dict[str, tuple[Any, ...]] = {
     "thrust_bounds": (0,),
 }
 """What a function is given by position behind a model."""
-SEVERAL = {"check_many", "settle_many"}
+SEVERAL = {"check_many", "dataset", "settle_many"}
 """Functions of several models."""
 OTHERWISE = {
     "interact": "each keyword is an argument of the function that it is given",
@@ -41,6 +44,8 @@ OTHERWISE = {
 def public() -> Iterator[tuple[str, Callable[..., Any]]]:
     """Every function that a room offers and that takes any keyword."""
     rooms = [one.name for one in pkgutil.walk_packages(drystone.__path__, "drystone.")]
+    if find_spec("gymnasium") is None:
+        rooms = [one for one in rooms if not one.startswith("drystone.gym")]
     seen = set()
     for name in ["drystone", *(one for one in rooms if "__main__" not in one)]:
         room = importlib.import_module(name) if _offers(name) else None

@@ -63,6 +63,21 @@ class Journal:
         if self.path.exists() and self.path.stat().st_size:
             self._read()
 
+    @staticmethod
+    def about(path: PathLike) -> dict[str, Any]:
+        """What the records of a file are about.
+
+        Raises
+        ------
+        FormatError
+            The file is no journal, or cannot be read.
+        """
+        first = BytesIO(read_bytes(path, _LARGEST)).readline()
+        try:
+            return dict(_value(first))
+        except _NO_RECORD as error:
+            raise _no_journal(path) from error
+
     def add(self, records: Iterable[Any]) -> None:
         """Write records to the end.
 
@@ -103,11 +118,7 @@ class Journal:
                 values.append(value if number == 1 else self._made(value))
             except _NO_RECORD as error:
                 if number == 1:
-                    raise FormatError(
-                        "is no journal, or its first line is damaged",
-                        where=str(self.path),
-                        remedy="name another file, or remove this one to start anew",
-                    ) from error
+                    raise _no_journal(self.path) from error
                 if number < len(lines):
                     raise FormatError(
                         f"line {number} of {len(lines)} is damaged: {_why(error)}",
@@ -127,6 +138,14 @@ class Journal:
                 remedy="name another file, or remove this one to start anew",
             )
         self.records = values[1:]
+
+
+def _no_journal(path: PathLike) -> FormatError:
+    return FormatError(
+        "is no journal, or its first line is damaged",
+        where=str(path),
+        remedy="name another file, or remove this one to start anew",
+    )
 
 
 def _why(error: Exception) -> str:

@@ -123,6 +123,7 @@ app.places = {
     "check": "check_command",
     "convert": "file_commands",
     "cut": "shaping_commands",
+    "dataset": "dataset_command",
     "demo": "models_command",
     "fall": "motion_commands",
     "forces": (

@@ -102,6 +102,11 @@ def one_of(choices: Iterable[str], what: str = "") -> OptionKind:
     return OptionKind("WORD", read, known)
 
 
+def _workers(text: str) -> int | str:
+    """A number of processes, or the address of a scheduler."""
+    return text if "://" in text else int(COUNT.read(text))
+
+
 def target(*suffixes: str) -> OptionKind:
     """A file to write, with one of the suffixes or any; it is looked at before any work."""
     return OptionKind("FILE", lambda text: output_path(text, suffixes), written=suffixes or ("",))
@@ -186,6 +191,7 @@ NUMBER = typed("NUMBER", float)
 POSITIVE = typed("NUMBER", float, above=0.0)
 WHOLE = typed("COUNT", int)
 COUNT = typed("COUNT", int, least=1)
+WORKERS = OptionKind("COUNT|ADDRESS", _workers)
 LENGTH = OptionKind("LENGTH", lambda text: units.length(text, "length"))
 COEFFICIENT = OptionKind("NUMBER|ANGLE", units.coefficient)
 UNIT = one_of(units.UNITS, "unit '{}' is not known")

@@ -72,7 +72,7 @@ class Analysis:
     analysis: Callable[..., Any]
     given: Mapping[str, Any]
     time_limit: float | None
-    workers: int
+    workers: int | str
 
     def instead(self, analysis: Callable[..., Any], **more: Any) -> Analysis:
         """The same of another analysis, with more keywords."""
@@ -87,6 +87,8 @@ class Analysis:
             return self.analysis(*subject, **self.given, **more, **late)
 
 
+WORKERS = "Processes that work side by side (1), or the address of a Dask scheduler, tcp://..."
+"""The help of --workers."""
 _METAVARS = {
     "axis": "AXIS|X,Y,Z",
     "direction": "AXIS|X,Y,Z",
@@ -166,7 +168,7 @@ class Of:
                         f"Without: {text[0].lower()}{text[1:]}",
                     )
             elif name == "executor":
-                more["type"], text = kinds.COUNT, "Processes that work side by side (1)."
+                more["type"], text = kinds.WORKERS, WORKERS
             elif name == "time_limit_s":
                 more["type"] = kinds.POSITIVE
             else:

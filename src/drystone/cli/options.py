@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from drystone.cli import kinds
-from drystone.cli.offered import MODEL, OUTPUT, Option
+from drystone.cli.offered import MODEL, OUTPUT, WORKERS, Option
 
 Friction: TypeAlias = Annotated[
     float | None,
@@ -61,9 +61,7 @@ TimeLimit: TypeAlias = Annotated[
     ),
 ]
 
-Workers: TypeAlias = Annotated[
-    int, Option("Processes that work side by side (1).", kind=kinds.COUNT, expert=True)
-]
+Workers: TypeAlias = Annotated[int | str, Option(WORKERS, kind=kinds.WORKERS, expert=True)]
 
 Ends: TypeAlias = Annotated[
     str | None,

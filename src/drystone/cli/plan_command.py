@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,13 +16,13 @@ from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
 from drystone.cli.told import Told
-from drystone.cli.waiting import Waiting
+from drystone.cli.waiting import Waiting, executor_of
 from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files
     from drystone.model import Model
-    from drystone.sequence import ExecutorFactory, Margins, Plan, PlanOptions, Robot, Scaffolding
+    from drystone.sequence import Margins, Plan, PlanOptions, Robot, Scaffolding
 
 
 @dataclass(frozen=True)
@@ -155,10 +154,6 @@ def plan(
                kind=kinds.OptionKind("MU,MU,...", _numbers), expert=True),
     ] = None,
     workers: options.Workers = 1,
-    dask: Annotated[
-        str | None,
-        Option("A running Dask scheduler to work on.", metavar="ADDRESS", expert=True),
-    ] = None,
     checkpoint: Annotated[
         Path | None,
         Option("File with which an interrupted search continues.", kind=kinds.target(),
@@ -175,7 +170,6 @@ def plan(
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
     chosen = _with_rules(chosen, order, before, reach, robot)
     chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
-    executor = _executor(workers, dask)
     waiting.checkpoint = checkpoint
     model = subject.prepared(waiting)
     from drystone import sequence
@@ -185,7 +179,7 @@ def plan(
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(
-            model, options=chosen, check=check, executor=executor, checkpoint=saved,
+            model, options=chosen, check=check, executor=executor_of(workers), checkpoint=saved,
             progress=waiting, stop=lambda: waiting.interrupted,
         )  # fmt: skip
 
@@ -230,17 +224,3 @@ def _with_rules(
         robots=robots,
     )
     return replace(chosen, rules=more)
-
-
-def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | None:
-    if dask is not None:
-        if workers > 1:
-            raise InputError("--workers and --dask contradict each other", remedy="give one")
-        from drystone.sequence import DaskWorkers
-
-        return DaskWorkers(dask)
-    if workers == 1:
-        return None
-    from drystone.sequence import LocalWorkers
-
-    return LocalWorkers(workers)

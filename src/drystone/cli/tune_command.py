@@ -66,7 +66,7 @@ class SearchRequest:
         """Raise InputError where an option of the search is given, and nothing is varied."""
         given = [name for name in ("least", "most", "store") if getattr(self, name)]
         given += differing(self.chosen)
-        if given or self.workers > 1:
+        if given or self.workers != 1:
             raise InputError(
                 "is for a search of parameters",
                 where=f"--{[*given, 'workers'][0]}",

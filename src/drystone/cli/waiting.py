@@ -17,6 +17,8 @@ from drystone.base.errors import clean
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from drystone.base.workers import DaskWorkers, LocalWorkers
+
 PATIENCE = 1.0
 """Time [s] before progress is shown."""
 INTERRUPTED = 130
@@ -116,18 +118,10 @@ class Waiting:
 
     @contextmanager
     def keywords(
-        self, time_limit: float | None = None, workers: int = 1
+        self, time_limit: float | None = None, workers: int | str = 1
     ) -> Iterator[dict[str, Any]]:
-        """The keywords of everything that takes long, where the first Ctrl-C asks it to stop.
-
-        Several workers are processes of this machine.
-        """
-        executor = None
-        if workers > 1:
-            from drystone.base.workers import LocalWorkers
-
-            executor = LocalWorkers(workers)
-        limit = float("inf") if time_limit is None else time_limit
+        """The keywords of everything that takes long, where the first Ctrl-C asks it to stop."""
+        limit, executor = float("inf") if time_limit is None else time_limit, executor_of(workers)
         with self.stoppable() as stop:
             yield {"executor": executor, "progress": self, "stop": stop, "time_limit_s": limit}
 
@@ -214,6 +208,15 @@ class Waiting:
             bar.start()
             self._bar = bar
         self.shown.set()
+
+
+def executor_of(workers: int | str) -> LocalWorkers | DaskWorkers | None:
+    """So many processes of this machine, or the workers of the Dask scheduler at an address."""
+    if workers == 1:
+        return None
+    from drystone.base.workers import DaskWorkers, LocalWorkers  # the program starts fast
+
+    return DaskWorkers(workers) if isinstance(workers, str) else LocalWorkers(workers)
 
 
 UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)

@@ -1,6 +1,13 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
+from drystone.sequence.dataset import (
+    BuiltOrder,
+    Dataset,
+    DatasetOptions,
+    dataset,
+    read_dataset,
+)
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.freedom import Freedom, Obstacle, freedom
 from drystone.sequence.friction_sweeps import (
@@ -45,9 +52,12 @@ from drystone.sequence.structure import StageAnswers, Structure
 from drystone.sequence.sweeps import Pose
 
 __all__ = [
+    "BuiltOrder",
     "Centring",
     "Clamp",
     "DaskWorkers",
+    "Dataset",
+    "DatasetOptions",
     "Evaluator",
     "ExecutorFactory",
     "Freedom",
@@ -94,6 +104,7 @@ __all__ = [
     "check_once",
     "check_thoroughly",
     "compare_scaffolding",
+    "dataset",
     "find_path",
     "freedom",
     "gravity_region",
@@ -102,6 +113,7 @@ __all__ = [
     "least_buildable_friction",
     "margins",
     "plan",
+    "read_dataset",
     "scaffolding",
     "sweep_friction",
     "take_turns",

@@ -18,7 +18,7 @@ from drystone.sequence.stages import Stage, StageAnswer, StageCheck
 FORMAT = "drystone-stages"
 
 
-def _fingerprint(model: StagedModel) -> str:
+def fingerprint(model: StagedModel) -> str:
     """Hash of a model: geometry, contacts, friction, load, and the check."""
     digest = hashlib.sha256()
     contacts, assembly = model.contacts, model.assembly
@@ -50,7 +50,7 @@ class Checkpoint:
     """
 
     def __init__(self, path: PathLike, model: StagedModel) -> None:
-        about = {"format": FORMAT, "version": version(), "model": _fingerprint(model)}
+        about = {"format": FORMAT, "version": version(), "model": fingerprint(model)}
         self._journal = Journal(path, about, partial(_known, len(model.assembly)))
         self.known = dict(self._journal.records)
 

@@ -119,7 +119,7 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
         (["--order", "sideways"], "no block is called 'sideways'"),
         (["--sweep", "0.3,x"], "--sweep"),
         (["--workers", "0"], "--workers"),
-        (["--workers", "2", "--dask", "tcp://x"], "contradict"),
+        (["--workers", "x"], "--workers"),
         (["--html", "plan.txt"], "--html"),
     ],
 )

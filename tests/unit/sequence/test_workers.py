@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from drystone.base.errors import FormatError, InputError
+from drystone.cli import main
 from drystone.detection import find_contacts
+from drystone.io import write
 from drystone.model import Model
 from drystone.models import arch
 from drystone.results import Result
@@ -247,13 +249,22 @@ def test_a_broken_checkpoint_is_named(tmp_path, text):
 
 
 @pytest.mark.filterwarnings("ignore")  # of the cluster, about ports and shutdown
-def test_a_dask_cluster_gives_the_same_plan(alone):
+def test_a_dask_cluster_gives_the_same_plan_and_the_same_data_set(alone, tmp_path):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None,
         host="127.0.0.1", protocol="tcp",
     ) as cluster:  # fmt: skip
         assert essence(arch_plan(executor=DaskWorkers(cluster.scheduler_address))) == alone
+        write(arch(0.3, 5), tmp_path / "arch.json")
+        asked = ["dataset", str(tmp_path / "arch.json"), "--rows", "30", "--out"]
+        assert main([*asked, str(tmp_path / "alone")]) == 0
+        cluster_too = [str(tmp_path / "side by side"), "--workers", cluster.scheduler_address]
+        assert main([*asked, *cluster_too]) == 0
+    one, other = (
+        tmp_path / name / "orders" / "00000.journal" for name in ("alone", "side by side")
+    )
+    assert one.read_bytes() == other.read_bytes()
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -1,0 +1,487 @@
+"""Subsets of structures with their verdicts, for learners: written shard by shard, and continued.
+
+Each order of removal is a random walk from the complete structure: one of the highest blocks goes,
+and with it what is no longer connected to a support. The reverse is an order of assembly. A record
+is one order with the answers about its stages; records are on the disk before more are computed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias, Unpack
+
+import numpy as np
+
+from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.answer.drawing import bare_scene
+from drystone.base.arrays import Bools, Floats, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import FormatError, InputError, counted
+from drystone.base.files import PathLike, as_path, write_text
+from drystone.base.journal import Journal
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
+from drystone.base.version import version
+from drystone.base.workers import WorkerPool
+from drystone.io import write
+from drystone.io.opening import Given, How, supported_model
+from drystone.model import Model
+from drystone.results import Verdict
+from drystone.sequence.checkpoint import fingerprint
+from drystone.sequence.planner import plan
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import mask_of, members
+from drystone.sequence.structure import Structure
+
+TOGETHER, SHARD = 8, 512
+"""Orders of one structure that a worker answers about, which know what is known of the others; and
+orders in a file. Chosen: some seconds of work, and some megabytes."""
+
+Stages: TypeAlias = list[tuple[list[int], list[int]]]
+"""Blocks placed at each step of an order of assembly, and those held after it."""
+
+
+@dataclass(frozen=True)
+class DatasetOptions(Options):
+    """Options of :func:`dataset`.
+
+    Attributes
+    ----------
+    rows : >= 1
+        Least number of subsets of each structure.
+    seed : >= 0
+        The same seed gives the same data.
+    width : >= 1
+        The next block to go is one of so many highest.
+    held
+        Share of the subsets in which one block, drawn at random, is held.
+    planned
+        Whether the first order of each structure is that of the planner, where it has one.
+    robust
+        Whether other contact stiffnesses are tried; see :class:`drystone.Structure`.
+    each_s : [s]
+        Time limit of every check; what is not decided until then is UNDECIDED.
+    """
+
+    rows: int = 1000
+    seed: int = 0
+    width: int = 16
+    held: float = 0.0
+    planned: bool = False
+    robust: bool = False
+    each_s: float = float("inf")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_below(1, "rows", "width")
+        self._refuse_below(0, "seed", "held", "each_s")
+        if self.held > 1.0:
+            raise InputError(f"held is {self.held:g}", remedy="give a share between 0 and 1")
+
+
+class BuiltOrder(NamedTuple):
+    """An order of assembly of a structure of a data set, and the answers about its stages.
+
+    Attributes
+    ----------
+    structure
+        Its number.
+    planned
+        Whether it is that of the planner.
+    order
+        Positions of the blocks that are placed at each step, s steps; supports are in place.
+    held
+        Positions of the blocks that are held after each step.
+    verdict
+        Of each stage.
+    margin : (s,)
+        Share of friction left, 0 to 1; 0 if it falls, NaN if undecided.
+    falling
+        Positions of the blocks that fall.
+    """
+
+    structure: int
+    planned: bool
+    order: tuple[tuple[int, ...], ...]
+    held: tuple[tuple[int, ...], ...]
+    verdict: tuple[Verdict, ...]
+    margin: Floats
+    falling: tuple[tuple[int, ...], ...]
+
+    def masks(self, model: Model) -> Bools:
+        """The blocks in place (s, n) after each step, in a model of the structure."""
+        out = np.zeros((len(self.order), len(model)), dtype=bool)
+        for step, blocks in enumerate(self.order):
+            out[step:, list(blocks)] = True
+        return out | model.assembly.fixed
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset(Answer):
+    """A data set in a folder.
+
+    Attributes
+    ----------
+    folder
+    names
+        Of the structures.
+    structures
+    orders
+        With their answers, structure by structure.
+    options
+    stopped
+        Why there are fewer than were asked for; else empty.
+    """
+
+    folder: Path
+    names: tuple[str, ...]
+    structures: tuple[Model, ...]
+    orders: tuple[BuiltOrder, ...]
+    options: DatasetOptions = field(kw_only=True)
+    stopped: str = ""
+
+    @property
+    def model(self) -> Model:
+        """The first structure."""
+        return self.structures[0]
+
+    @property
+    def rows(self) -> int:
+        """Number of subsets."""
+        return sum(len(one.order) for one in self.orders)
+
+    @property
+    def title(self) -> str:
+        """How much it has."""
+        return f"{counted(self.rows, 'subset')} of {counted(len(self.structures), 'structure')}"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """How much it has, and whether that is all."""
+        said = [Sentence(self.title, Role.UNSURE if self.stopped else Role.GOOD)]
+        if self.stopped:
+            said.append(Sentence(f"not complete: {self.stopped}; the same call goes on"))
+        return said
+
+    @cached_property
+    def _table(self) -> Table:
+        columns: dict[str, list[Any]] = {"structure": [*self.names]}
+        for number, model in enumerate(self.structures):
+            mine = [one for one in self.orders if one.structure == number]
+            said = [verdict for one in mine for verdict in one.verdict]
+            margin = np.concatenate([one.margin for one in mine] or [np.zeros(0)])
+            stood = np.array([one is Verdict.STABLE for one in said], dtype=bool)
+            row = {
+                "blocks": len(model),
+                "orders": len(mine),
+                "subsets": len(said),
+                "distinct": len({stage for one in mine for stage in _stages(one)}),
+                **{verdict.value: said.count(verdict) for verdict in Verdict},
+                "margin": float(margin[stood].mean()) if stood.any() else float("nan"),
+            }
+            for key, value in row.items():
+                columns.setdefault(key, []).append(value)
+        return Table("structures", columns)
+
+    def tables(self) -> Sequence[Table]:
+        """A row for each structure; the margin is the mean of what stands."""
+        return [self._table]
+
+    def layers(self) -> Scene:
+        """The first structure."""
+        return bare_scene(self.model.assembly, self.model.contacts, self.model)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Numbers of structures, orders and subsets, and the folder."""
+        return {
+            "folder": str(self.folder), "orders": len(self.orders), "subsets": self.rows,
+            "complete": not self.stopped, "stopped": self.stopped,
+        }  # fmt: skip
+
+    def card(self) -> str:
+        """What is in the data set, and how it is read, as Markdown."""
+        heads, rows = self._table.cells()
+        lines = [heads, ["---"] * len(heads), *rows]
+        table = "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
+        end = f"Not complete: {self.stopped}.\n\n" if self.stopped else ""
+        return _CARD.format(title=self.title, end=end, table=table, version=version(),
+                            options=self.options)  # fmt: skip
+
+
+_CARD = """# {title}
+
+{end}Stages of assembly of structures of loose blocks: whether they stand by contact and friction
+alone. Made by drystone {version} with {options}.
+
+{table}
+
+The margin is the mean of the subsets that stand.
+
+- `structures/` has the blocks, contacts, friction and loads, as JSON of drystone.
+- `orders/` has the records, in files of {shard} orders. A line is a checksum (CRC-32 of what
+  follows it, eight digits and a space) and a JSON value; the first line of a file says what was
+  asked.
+- A record: `structure`, its number; `planned`, whether the planner gave the order; for each step
+  `order`, the positions of the blocks that are placed; `held`, of those held meanwhile; `verdict`
+  (`stable`, `unstable`, `undecided`) of `drystone.check` on all blocks placed so far and the
+  supports; `margin`, the share of friction left in the most used joint, 0 to 1, 0 if it falls and
+  null if undecided; `falling`, the blocks that fall.
+
+```python
+from drystone.sequence import read_dataset
+
+data = read_dataset("FOLDER")
+for one in data.orders:
+    masks = one.masks(data.structures[one.structure])  # (steps, blocks) in place
+    print(masks.sum(axis=1), one.verdict, one.margin)
+```
+""".replace("{shard}", str(SHARD))
+
+
+class _Task(NamedTuple):
+    """Orders of a structure that are answered together."""
+
+    number: int
+    model: Model
+    options: DatasetOptions
+    planned: bool
+    orders: list[Stages]
+
+
+@checked_call
+def dataset(
+    models: Iterable[Given],
+    out: PathLike,
+    *,
+    options: DatasetOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Dataset:
+    """Write a data set of subsets of structures, their verdicts and margins, and orders.
+
+    The data do not depend on the workers, nor on interruptions: an order that was being written
+    when the process was killed is dropped, with a warning, and computed again.
+
+    Parameters
+    ----------
+    models
+        Complete structures: models, assemblies or files.
+    out
+        A folder, which is made; or that of the same call, which goes on there.
+    options
+
+    Raises
+    ------
+    InputError
+        There is no structure, one cannot be made into a model, or nothing of it is fixed.
+    FormatError
+        The folder has other data, is damaged before its end, or cannot be written.
+    """
+    chosen = DatasetOptions.of(options)
+    if isinstance(models, str | bytes) or not isinstance(models, Iterable):
+        raise InputError("the structures are no list", remedy="give a list, such as [model]")
+    given = [supported_model(one, **how) for one in models]
+    if not given:
+        raise InputError("there is no structure", remedy="give one or more models")
+    names = [Path(one.origin.file).stem or "structure" for one in given]
+    names = [f"{number:04}-{name}" for number, name in enumerate(names)]
+    tasks = [task for number, model in enumerate(given) for task in _tasks(number, model, chosen)]
+    total = sum(len(task.orders) for task in tasks)
+    clock, folder = Clock(time_limit_s, stop), as_path(out)
+    shards = _Shards(folder, _about(given, chosen, total))
+    for part in ("structures", "orders"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+    for name, model in zip(names, given, strict=True):
+        if not (place := folder / "structures" / f"{name}.json").exists():
+            write(model, place)
+    done, left = len(shards.found), []
+    for task in tasks:
+        if done < len(task.orders):
+            left.append((done, task))
+        done = max(0, done - len(task.orders))
+    with WorkerPool(executor) as pool:
+        answers = pool.answers(_answered, [task for _, task in left], clock.late)
+        for (known, _), records in zip(left, answers, strict=False):
+            shards.add(records[known:])
+            if progress is not None:
+                progress("orders", len(shards.found), total)
+    made = len(shards.found)
+    stopped = f"{clock.reason} after {made} of {total} orders" if made < total else ""
+    found = Dataset(
+        folder, tuple(names), tuple(given), tuple(shards.found), options=chosen, stopped=stopped
+    )
+    write_text(folder / "README.md", found.card())
+    return found
+
+
+def read_dataset(folder: PathLike) -> Dataset:
+    """The data set in a folder, as far as it was written.
+
+    Raises
+    ------
+    FormatError
+        There is none, or it is damaged.
+    """
+    place = as_path(folder)
+    files = sorted((place / "structures").glob("*.json"))
+    first = place / "orders" / _shard(0)
+    if not files or not first.exists():
+        raise FormatError("has no data set", where=str(folder), remedy="name the folder of one")
+    about = Journal.about(first)
+    shards = _Shards(place, about)
+    structures = tuple(supported_model(file) for file in files)
+    kept: dict[str, Any] = about["options"]
+    options = DatasetOptions(**{**kept, "each_s": float(kept["each_s"])})
+    made, total = len(shards.found), int(about["orders"])
+    stopped = f"{made} of {total} orders" if made < total else ""
+    names = tuple(file.stem for file in files)
+    return Dataset(place, names, structures, tuple(shards.found), options=options, stopped=stopped)
+
+
+class _Shards(OneLine):
+    """The records of a folder, in files of so many."""
+
+    def __init__(self, folder: Path, about: Mapping[str, Any]) -> None:
+        self.folder, self.about = folder / "orders", about
+        self.found: list[BuiltOrder] = []
+        self.journal = self._next()
+        while len(self.journal.records) == SHARD:
+            self.journal = self._next()
+        later = self.folder / _shard(len(self.found) // SHARD + 1)
+        if later.exists():
+            raise FormatError(
+                f"there is '{later.name}', and only {len(self.journal.records)} records before it",
+                where=str(self.journal.path), remedy="remove the later files to go on",
+            )  # fmt: skip
+
+    def _next(self) -> Journal:
+        journal = Journal(self.folder / _shard(len(self.found) // SHARD), self.about, _read)
+        self.found += journal.records
+        return journal
+
+    def add(self, records: Sequence[dict[str, Any]]) -> None:
+        """Write records, and begin another file where one is full."""
+        while records:
+            room = SHARD - len(self.found) % SHARD
+            self.journal.add(records[:room])
+            self.found += [_read(one) for one in records[:room]]
+            if len(records) >= room:
+                self.journal = self._next()
+            records = records[room:]
+
+
+def _shard(number: int) -> str:
+    return f"{number:05}.journal"
+
+
+def _about(models: Sequence[Model], options: DatasetOptions, orders: int) -> dict[str, Any]:
+    """What the records depend on."""
+    digest = hashlib.sha256()
+    for model in models:
+        digest.update(fingerprint(StagedModel(model)).encode())
+    kept = {name: getattr(options, name) for name in DatasetOptions.__dataclass_fields__}
+    kept["each_s"] = str(options.each_s)
+    made = {"format": "drystone-dataset", "version": version()}
+    return {**made, "structures": digest.hexdigest(), "options": kept, "orders": orders}
+
+
+def _tasks(number: int, model: Model, options: DatasetOptions) -> Iterator[_Task]:
+    """The orders of a structure, a few at a time."""
+    staged, orders, rows = StagedModel(model), list[Stages](), 0
+    if not staged.everything:
+        raise InputError("every block is a support", remedy="leave some free")
+    if options.planned:
+        yield _Task(number, model, options, True, [_drawn(staged, options, number, 0)])
+    while rows < options.rows:
+        orders.append(_drawn(staged, options, number, len(orders) + 1))
+        rows += len(orders[-1])
+    for begin in range(0, len(orders), TOGETHER):
+        yield _Task(number, model, options, False, orders[begin : begin + TOGETHER])
+
+
+def _drawn(staged: StagedModel, options: DatasetOptions, number: int, walk: int) -> Stages:
+    """A random order."""
+    draw = np.random.default_rng([options.seed, number, walk])
+    from_top = sorted(members(staged.everything), key=lambda b: -staged.height[b])
+    placed, out = staged.everything & ~staged.floating(staged.everything), Stages()
+    while placed:
+        held = []
+        if draw.random() < options.held:
+            held = [int(draw.choice(list(members(placed))))]
+        there = [block for block in from_top if placed >> block & 1][: options.width]
+        left = placed & ~(1 << int(draw.choice(there)))
+        left &= ~staged.floating(left)
+        out.append(([*members(placed & ~left)], held))
+        placed = left
+    return out[::-1]
+
+
+def _answered(task: _Task) -> list[dict[str, Any]]:
+    """The records of orders, whose stages are asked from the largest on."""
+    options = task.options
+    structure = Structure(task.model, robust=options.robust, each_s=options.each_s)
+    records = []
+    for stages in task.orders:
+        planned = _planned(task.model) if task.planned else None
+        stages = stages if planned is None else planned
+        placed = np.zeros(len(task.model), dtype=bool)
+        masks = []
+        for blocks, _ in stages:
+            placed[blocks] = True
+            masks.append(placed.copy())
+        answers = [
+            structure.stands(mask, held=held)
+            for mask, (_, held) in zip(masks[::-1], stages[::-1], strict=True)
+        ][::-1]
+        records.append(
+            {
+                "structure": task.number,
+                "planned": planned is not None,
+                "order": [blocks for blocks, _ in stages],
+                "held": [held for _, held in stages],
+                "verdict": [one.verdict.value for one in answers],
+                "margin": [
+                    None if one.verdict is Verdict.UNDECIDED else round(one.margin, 6)
+                    for one in answers
+                ],
+                "falling": [list(one.falling) for one in answers],
+            }
+        )
+    return records
+
+
+def _planned(model: Model) -> Stages | None:
+    """The order of the planner, with its props; None where it has none."""
+    found = plan(model)
+    if not found.steps:
+        return None
+    return [([*map(int, step.blocks)], [*map(int, step.props)]) for step in found.steps]
+
+
+def _read(record: Any) -> BuiltOrder:
+    """An order from its record."""
+    several = [tuple(tuple(map(int, one)) for one in record[key]) for key in ("order", "held")]
+    falling = tuple(tuple(map(int, one)) for one in record["falling"])
+    verdict = tuple(map(Verdict, record["verdict"]))
+    margin = [float("nan") if one is None else float(one) for one in record["margin"]]
+    if len({len(one) for one in (*several, verdict, margin, falling)}) > 1:
+        raise LookupError("its parts have several lengths")
+    return BuiltOrder(
+        int(record["structure"]), bool(record["planned"]), several[0], several[1], verdict,
+        frozen(np.array(margin)), falling,
+    )  # fmt: skip
+
+
+def _stages(one: BuiltOrder) -> Iterator[tuple[int, int]]:
+    """Blocks in place and held blocks after each step, as bits."""
+    placed = 0
+    for blocks, held in zip(one.order, one.held, strict=True):
+        placed |= mask_of(blocks)
+        yield placed, mask_of(held)
