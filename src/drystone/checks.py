@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths
 from drystone.base.display import OneLine
 from drystone.contacts import Contacts
+from drystone.geometry.stress_block import cut_off, stress_block
 from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
 
@@ -49,6 +50,8 @@ class Residuals(OneLine):
         Largest pull.
     cone
         Largest excess of friction over the coefficient times the normal force.
+    crushing
+        Largest excess of the normal force over what a stress block centred there carries.
     complementarity
         Largest product of normal force and opening.
     alignment
@@ -60,6 +63,7 @@ class Residuals(OneLine):
     equilibrium: float = 0.0
     tension: float = 0.0
     cone: float = 0.0
+    crushing: float = 0.0
     complementarity: float = 0.0
     alignment: float = 0.0
     overlap: float = 0.0
@@ -128,6 +132,7 @@ def check_forces(
     displacement: Floats | None = None,
     *,
     prop: Floats | None = None,
+    pull: Floats | None = None,
 ) -> Residuals:
     """Residuals of a claim of equilibrium, with a compatible motion when one is given.
 
@@ -141,6 +146,9 @@ def check_forces(
         Virtual motion of the blocks; fixed blocks rest.
     prop : (n, 6) [N, N m], optional
         What props supply to the blocks.
+    pull : (k,) [N], optional
+        What pulls at corners of faces that crush, within the capacity, so that others press more;
+        left out, the negative normal forces.
     """
     assembly, contacts = model.assembly, model.contacts
     claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
@@ -159,14 +167,50 @@ def check_forces(
     normal = force[:, 0]
     tangential = lengths(force[:, 1:])
     friction = contacts.friction[contacts.interface]
-    pull, cohesion, shear = contacts.corner_capacity
-    tension = _most(np.maximum(0.0, -normal - pull) / local)
-    bound = friction * np.maximum(normal, -pull) + cohesion
+    most, cohesion, shear = contacts.corner_capacity
+    tension = _most(np.maximum(0.0, -normal - most) / local)
+    bound = friction * np.maximum(normal, -most) + cohesion
     cone = _most(np.maximum(0.0, tangential - np.minimum(bound, shear)) / local)
+    pulled = np.maximum(0.0, -normal) if pull is None else np.clip(pull.ravel(), 0.0, most)
+    excess = normal_force_by_strength(contacts, normal + pulled)[1]
+    crushing = _most(excess / contacts.corners.min(local))
     if displacement is None:
-        return Residuals(equilibrium, tension, cone)
+        return Residuals(equilibrium, tension, cone, crushing)
     of_motion = _motion_residuals(model, force / local[:, None], displacement)
-    return Residuals(equilibrium, tension, cone, *of_motion)
+    return Residuals(equilibrium, tension, cone, crushing, *of_motion)
+
+
+def normal_force_by_strength(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
+    """Normal force by what a stress block centred there carries, and its excess over that [N].
+
+    Parameters
+    ----------
+    normal : (k,) [N]
+        What presses at each corner.
+
+    Returns
+    -------
+    use : (m,)
+        1 crushes; 0 for joints without a finite strength.
+    excess : (m,) [N]
+        Zero at least.
+    """
+    use, excess = np.zeros((2, contacts.count))
+    finite = np.flatnonzero(contacts.crushes)
+    if not len(finite) or contacts.capacity is None:
+        return use, excess
+    loops, corner = contacts.corners.take(finite)
+    away = contacts.point[corner] - loops.spread(contacts.centroid[finite])
+    flat = np.einsum("kij,kj->ki", loops.spread(contacts.frame[finite, 1:]), away)
+    whole = loops.sum(normal[corner])
+    pressed = whole > 0.0
+    at = loops.sum(normal[corner, None] * flat) / np.where(pressed, whole, 1.0)[:, None]
+    area = contacts.area[finite]
+    share = stress_block(flat, loops.start, at)[0] / np.where(area > 0.0, area, 1.0)
+    carried = contacts.capacity.compression[finite] * share
+    use[finite] = np.where(pressed, whole / np.maximum(carried, 1e-300), 0.0)
+    excess[finite] = np.where(pressed, np.maximum(whole - carried, 0.0), 0.0)
+    return use, excess
 
 
 def _motion_residuals(model: Model, force: Floats, displacement: Floats) -> tuple[float, float]:
@@ -207,7 +251,8 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     no contact forces can balance the loads. Source: Livesley 1978 for the associated
     flow rule. Joints that pull or cohere resist: the loads must do more work than the most that
     any admissible forces of these joints can take up (the kinematic theorem). A corner that only
-    slides while its shear is limited need not open.
+    slides while its shear is limited need not open. A joint that crushes may close: its stress
+    block resists.
 
     Returns
     -------
@@ -218,12 +263,12 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
         a proof, at most 1.
     """
     assembly, contacts = model.assembly, model.contacts
-    moved = corner_motion(assembly, contacts, motion)
+    moved, crushed = _less_crushing(contacts, corner_motion(assembly, contacts, motion))
     violation = float(_closing(model, moved, motion).max(initial=0.0))
     free = ~assembly.fixed
     parts = model.load.wrench[free] * motion[free]
     opening, slide = np.maximum(moved[:, 0], 0.0), lengths(moved[:, 1:])
-    resisted = float(_resistance(contacts, opening, slide).sum())
+    resisted = float(_resistance(contacts, opening, slide).sum() + crushed.sum())
     gross = float(np.abs(parts).sum()) + resisted
     return violation, (float(parts.sum()) - resisted) / gross if gross > 0.0 else 0.0
 
@@ -233,7 +278,50 @@ def closing(model: Model, motion: Floats) -> Floats:
 
     Zero where it opens fast enough; see :func:`mechanism_defects`.
     """
-    return _closing(model, corner_motion(model.assembly, model.contacts, motion), motion)
+    moved = corner_motion(model.assembly, model.contacts, motion)
+    return _closing(model, _less_crushing(model.contacts, moved)[0], motion)
+
+
+def crushed_most(model: Model, motion: Floats) -> int | None:
+    """The interface that takes most power to crush in a mechanism (n, 6); None where none does."""
+    power = _less_crushing(model.contacts, corner_motion(model.assembly, model.contacts, motion))[1]
+    return int(np.argmax(power)) if power.max(initial=0.0) > 0.0 else None
+
+
+def _less_crushing(contacts: Contacts, moved: Floats) -> tuple[Floats, Floats]:
+    """Corner motions (k, 3) less what faces are crushed by, and the power (m,) that this takes.
+
+    A face is crushed by a plane w over it: no forces within the strength f do more work on it than
+    ``f integral(max(0, w))``. It is chosen so that all corners open as fast as friction asks.
+    """
+    finite = np.flatnonzero(contacts.crushes)
+    power = np.zeros(contacts.count)
+    if not len(finite) or contacts.capacity is None:
+        return moved, power
+    loops, corner = contacts.corners.take(finite)
+    away = contacts.point[corner] - loops.spread(contacts.centroid[finite])
+    flat = np.einsum("kij,kj->ki", loops.spread(contacts.frame[finite, 1:]), away)
+    bounded = contacts.corner_capacity[2][corner] < NO_LIMIT
+    friction = np.where(bounded, 0.0, contacts.friction[contacts.interface[corner]])
+    short = friction * lengths(moved[corner, 1:]) - moved[corner, 0]
+    plane = np.zeros((len(finite), 3))
+    for i in range(len(finite)):
+        rows = loops[i]
+        lever = np.column_stack([np.ones(rows.stop - rows.start), flat[rows]])
+        plane[i] = np.linalg.lstsq(lever, short[rows], rcond=None)[0]
+    height = loops.spread(plane[:, 0]) + dot(flat, loops.spread(plane[:, 1:]))
+    plane[:, 0] += np.maximum(loops.max(short - height), 0.0)
+    pulls = loops.max(contacts.corner_capacity[0][corner]) > 0.0
+    plane[(loops.max(short) <= 0.0) & ~pulls] = 0.0
+    height = loops.spread(plane[:, 0]) + dot(flat, loops.spread(plane[:, 1:]))
+    area = contacts.area[finite]
+    stress = contacts.capacity.compression[finite] / np.where(area > 0.0, area, 1.0)
+    power[finite] = stress * dot(cut_off(flat, loops.start, plane), plane)
+    most = np.where(contacts.corner_capacity[0] < NO_LIMIT, contacts.corner_capacity[0], 0.0)
+    power[finite] += loops.sum(most[corner] * np.maximum(-height, 0.0))
+    less = moved.copy()
+    less[corner, 0] += height
+    return less, power
 
 
 def _closing(model: Model, moved: Floats, motion: Floats) -> Floats:

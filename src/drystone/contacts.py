@@ -218,13 +218,35 @@ class Contacts(OneLine):
         return frozen(np.minimum(tension, opens)), frozen(cohesion), frozen(shear)
 
     @cached_property
+    def crushes(self) -> Bools:
+        """(m,) interfaces with a finite strength in compression."""
+        if self.capacity is None:
+            return np.zeros(self.count, dtype=bool)
+        finite: Bools = self.capacity.compression < NO_LIMIT
+        return finite
+
+    @cached_property
     def dry(self) -> Bools:
-        """(m,) interfaces that press and rub only."""
+        """(m,) interfaces that neither pull nor cohere, nor have a limit of shear."""
         if self.capacity is None:
             return np.ones(self.count, dtype=bool)
-        same = [getattr(self.capacity, name) == dry for name, dry in DRY.items()]
+        rubs = ("tension", "cohesion", "shear")
+        same = [getattr(self.capacity, name) == DRY[name] for name in rubs]
         every: Bools = np.all(same, axis=0)
         return every
+
+    @property
+    def plain(self) -> Bools:
+        """(m,) interfaces that press and rub only, without any limit."""
+        plain: Bools = self.dry & ~self.crushes
+        return plain
+
+    def carried_to(self, others: Contacts) -> Contacts:
+        """The interfaces of others, which are these and more of the same blocks, as strong."""
+        if self.capacity is None or others.count == self.count:
+            return others.with_capacity(self.capacity)
+        more = others.select(np.arange(self.count, others.count))
+        return others.with_capacity(_joined_capacity(self, more))
 
     def with_capacity(self, capacity: JointCapacity | None) -> Contacts:
         """The same interfaces with other capacities; dry ones with ``None``."""
@@ -409,8 +431,20 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
     )
 
 
+def _as_strong(given: Contacts, *others: Contacts) -> JointCapacity:
+    """Dry joints that crush under the least strength of others, where that is finite."""
+    dry = JointCapacity.dry(given.count)
+    least = np.inf
+    for contacts in others:
+        face = contacts.crushes & (contacts.area > 0.0)
+        if contacts.capacity is not None and face.any():
+            stress = contacts.capacity.compression[face] / contacts.area[face]
+            least = min(least, float(stress.min()))
+    return dry if np.isinf(least) else replace(dry, compression=least * given.area)
+
+
 def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
     if one.capacity is None and other.capacity is None:
         return None
-    parts = [c.capacity or JointCapacity.dry(c.count) for c in (one, other)]
+    parts = [c.capacity or _as_strong(c, one, other) for c in (one, other)]
     return JointCapacity(*(np.concatenate([getattr(p, name) for p in parts]) for name in DRY))

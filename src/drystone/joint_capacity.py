@@ -1,9 +1,9 @@
-"""What a joint carries beyond friction: mortar, glue, studs and dowels."""
+"""What a joint carries beyond friction, and what crushes it: mortar, glue, studs, dowels, stone."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,13 +18,18 @@ _PerInterface: TypeAlias = float | Sequence[float] | Floats
 NO_LIMIT = 1e30
 """[N]. A capacity of this size or more is no limit."""
 
-DRY: Mapping[str, float] = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
+DRY: Mapping[str, float] = {
+    "tension": 0.0,
+    "cohesion": 0.0,
+    "shear": NO_LIMIT,
+    "compression": NO_LIMIT,
+}
 """The capacities, and what a dry joint has of each [N]."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointCapacity(OneLine):
-    """Largest pull, cohesion and largest shear of each interface.
+    """Largest pull, cohesion, largest shear and strength in compression of each interface.
 
     The force of an interface is spread over its corners by their tributary areas. With the share w
     of a corner, its normal force fn (positive in compression) and tangential force ft::
@@ -34,6 +39,9 @@ class JointCapacity(OneLine):
     This is the law of Mohr and Coulomb with a limit of tension and one of shear. A joint slides
     open at a pull of cohesion / mu, so a larger ``tension`` is never reached.
 
+    A joint of finite ``compression`` crushes: what presses is carried by a part of the face under
+    the stress compression / area, a stress block.
+
     Parameters
     ----------
     tension : (m,) [N]
@@ -42,6 +50,8 @@ class JointCapacity(OneLine):
         Tangential force of the whole interface without any normal force.
     shear : (m,) [N]
         Largest tangential force of the whole interface. Left out, without limit.
+    compression : (m,) [N]
+        Largest force of the whole interface that presses evenly. Left out, without limit.
 
     Raises
     ------
@@ -62,6 +72,7 @@ class JointCapacity(OneLine):
     tension: Floats
     cohesion: Floats
     shear: Floats = None  # type: ignore[assignment]  # filled in below
+    compression: Floats = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         count = len(np.atleast_1d(np.asarray(self.tension)))
@@ -72,7 +83,9 @@ class JointCapacity(OneLine):
 
     def _summary(self) -> str:
         some = int(((self.tension > 0.0) | (self.cohesion > 0.0)).sum())
-        return f"{counted(len(self.tension), 'interface')}, {some} of them pull or cohere"
+        crush = int((self.compression < NO_LIMIT).sum())
+        told = f"{counted(len(self.tension), 'interface')}, {some} of them pull or cohere"
+        return f"{told}, {crush} crush" if crush else told
 
     @classmethod
     def of(
@@ -82,6 +95,7 @@ class JointCapacity(OneLine):
         tension: _PerInterface | None = None,
         cohesion: _PerInterface | None = None,
         shear: _PerInterface | None = None,
+        compression: _PerInterface | None = None,
         moment: _PerInterface | None = None,
     ) -> JointCapacity:
         """From forces, one for all interfaces or one each.
@@ -96,6 +110,7 @@ class JointCapacity(OneLine):
         contacts
         tension, cohesion, shear : [N]
             Left out, the cohesion is friction times tension: just enough for the whole pull.
+        compression : [N] > 0
         moment : [N m]
             Largest bending moment of a joint that is not pressed. Pressure adds to it.
         """
@@ -111,7 +126,12 @@ class JointCapacity(OneLine):
         if cohesion is None:
             cohesion = contacts.friction * pull
         slide = NO_LIMIT if shear is None else shear
-        return cls(pull, _capacities(cohesion, m, "cohesion"), _capacities(slide, m, "shear"))
+        return cls(
+            pull,
+            _capacities(cohesion, m, "cohesion"),
+            _capacities(slide, m, "shear"),
+            _strengths(compression, m),
+        )
 
     @classmethod
     def of_stress(
@@ -121,6 +141,7 @@ class JointCapacity(OneLine):
         tension: _PerInterface = 0.0,
         cohesion: _PerInterface | None = None,
         shear: _PerInterface | None = None,
+        compression: _PerInterface | None = None,
     ) -> JointCapacity:
         """From stresses times the areas of the interfaces; see :meth:`of`.
 
@@ -128,18 +149,22 @@ class JointCapacity(OneLine):
         ----------
         contacts
         tension, cohesion, shear : [Pa]
+        compression : [Pa] > 0
+            Edges and points have no area: they carry nothing then.
         """
         m, area = contacts.count, contacts.area
+        strength = None if compression is None else _strengths(compression, m)
 
         def forces(value: Any, name: str) -> Any:
             return None if value is None else _capacities(value, m, name) * area
 
-        return cls.of(
+        made = cls.of(
             contacts,
             tension=forces(tension, "tension"),
             cohesion=forces(cohesion, "cohesion"),
             shear=forces(shear, "shear"),
         )
+        return made if strength is None else replace(made, compression=strength * area)
 
     @classmethod
     def dry(cls, count: int) -> JointCapacity:
@@ -154,6 +179,17 @@ class JointCapacity(OneLine):
         """Those of joints (m,) that consist of several interfaces."""
         each = (np.bincount(joint, getattr(self, name)) for name in DRY)
         return JointCapacity(*(total.astype(np.float64) for total in each))
+
+
+def _strengths(values: Any, count: int) -> Floats:
+    """Strengths (count,) in compression, above zero; without limit where left out."""
+    out = _capacities(NO_LIMIT if values is None else values, count, "compression")
+    if not (out > 0.0).all():
+        raise InputError(
+            f"the strength in compression of interface {int(np.argmin(out > 0.0))} is 0",
+            remedy="give more than zero, or leave it out: joints do not crush then",
+        )
+    return out
 
 
 def _capacities(values: Any, count: int, name: str) -> Floats:

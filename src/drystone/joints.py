@@ -241,9 +241,13 @@ def joint_table(
     names: Sequence[str],
     resultants: Resultants,
     utilisation: Floats,
+    crushing: Floats | None = None,
 ) -> Table:
     """The table of :meth:`drystone.Result.joints`, from the values of interfaces."""
     resultants, utilisation = by_joint(contacts, resultants, utilisation)
+    strength_use = np.zeros(contacts.joints.count)
+    if crushing is not None:
+        np.maximum.at(strength_use, contacts.joint, crushing)
     contacts = contacts.joints
     normal = resultants.normal
     loaded = normal > LOADED * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
@@ -272,6 +276,7 @@ def joint_table(
         "edge_ratio": rim,
         "mean_pressure": mean,
         "peak_pressure": peak,
+        "strength_use": strength_use,
         "over_strength": np.zeros(len(mean), dtype=bool),
         **{f"force_{axis}": resultants.force[:, i] for i, axis in enumerate("xyz")},
         **{axis: position[:, i] for i, axis in enumerate("xyz")},

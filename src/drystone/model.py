@@ -309,6 +309,15 @@ class Model(Card):
         """The same model with joints that carry more than friction; dry ones with ``None``."""
         return self.with_contacts(self.contacts.with_capacity(capacity))
 
+    def without_crushing(self) -> Model:
+        """The same model with joints of any strength in compression."""
+        capacity = self.contacts.capacity
+        if capacity is None:
+            return self
+        dry = self.contacts.dry.all()
+        others = JointCapacity(capacity.tension, capacity.cohesion, capacity.shear)
+        return self.with_capacity(None if dry else others)
+
     def require_dry(self, what: str, why: str = "") -> None:
         """Raise InputError where joints pull or cohere, of an analysis that takes dry joints only.
 
@@ -319,11 +328,11 @@ class Model(Card):
         why
             Why it takes no others; empty if nothing is to be said.
         """
-        if not self.contacts.dry.all():
-            i = int(np.argmin(self.contacts.dry))
+        if not self.contacts.plain.all():
+            i = int(np.argmin(self.contacts.plain))
             raise InputError(
                 f"{what} takes dry joints only, and interface {i} pulls, coheres or has a limit of "
-                "shear" + (f": {why}" if why else ""),
+                "shear or strength" + (f": {why}" if why else ""),
                 remedy="ask 'check' or 'solve_rbe', or give model.with_capacity(None)",
             )
 

@@ -47,10 +47,10 @@ def test_who_follows_dry_joints_only_refuses_others():
 
 @pytest.mark.parametrize("suffix", [".json"])
 def test_a_file_keeps_them(tmp_path, suffix):
-    capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0)
+    capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0, compression=9.0)
     drystone.write(MODEL.with_capacity(capacity), tmp_path / f"glued{suffix}")
     again = drystone.read(tmp_path / f"glued{suffix}").contacts.capacity
-    for name in ("tension", "cohesion", "shear"):
+    for name in ("tension", "cohesion", "shear", "compression"):
         assert (getattr(again, name) == getattr(capacity, name)).all()
     drystone.write(MODEL, tmp_path / "dry.json")
     assert drystone.read(tmp_path / "dry.json").contacts.capacity is None
@@ -91,6 +91,26 @@ def test_a_plan_needs_no_help_where_glue_holds():
     glued = plan(model.with_capacity(glue))
     assert glued.counts["free"] == len(model.assembly.free)
     assert all(step.answer.stands for step in glued.steps)
+
+
+def test_a_joint_without_strength_is_refused_and_edges_have_none():
+    with pytest.raises(InputError, match="strength in compression of interface 1 is 0"):
+        JointCapacity.of_stress(MODEL.contacts, compression=[1.0, 0.0, 1.0])
+    weak = MODEL.with_capacity(JointCapacity.of_stress(MODEL.contacts, compression=1e4))
+    assert weak.contacts.crushes.all()
+    assert weak.contacts.dry.all()
+    assert not weak.contacts.plain.any()
+    with pytest.raises(InputError, match="takes dry joints only"):
+        drystone.settle(weak)
+
+
+def test_the_command_line_crushes(overhang, capsys):
+    """Three cubes of 23,544 N press on 1 m2."""
+    drystone.write(tower(4), overhang / "tower.json")
+    assert main(["check", "tower.json", "--joint-capacity", "compression=71kPa"]) == 0
+    capsys.readouterr()
+    assert main(["check", "tower.json", "--joint-capacity", "compression=70kPa"]) == 1
+    assert "crushes" in capsys.readouterr().out
 
 
 def test_utilisation_counts_the_cohesion():
@@ -141,6 +161,11 @@ def test_a_limit_of_moment_is_one_of_tension(overhang):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("compression=0MPa", ["compression is 0", "give more than zero"]),
+        ("compression=-5MPa", ["compression is -5e+06"]),
+        ("compression=5", ["compression '5'", "unit"]),
+        ("compression=5MPa,compression=2MPa", ["'compression=2MPa' is no capacity"]),
+        ("crush.csv", ["crush.csv, line 2", "compression is 0"]),
         ("moment=3kN", ["unit 'kN' is not known", "use one of Nm"]),
         ("tension", ["--joint-capacity", "'tension' is no capacity"]),
         ("pull=3Pa", ["'pull=3Pa' is no capacity"]),
@@ -155,6 +180,7 @@ def test_a_limit_of_moment_is_one_of_tension(overhang):
 def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text, words):
     head = "block_a,block_b,tension,cohesion,shear"
     (overhang / "bad.csv").write_text(f"{head}\na,pier,1,1,\n")
+    (overhang / "crush.csv").write_text("block_a,block_b,compression\nslab,pier,0\n")
     (overhang / "lower.csv").write_text(f"{head}\nslab,pier,-1,1,\n")
     (overhang / "long.csv").write_text(f"{head}\n{'a' * 200_000}")
     assert main(["check", "overhang.json", "--joint-capacity", text]) == 2

@@ -104,7 +104,7 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
     if answer.prop is not None and answer.falling:
         return answer
     model = answer.model
-    if model.contacts.dry.all():
+    if model.contacts.plain.all():
         return solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
     found = _least_wrenches(model, stop)
     if found is None:
@@ -166,7 +166,7 @@ def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
     The tension is that of its joints if they were glued: of the penalty form, or for joints that
     already pull or cohere that of RBE beyond what they carry.
     """
-    if local.contacts.dry.all():
+    if local.contacts.plain.all():
         return solve_cra_penalty(local, options=_AS_IT_LIES, stop=stop)
     answer = check(local, options=QUICK, stop=stop)
     if answer.stable or stop():

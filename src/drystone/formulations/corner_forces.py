@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.base.settings import Options
 from drystone.mechanics.statics import UNLIMITED, Statics
 from drystone.solvers.program import ProgramBuilder, Term, Variable
@@ -19,6 +20,10 @@ SLIPPERY = 0.01
 """Below this friction coefficient, separate rows exclude tension: the exact cone limits mu times
 the normal force with a tolerance. Chosen: the tolerance on the normal force is at most a hundred
 times the tolerance on the cone."""
+
+
+STRENGTH = "strength"
+"""Name of the rows whose multipliers are planes over the faces that crush."""
 
 
 class FrictionRule(enum.Enum):
@@ -105,12 +110,18 @@ class CornerForces:
     length
         (k,) bound on the length of the friction force, where it has a cost.
     rule
+    part
+        (g,) shares of the known parts of faces that crush.
+    pull
+        (c,) within the capacity at the corners of faces that crush, which lets them press more.
     """
 
     force: Variable
     tension: Variable | None = None
     length: Variable | None = None
     rule: FrictionRule = FrictionRule.PLUS
+    part: Variable | None = None
+    pull: Variable | None = None
 
     def wrench(self, statics: Statics) -> list[Term]:
         """The terms of the corner forces in the equilibrium of the blocks."""
@@ -137,11 +148,16 @@ def add_corner_forces(
 ) -> CornerForces:
     """New unknowns for corner forces without tension."""
     count = 3 * statics.corner_count
-    return CornerForces(
-        program.variable(
-            "force", count, linear=linear, quadratic=quadratic, unit=statics.force_unit
-        )
-    )
+    unit = statics.force_unit
+    force = program.variable("force", count, linear=linear, quadratic=quadratic, unit=unit)
+    crushing = statics.crushing
+    if crushing is None:
+        return CornerForces(force)
+    part = program.variable("part", len(crushing.face))
+    if not statics.tension[crushing.corner].any():
+        return CornerForces(force, part=part)
+    pull = program.variable("pull", len(crushing.corner), unit=unit)
+    return CornerForces(force, part=part, pull=pull)
 
 
 def add_contact_rows(
@@ -158,6 +174,8 @@ def add_contact_rows(
     bounded &= statics.tension < UNLIMITED
     if bounded.any():
         program.at_most("no pull", statics.tension[bounded], (unknowns.force, pull[bounded]))
+    if unknowns.part is not None:
+        _within_strength(program, statics, unknowns, unknowns.part)
     if unknowns.tension is not None:
         program.at_most("tension", np.zeros(k), (unknowns.tension, -1.0))
     if unknowns.length is not None:
@@ -206,6 +224,43 @@ def add_contact_rows(
             cone,
             constant=sums,
         )
+
+
+def _within_strength(
+    program: ProgramBuilder, statics: Statics, unknowns: CornerForces, part: Variable
+) -> None:
+    """Rows for faces that crush: normal force and moments are those of parts under the strength."""
+    crushing = statics.crushing
+    if crushing is None:
+        return
+    faces, corners = len(crushing), len(crushing.corner)
+    lever = np.column_stack([np.ones(corners), crushing.place])
+    face = Ragged(crushing.start).owner
+    rows = (3 * face[:, None] + np.arange(3)).ravel()
+
+    def summed(column: Ints, count: int) -> sparse.csr_matrix:
+        """Normal force and moments of all faces, from a value per corner."""
+        places = rows, np.repeat(column, 3)
+        return sparse.csr_matrix((lever.ravel(), places), shape=(3 * faces, count))
+
+    terms: list[Term] = [(unknowns.force, summed(3 * crushing.corner, 3 * statics.corner_count))]
+    if unknowns.pull is not None:
+        terms.append((unknowns.pull, summed(np.arange(corners), corners)))
+        most = statics.tension[crushing.corner]
+        program.at_most("pulled apart", np.zeros(corners), (unknowns.pull, -1.0))
+        held = np.flatnonzero(most < UNLIMITED)
+        bound = sparse.identity(corners, format="csr")[held]
+        program.at_most("most pull", most[held], (unknowns.pull, bound))
+    known = len(crushing.face)
+    rows = (3 * crushing.face[:, None] + np.arange(3)).ravel()
+    places = rows, np.repeat(np.arange(known), 3)
+    force = -crushing.strength[crushing.face, None] * crushing.part
+    terms.append((part, sparse.csr_matrix((force.ravel(), places), shape=(3 * faces, known))))
+    program.equal(STRENGTH, np.zeros(3 * faces), *terms)
+    places = crushing.face, np.arange(known)
+    shares = sparse.csr_matrix((np.ones(known), places), shape=(faces, known))
+    program.at_most("whole faces", np.ones(faces), (part, shares))
+    program.at_most("parts", np.zeros(known), (part, -1.0))
 
 
 def _bounded(

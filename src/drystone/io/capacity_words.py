@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.model import Model
 
 _WHERE = "joint_capacity"
-_EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
+_EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa or compression=5MPa"
 
 
 def with_joint_capacity(model: Model, text: str) -> Model:
@@ -42,10 +43,15 @@ def _of_words(model: Model, text: str) -> JointCapacity:
         except InputError as error:
             raise error.located(_WHERE) from error
         stress[name] = value.endswith("Pa")
-    area = model.contacts.area
+    if found.get("compression", 1.0) <= 0.0:
+        remedy = "give more than zero, such as 5MPa"
+        raise InputError(f"compression is {found['compression']:g}", where=_WHERE, remedy=remedy)
+    area, strength = model.contacts.area, {}
     forces = {name: value * area if stress[name] else value for name, value in found.items()}
+    if "compression" in forces:  # of edges, which have no area, it is zero
+        strength = {"compression": np.broadcast_to(forces.pop("compression"), area.shape)}
     try:
-        return JointCapacity.of(model.contacts, **forces)
+        return replace(JointCapacity.of(model.contacts, **forces), **strength)
     except InputError as error:
         raise error.located(_WHERE) from error
 
@@ -57,7 +63,9 @@ def _of_table(model: Model, path: str) -> JointCapacity:
     except csv.Error as error:
         raise InputError(f"is no table: {error}", where=path, remedy="save it as CSV") from error
     expected = ["block_a", "block_b", *DRY]
-    if not rows or [one.strip() for one in rows[0]] != expected:
+    columns = [one.strip() for one in rows[0]] if rows else []
+    known = columns[:2] == expected[:2] and set(columns) <= set(expected)
+    if not known or len(set(columns)) < len(columns) or len(columns) < 3:
         raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
     contacts, names = model.contacts, model.assembly.names
     place = {name: i for i, name in enumerate(names)}
@@ -66,8 +74,8 @@ def _of_table(model: Model, path: str) -> JointCapacity:
         if not row:
             continue
         where = f"{path}, line {number}"
-        if len(row) != len(expected):
-            raise InputError(f"has {len(row)} values", where=where, remedy=f"give {len(expected)}")
+        if len(row) != len(columns):
+            raise InputError(f"has {len(row)} values", where=where, remedy=f"give {len(columns)}")
         ends = [place.get(one.strip(), -1) for one in row[:2]]
         if min(ends) < 0:
             raise InputError("names no block", where=where, remedy="see 'drystone inspect'")
@@ -78,7 +86,7 @@ def _of_table(model: Model, path: str) -> JointCapacity:
             raise InputError("names two blocks that do not touch", where=where)
         area = np.where(own, contacts.area, 0.0)
         share = area / area.sum() if area.any() else own / own.sum()
-        for name, text in zip(DRY, row[2:], strict=True):
+        for name, text in zip(columns[2:], row[2:], strict=True):
             if not text.strip():
                 continue
             try:
@@ -89,6 +97,9 @@ def _of_table(model: Model, path: str) -> JointCapacity:
                 raise InputError(
                     f"{name} '{text[:40]}' is no number from 0 on", where=where, remedy="give N"
                 )
+            if name == "compression" and value == 0.0:
+                remedy = "give N above 0, or an empty cell: it does not crush then"
+                raise InputError("compression is 0", where=where, remedy=remedy)
             values[name][own] = NO_LIMIT if value >= NO_LIMIT else value * share[own]
     try:
         return JointCapacity(**values)

@@ -20,6 +20,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints, lengths
+from drystone.mechanics.crushing import Crushing
 from drystone.mechanics.maps import Maps, maps_between
 from drystone.model import Model
 from drystone.solvers.equilibrium_matrix import sparse_rows, transfer
@@ -64,6 +65,8 @@ class Statics:
     position : (n, 3) [m] centroids, for the order of elimination
     force_unit : [N]
     mean_length : [m]
+    crushing
+        Faces of finite strength; None where there are none.
     felt : (k,)
         Force on the block at each corner that feels less, if known. See :meth:`with_felt`.
     """
@@ -88,6 +91,7 @@ class Statics:
     position: Floats
     force_unit: float
     mean_length: float
+    crushing: Crushing | None = None
     felt: Floats | None = None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -100,8 +104,10 @@ class Statics:
 
     @property
     def dry(self) -> bool:
-        """Whether no joint pulls, coheres or has a limit of shear."""
-        return not (self.tension.any() or self.cohesion.any() or (self.shear < UNLIMITED).any())
+        """Whether no joint pulls, coheres, has a limit of shear or crushes."""
+        return self.crushing is None and not (
+            self.tension.any() or self.cohesion.any() or (self.shear < UNLIMITED).any()
+        )
 
     @property
     def corner_count(self) -> int:
@@ -282,4 +288,5 @@ def build_statics(model: Model) -> Statics:
         position=assembly.centroid[free],
         force_unit=force_unit,
         mean_length=float(size.sum()) / len(free) if len(free) else 1.0,
+        crushing=Crushing.of(contacts, force_unit),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -36,6 +37,7 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
+from drystone.stability.strength import carried, crushing_words
 from drystone.stability.touching_edges import unless_edges_hold
 from drystone.stability.verdict import UNBALANCED
 
@@ -242,11 +244,17 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
         if quick is not None:
             return quick
 
+    if problem.statics.crushing is not None and problem.statics.free_count:
+        strong = _within_strength(problem, chosen, clock)
+        if chosen.any_forces or strong.verdict is not Verdict.EQUILIBRIUM_EXISTS:
+            return strong
+
     def run(tension: bool) -> EquilibriumSolution:
         if progress is not None:
             progress("forces with tension" if tension else "equilibrium", int(tension), 2)
         return solved(
-            _program(problem.statics, chosen, tension),
+            partial(_program, options=chosen, tension=tension),
+            problem.statics,
             replace(chosen.conic, time_limit_s=clock.left_s),
             stop=clock.late,
             vertex=chosen.objective is Objective.VERTEX,
@@ -258,8 +266,8 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
     force = tension = residuals = None
     if solution.raw.status is ConicStatus.SOLVED:
         force = problem.force(solution.force)
-        residuals = check_forces(problem.model, force)
-        if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
+        residuals = check_forces(problem.model, force, pull=problem.force(solution.pull[:, None]))
+        if max(residuals.equilibrium, residuals.tension, residuals.crushing) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     else:
         mechanism = found_mechanism(problem, solution, clock.late)
@@ -301,6 +309,34 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
         options=chosen,
         solver=solution.raw.solver,
         iterations=solution.raw.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )
+
+
+def _within_strength(problem: Problem, options: RBEOptions, clock: Clock) -> Result:
+    """The answer of the largest share of the loads that joints which crush balance."""
+    found = carried(problem, options.cone, clock.late)
+    verdict, message = Verdict.UNDECIDED, "no forces within the strength of its joints were found"
+    if found.force is not None and found.residuals.largest <= BALANCE_TOLERANCE:
+        verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
+    elif found.mechanism is not None:
+        verdict = Verdict.UNSTABLE
+        message = crushing_words(problem.model, found)
+    return Result(
+        method="rbe",
+        verdict=verdict,
+        model=problem.model,
+        message=message,
+        force=found.force,
+        mechanism=found.mechanism,
+        falling=()
+        if found.mechanism is None
+        else moving_blocks(problem.model.assembly, found.mechanism),
+        residuals=None if found.force is None else found.residuals,
+        stopped=clock.reason,
+        options=options,
+        solver="load factor within the strength by interior points",
+        iterations=found.iterations,
         time_s={"solve": clock.elapsed_s},
     )
 

@@ -305,6 +305,9 @@ class Result(Solution, Answer):
             The same as a share of the distance to the rim of the joint: 1 is a hinge.
         mean_pressure, peak_pressure [Pa]
             The peak is that of a linear pressure that does not pull; infinite on the rim.
+        strength_use
+            Normal force by what a stress block around the centre of pressure carries: 1 crushes.
+            Of a joint of several facets that of the worst. 0 where joints have no strength.
         over_strength
             Whether the peak exceeds the strength, where one was given.
         force_x, force_y, force_z [N]
@@ -336,7 +339,8 @@ class Result(Solution, Answer):
     @cached_property
     def _joint_table(self) -> Table:
         self._require_forces()
-        return joint_table(self.contacts, self.assembly.names, self.resultants, self.utilisation)
+        names, found = self.assembly.names, (self.resultants, self.utilisation)
+        return joint_table(self.contacts, names, *found, self.strength_use)
 
     def thrust_line(self, blocks: Blocks | None = None) -> ThrustLine:
         """The polyline through the centres of pressure of successive joints.

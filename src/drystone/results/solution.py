@@ -13,7 +13,7 @@ import numpy as np
 from drystone.answer import Verdict
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.checks import Residuals
+from drystone.checks import Residuals, normal_force_by_strength
 from drystone.joints import Resultants, resultants_of, utilisation_of, world_forces
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
@@ -164,3 +164,12 @@ class Solution(OfModel, OneLine):
         See :func:`drystone.joints.utilisation_of`: above 1 it needs forces at its corners.
         """
         return utilisation_of(self.contacts, self.resultants)
+
+    @cached_property
+    def strength_use(self) -> Floats:
+        """Normal force (m,) by what a stress block around the centre of pressure carries.
+
+        1 crushes; 0 for joints without a finite strength.
+        """
+        pressed = np.maximum(self._local_force[:, 0], 0.0)
+        return normal_force_by_strength(self.contacts, pressed)[0]

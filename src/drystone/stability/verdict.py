@@ -41,6 +41,7 @@ from drystone.stability.free_fall import (
 )
 from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
+from drystone.stability.strength import within_strength
 from drystone.stability.touching_edges import unless_edges_hold
 
 SLIDES_FAR = 20.0
@@ -123,6 +124,14 @@ def decided(
     """
     if asked.problem.statics.free_count == 0:
         return asked.nothing_free()
+    if asked.problem.statics.crushing is not None:
+
+        def unlimited(model: Model) -> Result:
+            """The verdict where no joint crushes."""
+            other = Asked(Problem.build(model), asked.options, asked.clock, asked.progress)
+            return decided(other, executor, near=near)
+
+        return within_strength(asked.problem, unlimited, asked.clock.late)
 
     def touching(model: Model) -> Result:
         """The verdict on the same blocks with more contacts."""

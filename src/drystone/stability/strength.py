@@ -1,0 +1,140 @@
+"""Whether joints crush, of what stands without a limit of strength."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.checks import Residuals, check_forces, crushed_most
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_load_factor
+from drystone.model import Model
+from drystone.results import Result, Samples, Verdict
+from drystone.solvers.conic import ConicStatus
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.problem import Problem
+from drystone.stability.proofs import (
+    FORCE_TOLERANCE,
+    checked_mechanism,
+    moving_blocks,
+)
+
+CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """The largest share of the loads that forces within the strength balance.
+
+    Attributes
+    ----------
+    share
+        1 at most.
+    force : (k, 3) [N]
+        That balance all of them, where they do.
+    residuals
+        Of these forces.
+    mechanism : (n, 6)
+        The proof that none do, where it is one.
+    iterations
+    """
+
+    share: float
+    force: Floats | None
+    residuals: Residuals
+    mechanism: Floats | None
+    iterations: int
+
+
+def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> Carried:
+    """What share of its loads a model carries whose joints crush."""
+    statics = problem.statics
+    none = replace(statics, load=np.zeros_like(statics.load))
+    found = solve_load_factor(none, statics.load, cone=cone, stop=late, enough=1.0)
+    share, state = found.factor, found.state
+    steps = state.raw.iterations
+    if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
+        force = problem.force(state.force / share)
+        pull = problem.force(state.pull[:, None] / share)
+        residuals = check_forces(problem.model, force, pull=pull)
+        return Carried(1.0, force, residuals, None, steps)
+    return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
+
+
+def crushing_words(model: Model, found: Carried) -> str:
+    """How much of the loads is carried, and the joint that crushes most."""
+    words = f"{CRUSHES}, only {found.share:.3g} of them"
+    at = None if found.mechanism is None else crushed_most(model, found.mechanism)
+    if at is None:
+        return words
+    pair = model.contacts[at].blocks
+    a, b = (model.assembly.names[i] for i in pair)
+    return f"{words}; the joint of '{a}' and '{b}' crushes most"
+
+
+@one_blas_thread()
+def within_strength(
+    problem: Problem, decide: Callable[[Model], Result], late: Callable[[], bool]
+) -> Result:
+    """The verdict of a model whose joints crush.
+
+    Without the limits of strength it must stand. With the forces found there within them, it
+    stands. Otherwise other forces are asked for, as crushing lets them move (it is ductile): none
+    prove that it falls. Where some exist it stands if no contact stiffness throws it over, and is
+    undecided where friction or settling decided.
+
+    Parameters
+    ----------
+    problem
+    decide
+        Gives the verdict on a model without limits of strength.
+    late
+    """
+    model = problem.model
+    found = decide(model.without_crushing())
+    if not found.stable:
+        return replace(found, model=model.with_contacts(model.contacts.carried_to(found.contacts)))
+    crushes = found.model.with_contacts(model.contacts.carried_to(found.contacts))
+    found = replace(found, model=crushes)
+    if found.force is not None:
+        residuals = check_forces(crushes, found.force, found.displacement)
+        if residuals.crushing <= FORCE_TOLERANCE:
+            return replace(found, residuals=residuals)
+    most = carried(problem, FrictionCone.exact(), late)
+    found = replace(found, iterations=found.iterations + most.iterations)
+    if most.mechanism is not None:
+        return replace(
+            _undecided(found, crushing_words(model, most)),
+            verdict=Verdict.UNSTABLE,
+            mechanism=most.mechanism,
+            falling=moving_blocks(model.assembly, most.mechanism),
+        )
+    if most.force is None or most.residuals.largest > FORCE_TOLERANCE:
+        return _undecided(found, "no forces within the strength of its joints were found")
+    if not found.sensitive:
+        words = f"{found.message}; its most pressed joints crush in part"
+        return replace(
+            found, model=model, message=words, force=most.force, residuals=most.residuals
+        )
+    return _undecided(
+        found,
+        "forces within the strength of its joints balance the loads, but whether crushing brings "
+        f"them about is not known: without it {found.message}",
+    )
+
+
+def _undecided(found: Result, message: str) -> Result:
+    return replace(
+        found,
+        verdict=Verdict.UNDECIDED,
+        message=message,
+        force=None,
+        displacement=None,
+        residuals=None,
+        settlement=None,
+        samples=Samples(),
+        sensitive_to=(),
+    )

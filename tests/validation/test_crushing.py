@@ -1,0 +1,229 @@
+"""Joints that crush: closed forms, and a bridge against a linear program of its own."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import drystone
+from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
+from drystone.checks import check_forces, mechanism_defects
+from drystone.limits import LimitOptions, limit_tilt, thrust_bounds
+from drystone.models import box
+
+WIDTH, DEPTH, STRENGTH = 1.0, 0.5, 1e5
+
+
+def pier(height, strength=STRENGTH, courses=2, load=None):
+    """A pier of blocks of 2,400 kg/m3 on a fixed base."""
+    base = box((WIDTH, DEPTH, 0.2), (0.0, 0.0, -0.2), name="base")
+    each = height / courses
+    blocks = [box((WIDTH, DEPTH, each), (0.0, 0.0, i * each), name=f"b{i}") for i in range(courses)]
+    model = Model.of(Assembly((base, *blocks), [True] + courses * [False]), friction=0.6)
+    if load is not None:
+        model = model.with_load(model.load + load(model.assembly))
+    return model.with_capacity(JointCapacity.of_stress(model.contacts, compression=strength))
+
+
+UNIT_WEIGHT = 2400.0 * 9.81
+TALLEST = STRENGTH / UNIT_WEIGHT
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.999, True), (1.001, False)])
+def test_a_pier_crushes_under_its_own_weight_at_strength_by_unit_weight(share, stands):
+    model = pier(share * TALLEST)
+    found = check(model)
+    assert found.stable is stands
+    assert solve_rbe(model).falls is not stands
+    if stands:
+        assert found.joints()["strength_use"].max() == pytest.approx(share)
+    else:
+        assert f"only {1.0 / share:.3g} of them" in found.message
+        violation, power = mechanism_defects(model, found.mechanism)
+        assert violation < 1e-5
+        assert power > 0.0
+
+
+def test_a_leaning_pier_turns_about_a_stress_block():
+    """M = N / 2 (b - N / (f d)) at the foot, with M = N tan(angle) h / 2."""
+    height = 0.5 * TALLEST
+    model = pier(height)
+    weight = UNIT_WEIGHT * WIDTH * DEPTH * height
+
+    def exact(angle):
+        normal = weight * np.cos(angle)
+        lever = 0.5 * (WIDTH - normal / (STRENGTH * DEPTH))
+        return lever * normal - weight * np.sin(angle) * 0.5 * height
+
+    low, high = 0.0, 0.5
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if exact(middle) > 0.0 else (low, middle)
+    found = limit_tilt(model, "y")
+    assert found.rest.stands <= np.rad2deg(low) <= found.rest.falls
+    assert found.rest.falls - found.rest.stands <= 0.06
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.998, True), (1.002, False)])
+def test_a_load_near_a_corner_is_carried_by_a_triangle(share, stands):
+    """A' = 9/2 x y for a load at x, y from the corner, beside the weight of a thin slab."""
+    x, y, load = 0.2, 0.1, 5e3
+
+    def corner(assembly):
+        return LoadCase.point_load(assembly, "b0", (0.0, 0.0, -load), (x, y, 0.01))
+
+    strength = load / (4.5 * x * y) / share
+    model = pier(1e-6, strength, courses=1, load=corner)
+    assert solve_rbe(model).falls is not stands
+    assert check(model).stable is stands
+
+
+def test_the_thrust_of_an_arch_is_bounded_by_the_strength():
+    """With stress blocks the least thrust is more, and the largest less."""
+    model = Model.of(drystone.models.arch(0.2, 10), friction=0.8)
+    dry = thrust_bounds(model, "springer-right", (1.0, 0.0, 0.0))
+    weak = model.with_capacity(JointCapacity.of_stress(model.contacts, compression=3e5))
+    bounds = thrust_bounds(weak, "springer-right", (1.0, 0.0, 0.0))
+    assert dry.least < bounds.least < bounds.most < dry.most
+    assert check_forces(weak, bounds.most_state.force).crushing <= 1e-7
+
+
+SPAN, RISE, RING, COUNT, COVER = 6.0, 1.5, 0.45, 30, 0.3
+RADIUS = (SPAN**2 / 4.0 + RISE**2) / (2.0 * RISE)
+OUTER = RADIUS + RING
+ANGLE = np.linspace(-1.0, 1.0, COUNT + 1) * np.arcsin(SPAN / 2.0 / RADIUS)
+ROAD = OUTER + COVER
+"""Above the centre of the circle."""
+
+
+def at(radius, angle):
+    """A point (2,) of the elevation from the centre."""
+    return radius * np.array([np.sin(angle), np.cos(angle)])
+
+
+def pressed(low, high, pressure):
+    """A pressure on the extrados between two places: vertical forces and their places."""
+    edges = OUTER * np.sin(ANGLE)
+    found = np.zeros((COUNT, 3))
+    for i in range(COUNT):
+        x = np.linspace(max(low, edges[i]), max(low, edges[i], min(high, edges[i + 1])), 2001)
+        each = pressure(0.5 * (x[1:] + x[:-1])) * np.diff(x)
+        if each.sum() > 0.0:
+            place = (each * 0.5 * (x[1:] + x[:-1])).sum() / each.sum()
+            found[i] = each.sum(), place, np.sqrt(OUTER**2 - place**2)
+    return found
+
+
+FILL = pressed(-9.0, 9.0, lambda x: 20e3 * (ROAD - np.sqrt(OUTER**2 - x**2)))
+SPREAD = 0.3 + ROAD - np.sqrt(OUTER**2 - 1.75**2)
+AXLE = pressed(
+    -1.75 - SPREAD / 2, -1.75 + SPREAD / 2, lambda x: np.full_like(x, 1e3 / SPREAD)
+)  # 1 kN
+
+
+def bridge(strength):
+    """The bridge as a model, and its axle of 1 kN."""
+    step = ANGLE[1] - ANGLE[0]
+    faces = [(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
+    blocks = []
+    for i in range(-1, COUNT + 1):
+        a, b = ANGLE[0] + i * step, ANGLE[0] + (i + 1) * step
+        flat = np.array([at(RADIUS, a), at(RADIUS, b), at(OUTER, b), at(OUTER, a)])
+        points = [(x, y, z) for y in (0.0, 1.0) for x, z in flat]
+        blocks.append(Block(points, faces, density=2200.0, name=f"v{i}"))
+    assembly = Assembly(tuple(blocks), [True] + COUNT * [False] + [True])
+
+    def load(forces, name):
+        wrench = np.zeros((COUNT + 2, 6))
+        for i, (size, x, z) in enumerate(forces):
+            force = np.array([0.0, 0.0, -size])
+            wrench[i + 1, :3] = force
+            wrench[i + 1, 3:] = np.cross((x, 0.5, z) - assembly.centroid[i + 1], force)
+        return LoadCase(wrench, name)
+
+    dead = LoadCase.gravity(assembly) + load(FILL, "fill")
+    model = Model.of(assembly, friction=0.6, load=dead)
+    crushes = JointCapacity.of_stress(model.contacts, compression=strength)
+    return model.with_capacity(crushes), load(AXLE, "axle")
+
+
+def own_factor(strength, friction=0.6):
+    """The largest axle by a linear program of the elevation that shares nothing with the package.
+
+    Unknown are normal force, shear and moment about the middle of each joint, and the factor. The
+    parabola ``|M| <= N / 2 (h - N / f)`` is bounded by tangents.
+    """
+    joints = COUNT + 1
+    middle = np.array([at(RADIUS + RING / 2.0, a) for a in ANGLE])
+    normal = np.array([(np.cos(a), -np.sin(a)) for a in ANGLE])  # onward, along the ring
+    shear = np.array([(np.sin(a), np.cos(a)) for a in ANGLE])
+    balance, right = np.zeros((3 * COUNT, 3 * joints + 1)), np.zeros(3 * COUNT)
+    for i in range(COUNT):
+        first, last = ANGLE[i], ANGLE[i + 1]
+        # straight voussoirs: trapezoids
+        area = 0.5 * (OUTER**2 - RADIUS**2) * np.sin(last - first)
+        chord = np.cos((last - first) / 2.0)
+        centre = at(
+            2.0 / 3.0 * chord * (OUTER**3 - RADIUS**3) / (OUTER**2 - RADIUS**2),
+            (first + last) / 2.0,
+        )
+        rows = slice(3 * i, 3 * i + 3)
+        for joint, sign in ((i, 1.0), (i + 1, -1.0)):
+            for column, way in ((0, normal[joint]), (1, shear[joint])):
+                arm = middle[joint] - centre
+                moment = arm[0] * way[1] - arm[1] * way[0]
+                balance[rows, 3 * joint + column] = sign * np.array([*way, moment])
+            balance[rows, 3 * joint + 2] = (0.0, 0.0, sign)
+        for size, x, _, column in (
+            (2200.0 * 9.81 * area, *centre, None),
+            (*FILL[i], None),
+            (*AXLE[i], -1),
+        ):
+            wrench = np.array([0.0, -size, -(x - centre[0]) * size])
+            if column is None:
+                right[rows] -= wrench
+            else:
+                balance[rows, column] += wrench
+    rows = []
+    for j in range(joints):
+        for sign in (1.0, -1.0):
+            row = np.zeros(3 * joints + 1)
+            row[3 * j : 3 * j + 2] = -friction, sign
+            rows.append((row, 0.0))
+            for share in np.linspace(0.0, 1.0, 101) ** 2:
+                # tangent at N = share f h: M <= f h^2 share^2 / 2 + N h (1 - 2 share) / 2
+                row = np.zeros(3 * joints + 1)
+                row[3 * j], row[3 * j + 2] = -RING * (1.0 - 2.0 * share) / 2.0, sign
+                rows.append((row, strength * RING**2 * share**2 / 2.0))
+    found = linprog(
+        np.append(np.zeros(3 * joints), -1.0),
+        np.array([row for row, _ in rows]),
+        [limit for _, limit in rows],
+        balance,
+        right,
+        bounds=(None, None),
+    )
+    return -found.fun
+
+
+@pytest.mark.parametrize(
+    ("strength", "published"), [(20e6, 184.9), (10e6, 176.5), (5e6, 162.3), (2e6, 130.0)]
+)
+def test_a_bridge_carries_less_the_weaker_its_stone(strength, published):
+    model, axle = bridge(strength)
+    found = limit_load(model, axle, options=LimitOptions(equilibrium_only=True)).equilibrium
+    own = own_factor(strength)
+    assert found.stands == pytest.approx(own, rel=1e-3)
+    assert found.falls == pytest.approx(own, rel=1e-3)
+    assert own == pytest.approx(published, rel=0.01)  # kN, of another program
+
+
+def test_the_verdict_of_a_bridge_is_that_of_its_strength():
+    model, axle = bridge(5e6)
+    safe = check(model.with_load(model.load + 160.0 * axle))
+    assert safe.stable
+    assert safe.residuals.crushing <= 1e-8
+    assert safe.joints()["strength_use"].max() <= 1.0 + 1e-6
+    weak = check(model.with_load(model.load + 164.0 * axle))
+    assert weak.falls
+    assert "crushes" in weak.message
+    assert check(model.without_crushing().with_load(model.load + 164.0 * axle)).stable
