@@ -30,8 +30,11 @@ def unharmed(tab: Tab) -> None:
     assert tab.run("document.documentElement.scrollWidth <= innerWidth")
 
 
-@pytest.mark.parametrize("size", [(1000, 700), (390, 800)])
-@pytest.mark.parametrize("model", [MODEL, FALLING, HELD], ids=["stands", "falls", "held"])
+@pytest.mark.parametrize(
+    ("model", "size"),
+    [(MODEL, (1000, 700)), (FALLING, (390, 800)), (HELD, (1000, 700))],
+    ids=["stands", "falls", "held"],
+)
 def test_the_page_shows_names_as_text(
     opened: Callable[..., Tab], model: drystone.Model, size: tuple[int, int]
 ) -> None:

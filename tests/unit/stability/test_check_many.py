@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,6 @@ import drystone
 from benchmarks.workloads import random_pile
 from drystone import InputError
 from drystone.models import shelf, tower
-from drystone.sequence import LocalWorkers
 
 MODELS = [tower(2), shelf(), tower(3), tower(4)]
 VERDICTS = ["stable", "unstable", "stable", "stable"]
@@ -95,7 +95,8 @@ def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> N
     def models() -> Iterator[object]:
         yield from (tower(2), Deadly(), tower(3))
 
-    found = drystone.check_many(models(), executor=LocalWorkers(1))  # type: ignore[arg-type]
+    start = partial(ProcessPoolExecutor, 1)
+    found = drystone.check_many(models(), executor=start)  # type: ignore[arg-type]
     assert found["verdict"].tolist() == ["stable", "failed", "stable"]
     with ProcessPoolExecutor(1) as processes, pytest.raises(InputError, match="a worker died"):
         drystone.check_many(models(), executor=processes)  # type: ignore[arg-type]
