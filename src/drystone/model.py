@@ -369,6 +369,7 @@ class Model(Card):
             self.assembly.subset(chosen.tolist()),
             self.contacts.of_blocks(chosen, len(self.assembly)),
             replace(self.load, wrench=self.load.wrench[chosen], motion=motion),
+            None if self.report is None else self.report.of_blocks(chosen),
             notes=self.notes,
             unjoined=among(self.unjoined, chosen),
             origin=self.origin,

@@ -98,8 +98,10 @@ def ground_of(
         return assembly, supports
     if len(asked) > 1:
         raise InputError("the ground is asked for twice", where="supports")
-    height = asked[0].removeprefix(_GROUND).removeprefix(":")
-    laid = GroundPlane(length(height, "height") if height else None).under(assembly, up)
+    plane = GroundPlane()
+    if asked[0] != _GROUND:
+        plane = GroundPlane(length(asked[0].removeprefix(f"{_GROUND}:"), "height"))
+    laid = plane.under(assembly, up)
     named_so = [laid.names[-1] if part == asked[0] else part for part in parts]
     return laid, ",".join(named_so)
 

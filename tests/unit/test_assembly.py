@@ -47,7 +47,16 @@ def test_what_is_no_block_is_refused(key: object, words: str) -> None:
 
 @pytest.mark.parametrize(
     "some",
-    ["block-2", 2, ["block-2"], (2,), np.array([2]), np.arange(4) == 2, {"block-2"}],
+    [
+        "block-2",
+        2,
+        ["block-2"],
+        (2,),
+        np.array([2]),
+        np.arange(4) == 2,
+        {"block-2"},
+        [False, False, True, False],
+    ],
 )
 def test_some_blocks_are_named_in_any_of_these_ways(some: object) -> None:
     assert TOWER.with_fixed(some).fixed.tolist() == [False, False, True, False]  # type: ignore[arg-type]
@@ -60,7 +69,8 @@ def test_some_blocks_are_named_in_any_of_these_ways(some: object) -> None:
     ("some", "words"),
     [
         ([2.5], r"a block is 2\.5; give a whole number"),
-        ([True, False, False, False], "a block is True"),
+        ([True, False, False], r"a mask of blocks has shape \(3,\), not \(4,\)"),
+        (np.array([1, 0, 1, 0]), "blocks are 0 and 1, one for each block; give a mask of bool"),
         (np.array([True, False]), r"a mask of blocks has shape \(2,\), not \(4,\)"),
         (None, "blocks are None; give names or positions"),
         (0.5, "blocks are 0.5"),

@@ -143,3 +143,9 @@ def test_a_misspelt_name_anywhere_in_a_file_of_ours_is_refused(tmp_path: Path) -
         file.write_text(json.dumps(wrong), encoding="utf-8")
         with pytest.raises(InputError, match="unknown field 'frction'; known are"):
             drystone.read(file)
+
+
+def test_a_field_of_the_options_is_told_where_it_belongs() -> None:
+    for name, remedy in (("robust", r".robust\(\)"), ("seed", r"\(seed=...\)")):
+        with pytest.raises(InputError, match=f"of its options; give options=CheckOptions{remedy}"):
+            drystone.check(tower(2), **{name: 1})  # type: ignore[arg-type]

@@ -237,6 +237,22 @@ def test_a_tripod_stands_by_the_edges_of_its_legs_on_a_hub() -> None:
     assert check(tripod(), friction=0.5).falls
 
 
+def test_a_subset_knows_the_edges_that_touch() -> None:
+    beside = box((1.0, 1.0, 1.0), (-8.0, 0.0, 0.0), "beside")
+    blocks = leaning(60.0).blocks
+    model = Model.of(Assembly((beside, *blocks)).with_fixed([1, 2]), friction=0.9)
+    assert check(model).stable
+    some = model.subset([3, 1, 2])
+    assert check(some).stable
+    assert some.report is not None
+    again = Model.of(some.assembly, friction=0.9).report
+    assert again is not None
+    assert some.report.names == again.names == ("slab", "floor", "wall")
+    assert some.report.pair_count == again.pair_count == 2
+    assert some.report.isolated == again.isolated
+    assert model.without(["slab"]).report is not None
+
+
 def test_limits_and_plans_count_the_edges_that_touch() -> None:
     tilt = limits.limit_tilt(leaning(60.0), "y", friction=0.6)
     assert tilt.rest is not None

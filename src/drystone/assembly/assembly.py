@@ -173,22 +173,27 @@ class Assembly(Card):
         Parameters
         ----------
         blocks
-            Names and positions, or one of them; or a mask (n,) bool.
+            Names and positions, or one of them; or a mask (n,) bool, as an array or a list.
 
         Raises
         ------
         InputError
-            There is no such block, or it is none of these.
+            There is no such block, or it is none of these; or 0 and 1 are given once per block,
+            which may be a mask or positions.
         """
-        if isinstance(blocks, np.ndarray) and blocks.dtype == bool:
-            if blocks.shape != (len(self),):
-                raise InputError(f"a mask of blocks has shape {blocks.shape}, not ({len(self)},)")
-            return np.flatnonzero(blocks)
         if isinstance(blocks, str | Integral):
             blocks = [blocks]
         if not isinstance(blocks, Iterable):
             said = shortened(repr(blocks), 60)
             raise InputError(f"blocks are {said}", remedy="give names or positions of blocks")
+        if not isinstance(blocks, np.ndarray):
+            blocks = list(blocks)
+        kinds = {type(b) for b in blocks} if isinstance(blocks, list) else {blocks.dtype.type}
+        if kinds and kinds <= {bool, np.bool_}:
+            shape = np.shape(blocks)
+            if shape != (len(self),):
+                raise InputError(f"a mask of blocks has shape {shape}, not ({len(self)},)")
+            return np.flatnonzero(blocks)
         found = [
             b if type(b) is int else self.index(b) if isinstance(b, str) else whole(b, "a block")
             for b in blocks
@@ -196,6 +201,9 @@ class Assembly(Card):
         if found and not (min(found) >= 0 and max(found) < len(self)):
             strange = next(i for i in found if not 0 <= i < len(self))
             raise InputError(f"there is no block {strange}", remedy=f"0 to {len(self) - 1} exist")
+        if 2 < len(found) == len(self) and max(found) <= 1 and len({*found}) < len(found):
+            remedy = "give a mask of bool, such as mask.astype(bool), or each position once"
+            raise InputError("blocks are 0 and 1, one for each block", remedy=remedy)
         return np.array(found, dtype=np.intp)
 
     def subset(self, blocks: Blocks) -> Assembly:

@@ -8,7 +8,7 @@ import functools
 import inspect
 import types
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, Self, TypeVar
 
 from drystone.base.arrays import number, of_type, whole
@@ -101,8 +101,8 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
     """A public function that refuses wrong arguments with a message.
 
     These are more arguments by position than it has, and a ``progress``, ``stop``, ``check``,
-    ``executor`` or ``time_limit_s`` that is none. The keywords of long calculations are added to
-    its documentation.
+    ``executor`` or ``time_limit_s`` that is none; and a field of its ``options`` that is given by
+    itself. The keywords of long calculations are added to its documentation.
     """
     known = inspect.signature(function).parameters
     most = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in known.values())
@@ -118,7 +118,30 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
                 "Model(assembly, contacts, load)",
             )
         check_keywords(named, may_be_none)
+        if "options" in known and not named.keys() <= known.keys():
+            _refuse_options_alone(function, named)
         return function(*given, **named)
 
     asked.__doc__ = with_keywords(function.__doc__, known)
     return asked
+
+
+def _refuse_options_alone(function: Callable[..., Any], named: Mapping[str, Any]) -> None:
+    """Refuse keywords that belong into the options of a function."""
+    hints = typing.get_type_hints(function)
+    parts = typing.get_args(hints["options"]) or (hints["options"],)
+    options = next(part for part in parts if part is not types.NoneType)
+    more = [typing.get_args(hint) for hint in hints.values() if _is_unpacked(hint)]
+    read = {name for (one,) in more for name in one.__annotations__}
+    for name in named.keys() - hints.keys() - read:
+        is_field = name in {field.name for field in dataclasses.fields(options)}
+        if is_field or isinstance(vars(options).get(name), classmethod):
+            given = f"({name}=...)" if is_field else f".{name}()"
+            raise InputError(
+                f"'{name}' is no argument of {function.__name__}, but of its options",
+                remedy=f"give options={options.__name__}{given}",
+            )
+
+
+def _is_unpacked(hint: Any) -> bool:
+    return typing.get_origin(hint) is typing.Unpack

@@ -54,7 +54,8 @@ class AnalysisCommand(Command):
     @cached_property
     def help(self) -> str:  # type: ignore[override]  # a text that is set
         """What it answers."""
-        return self.offered.text
+        codes = "Exit code 0: it stands, or what was looked for is found. 1: not. 2: bad input."
+        return f"{self.offered.text}\n\n{codes}"
 
     @cached_property
     def examples(self) -> tuple[str, str]:  # type: ignore[override]  # as above

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,14 @@ from drystone.detection.shortfall import Shortfall
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""
+
+_OF_INTERFACES = (
+    "face_a", "face_b", "kind", "area", "gap", "warp", "angle", "clipped", "merged",
+)  # fmt: skip
+"""Attributes with a row per interface, beside the blocks."""
+
+Pair = TypeVar("Pair", Resampled, Missed, Inexact, Shortfall, Overlap)
+"""What is found between two blocks."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +158,45 @@ class ContactReport(Card):
             if pair.block_a * count + pair.block_b not in known
         ]
         return tuple(near)
+
+    def of_blocks(self, blocks: Ints) -> ContactReport:
+        """The report of some of the blocks, numbered anew in their order."""
+        new = np.full(len(self.names), -1, dtype=np.intp)
+        new[blocks] = np.arange(len(blocks))
+        among = (new[self.block_a] >= 0) & (new[self.block_b] >= 0)
+        block_a, block_b = new[self.block_a[among]], new[self.block_b[among]]
+
+        def between(pairs: tuple[Pair, ...]) -> tuple[Pair, ...]:
+            return tuple(
+                replace(one, block_a=int(new[one.block_a]), block_b=int(new[one.block_b]))
+                for one in pairs
+                if new[one.block_a] >= 0 and new[one.block_b] >= 0
+            )
+
+        def both(pairs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
+            numbers = [(int(new[a]), int(new[b])) for a, b in pairs]
+            return tuple(pair for pair in numbers if min(pair) >= 0)
+
+        alone = np.setdiff1d(np.arange(len(blocks)), np.concatenate([block_a, block_b]))
+        return replace(
+            self,
+            names=tuple(self.names[b] for b in blocks),
+            block_a=block_a,
+            block_b=block_b,
+            **{name: getattr(self, name)[among] for name in _OF_INTERFACES},
+            resampled=between(self.resampled),
+            missed=between(self.missed),
+            farther=between(self.farther),
+            inexact=between(self.inexact),
+            shortfalls=between(self.shortfalls),
+            undirected=both(self.undirected),
+            near_undirected=both(self.near_undirected),
+            isolated=tuple(alone.tolist()),
+            overlaps=between(self.overlaps),
+            duplicates=both(self.duplicates),
+            parts=tuple((int(new[b]), count) for b, count in self.parts if new[b] >= 0),
+            repairs=tuple((int(new[b]), what) for b, what in self.repairs if new[b] >= 0),
+        )
 
     def suggestions(self) -> tuple[str, ...]:
         """Sentences that say which options would join more pairs of blocks."""

@@ -149,7 +149,10 @@ def thrust_bounds(
         state = _state(model, active, solution, statics.force_unit)
         if state is None:
             return float("nan"), None
-        return statics.force_unit * float((price * solution.force).sum()), state
+        value = float((price * solution.force).sum())
+        if abs(value) < CHECKED:  # as far from equilibrium as the forces may be
+            value = 0.0
+        return statics.force_unit * value, state
 
     least, most = extreme(1.0), extreme(-1.0)
     return ThrustBounds(model, assembly.names[which], along, least[0], most[0], least[1], most[1])

@@ -70,7 +70,8 @@ class Result(Solution, Answer):
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
         if self._safety:
-            said.append(Sentence(f"safety: {self._safety}, of tilts about x and y"))
+            bound = "of tilts about x and y: a bound, it may fall before"
+            said.append(Sentence(f"safety: {self._safety}, {bound}"))
         if self.verdict is Verdict.STABLE and self.force is not None:
             said += self._without_margin() + self._on_corners()
         return [one for one in said if one.text]

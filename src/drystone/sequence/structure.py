@@ -279,9 +279,8 @@ class Structure(OneLine):
 
     def _if_more_touches(self, stage: Stage, asked: Evaluator) -> StageAnswer:
         """The check of a stage that falls, with the pairs of blocks that were not joined."""
-        staged = asked.model
-        model, blocks = staged.cut_out(stage)
-        found = self._check(replace(model, report=staged.model.report))
+        model, blocks = asked.model.cut_out(stage)
+        found = self._check(model)
         falling = tuple(blocks[list(found.falling)].tolist())
         used = 0.0 if found.force is None else most_used(found.contacts, found.force)
         return StageAnswer(found.verdict, found.message, falling, joint_used=used)

@@ -115,6 +115,8 @@ def test_ground_and_names_are_fixed_together() -> None:
     assert model.assembly.fixed.tolist() == [False, False, True, True]
     with pytest.raises(InputError, match="asked for twice"):
         Model.of(tower(3), supports="ground, ground:1")
+    with pytest.raises(InputError, match="height '' is not a number"):
+        Model.of(tower(3), supports="ground:")
 
 
 def test_contacts_of_a_file_do_not_know_the_ground(tmp_path: Path) -> None:

@@ -67,10 +67,10 @@ def test_a_draw_counts_once_whatever_the_number_of_orders(study: StandingShare) 
 def test_the_same_seed_gives_the_same_study_with_an_executor(study: StandingShare) -> None:
     with ThreadPoolExecutor(2) as executor:
         again = imperfections(
-            slope(22.0), FRICTION, draws=8, seed=5, loading=ORDERS, executor=executor
+            slope(22.0), FRICTION, draws=2, seed=5, loading=ORDERS, executor=executor
         )
-    assert again.verdicts == study.verdicts
-    np.testing.assert_array_equal(again.friction, study.friction)
+    assert again.verdicts == study.verdicts[:6]
+    np.testing.assert_array_equal(again.friction, study.friction[:2])
     other = imperfections(slope(22.0), FRICTION, draws=1, seed=6, loading="at once")
     assert other.friction[0] not in study.friction
 

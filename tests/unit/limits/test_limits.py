@@ -194,6 +194,13 @@ def test_thrust_bounds_contain_every_equilibrium_and_are_met_by_their_states() -
     assert thrust[1] == pytest.approx(bounds.least, rel=1e-6)
 
 
+def test_no_thrust_is_told_as_none_and_not_as_rounding() -> None:
+    model = Model.of(tower(3), friction=0.6)
+    for block in (0, 1):
+        bounds = thrust_bounds(model, block, "x")
+        assert (bounds.least, bounds.most) == (0.0, 0.0)
+
+
 def test_prestress_has_no_largest_thrust_and_a_falling_block_no_thrust_at_all() -> None:
     wedged = h_model()
     bounds = thrust_bounds(Model(wedged, touching_faces(wedged, 0.6)), 0, (1.0, 0.0, 0.0))
@@ -344,20 +351,19 @@ def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit(
     assert limit.robust.stands is not None
     assert limit.robust.falls is not None
     assert limit.robust.falls - limit.robust.stands <= 2e-3 * limit.robust.falls
-    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9, options=asked)
-    assert near.robust is not None
-    assert near.robust.stands == pytest.approx(limit.robust.stands, rel=2e-3)
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9)
     assert near.best.stands == pytest.approx(limit.best.stands, rel=2e-3)
 
 
 def test_a_least_friction_does_not_depend_on_the_largest() -> None:
     plank = concave("short")
     model = Model.of(plank, friction=0.8, load=LoadCase.tilt(plank, (0.0, 1.0, 0.0), 10.0))
-    near, far = (limit_friction(model, upper=upper).best for upper in (0.8, 200.0))
+    coarse = LimitOptions(width=0.01)
+    near, far = (limit_friction(model, upper=upper, options=coarse).best for upper in (0.8, 200.0))
     assert near.stands is not None
     assert near.falls is not None
-    assert far.stands == pytest.approx(near.stands, abs=2e-3)
-    assert far.falls == pytest.approx(near.falls, abs=2e-3)
+    assert far.stands == pytest.approx(near.stands, abs=2e-2)
+    assert far.falls == pytest.approx(near.falls, abs=2e-2)
 
 
 def test_a_finer_bracket_keeps_the_islands_that_were_found_beyond_it() -> None:

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -58,15 +59,19 @@ def _backwards(contacts: Contacts) -> np.ndarray:
     )
 
 
+@cache
+def wedge_in_order(carrier: Carrier, angle: float, order: tuple[int, ...]) -> Settlement:
+    options = SettlementOptions(carrier=carrier, fall=0.02)
+    return tilted(in_order(wedge("c", longer=0.2), order), X, angle, options)
+
+
 @pytest.mark.parametrize("carrier", list(Carrier))
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3)))[1:], ids=str)
 def test_a_wedge_close_to_its_limit_goes_one_way(carrier: Carrier, order: tuple[int, ...]) -> None:
     # of the six orders two rested at 44.2 and four fell; within 0.05 degrees rounding still decides
-    options = SettlementOptions(carrier=carrier, fall=0.02)
-    plain = wedge("c", longer=0.2)
     for angle, outcome in ((44.1, Outcome.RESTS), (44.2, Outcome.FALLS)):
-        first = tilted(plain, X, angle, options)
-        other = tilted(in_order(plain, order), X, angle, options)
+        first = wedge_in_order(carrier, angle, (0, 1, 2))
+        other = wedge_in_order(carrier, angle, order)
         assert first.outcome is other.outcome is outcome
         assert other.travel == pytest.approx(first.travel, rel=1e-6)
 
