@@ -14,6 +14,7 @@ from drystone.cli.application import app
 ROOMS = {
     "What most people need": ("drystone",),
     "Limits": ("drystone.limits",),
+    "Combinations": ("drystone.studies",),
     "Design": ("drystone.design",),
     "Assembly planning": ("drystone.sequence",),
     "Shells": ("drystone.shells",),

@@ -98,6 +98,7 @@ _ROOMS = (
     "settlement",
     "shells",
     "stability",
+    "studies",
     "view",
 )
 """Packages that are there as attributes after ``import drystone``."""

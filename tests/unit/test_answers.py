@@ -6,6 +6,7 @@ import inspect
 import json
 import pickle
 import pkgutil
+import tempfile
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import LoadCase, Model, design, limits, sequence, shells
+from drystone import LoadCase, Model, design, limits, sequence, shells, studies
 from drystone.answer import Answer, Role, Scene, Sentence, Statement
 from drystone.answer.chart import Chart
 from drystone.detection import gap_sweep
@@ -50,6 +51,9 @@ def answers() -> Iterator[Answer]:
     yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
     yield drystone.programs.find_forces(stack)
     yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))
+    file = Path(tempfile.mkdtemp()) / "cases.toml"
+    file.write_text('situations = ["EQU"]\n[case.gravity]\nkind = "permanent"', encoding="utf-8")
+    yield studies.combinations(stack, file)
     yield limits.imperfections(stack, limits.Imperfections(offset=0.01), draws=2)
     yield drystone.settle(tower(2))
     yield drystone.settlement.push(tower(2), friction=0.3, to=0.01)

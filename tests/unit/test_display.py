@@ -29,6 +29,7 @@ from drystone import (
     sequence,
     settlement,
     shells,
+    studies,
     view,
 )
 from drystone.answer import Sentence, Statement
@@ -119,6 +120,10 @@ def values(folder: Path) -> Iterator[object]:
     yield settlement.support_response(arch(), moves, friction=0.9)
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
+    cases = folder / "cases.toml"
+    cases.write_text('[case.gravity]\nkind = "permanent"', encoding="utf-8")
+    combined = studies.combinations(tower(2), cases)
+    yield from (combined, studies.Action("gravity", "permanent", combined.each[0].load))
     pushed = drystone.settlement.push(tower(2), friction=0.3, to=0.01)
     yield from (pushed, pushed[-1])
     yield from (Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True), FallOptions())

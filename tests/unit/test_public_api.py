@@ -36,6 +36,7 @@ ROOMS = [
     "settlement",
     "shells",
     "stability",
+    "studies",
     "view",
 ]
 

@@ -121,6 +121,10 @@ app = _Program(
 app.examples = ("drystone demo", "drystone check arch.json --html arch.html")
 app.places = {
     "check": "check_command",
+    "combine": (
+        "drystone.studies.combinations",
+        "Check every combination of actions with partial factors",
+    ),
     "convert": "file_commands",
     "cut": "shaping_commands",
     "dataset": "dataset_command",

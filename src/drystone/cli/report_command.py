@@ -35,9 +35,13 @@ def report(
             "times; none for none (those of friction and of the size of joints, of what stands)."
         ),
     ] = (),
+    cases: Annotated[
+        Path | None,
+        Option("TOML file of combinations, as for 'drystone combine'.", kind=kinds.FILE),
+    ] = None,
     about: Annotated[
         TitleBlock,
-        Of("drystone.report.TitleBlock", shown=("project", "author", "date"), group=OUTPUT),
+        Of("drystone.report.TitleBlock", shown=("project", "author"), group=OUTPUT),
     ],
     title_block: Annotated[
         Path | None,
@@ -61,7 +65,7 @@ def report(
     asked = None if not limit else [one for one in limit if one != "none"]
     with waiting.keywords(time_limit) as common:
         common.pop("executor")
-        answers = reports.assess(model, limits=asked, **common)
+        answers = reports.assess(model, limits=asked, cases=cases, **common)
     first, *others = answers
     jobs: list[Job] = [(out, partial(reports.write_report, answers, about=about))]
     return Told(

@@ -10,6 +10,7 @@ from typing import Any, Unpack
 from drystone.answer import Answer
 from drystone.base.declared import declared, declared_at, nested, refuse_unknown
 from drystone.base.errors import InputError, meant
+from drystone.base.files import PathLike
 from drystone.base.progress import Clock, Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.design import DiagnosisOptions, diagnose
@@ -20,6 +21,7 @@ from drystone.limits.bounds import tilt_margin
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.stability import CheckOptions, check
+from drystone.studies import combinations
 
 SENSITIVITY = ("friction --scaled", "shrink")
 """Limits of what stands, if none are asked for: by which share friction and joints may shrink."""
@@ -30,6 +32,7 @@ def assess(
     given: Given,
     *,
     limits: Sequence[str] | None = None,
+    cases: PathLike | None = None,
     options: CheckOptions | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -45,6 +48,8 @@ def assess(
     limits
         Each as behind ``drystone limit``, such as ``tilt --axis y`` or ``load keystone:1kN``; when
         left out, those of friction and of the size of joints of what stands.
+    cases
+        File of combinations; see :func:`drystone.studies.combinations`.
     options
         Of the check.
 
@@ -72,6 +77,8 @@ def assess(
         answers.append(diagnose(model, result=result, options=few, stop=clock.late))
     if result.stable or limits is not None:
         answers += [one(model, late) for one in asked]
+    if cases is not None:
+        answers.append(combinations(model, cases, **late))
     return answers
 
 

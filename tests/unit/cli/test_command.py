@@ -106,9 +106,11 @@ LEFT_OUT = {"reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"f
 def test_the_examples_of_a_command_run(
     name: str, tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beside the file that they name. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
+    """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
     monkeypatch.chdir(tmp_path)
     io.write(arch(voussoirs=12), "arch.json")
+    cases = 'situations = ["STR"]\n[case.gravity]\nkind = "permanent"\n'
+    Path("cases.toml").write_text(cases, encoding="utf-8")
     for example in commands()[name].examples:
         program, *given = shlex.split(example)
         assert program == "drystone"

@@ -1,0 +1,389 @@
+"""Combinations of actions with partial factors, from a TOML file and the data of standards."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import resources
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, meant
+from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.io.jsontext import Field, parse_toml
+from drystone.io.opening import kept_of
+from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
+from drystone.loads import LoadCase
+from drystone.loads.load_words import chosen_case
+from drystone.model import Model
+
+_KINDS = ("permanent", "variable", "accidental", "seismic")
+_MOST = 1000
+"""Combinations of a file. Chosen: a quarter of an hour of small models."""
+
+
+@dataclass(frozen=True, eq=False)
+class Action(OneLine):
+    """A case of a file of combinations.
+
+    Attributes
+    ----------
+    name
+    kind
+        ``permanent``, ``variable``, ``accidental`` or ``seismic``.
+    load
+        With its characteristic value.
+    psi
+        Combination factors 0, 1 and 2 of a variable action.
+    factors
+        Unfavourable and favourable, where they are not those of the situation.
+    group
+        Of the variable actions of a group one acts at a time.
+    reversible
+        Whether it acts in the opposite direction as well.
+    """
+
+    name: str
+    kind: str
+    load: LoadCase
+    psi: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    factors: tuple[float, float] | None = None
+    group: str = ""
+    reversible: bool = False
+
+    def _summary(self) -> str:
+        return f"'{self.name}', {self.kind}"
+
+
+@dataclass(frozen=True)
+class Situation(OneLine):
+    """A design situation of a standard.
+
+    Attributes
+    ----------
+    name
+    source
+    permanent
+        Factors, unfavourable and favourable.
+    leading, others
+        Factor of the leading variable action and of those that go with it, each with the number of
+        its combination factor, -1 for none.
+    event
+        The kind of action without which it is none: ``accidental`` or ``seismic``.
+    friction, strength
+        By which the friction of joints and what else they carry are divided.
+    """
+
+    name: str
+    source: str
+    permanent: tuple[float, float]
+    leading: tuple[float, int]
+    others: tuple[float, int]
+    event: str = ""
+    friction: float = 1.0
+    strength: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Combination(OneLine):
+    """Actions with their factors in a situation."""
+
+    situation: Situation
+    factors: Mapping[str, float]
+    load: LoadCase
+
+    def _summary(self) -> str:
+        return f"{self.situation.name}: {self.words}"
+
+    @property
+    def words(self) -> str:
+        """Such as ``1.35 weight + 1.5 cart``."""
+        each = (f"{factor:+.4g} {name}" for name, factor in self.factors.items())
+        return " ".join(f"{one[0]} {one[1:]}" for one in each).removeprefix("+ ")
+
+    def of(self, model: Model) -> Model:
+        """The model under this combination, its friction and strength divided."""
+        by = self.situation
+        model = replace(model, load=replace(self.load, name=f"{by.name}: {self.words}"))
+        if by.friction != 1.0:
+            model = model.with_friction(model.contacts.friction / by.friction)
+        capacity = model.contacts.capacity
+        if capacity is None or by.strength == 1.0:
+            return model
+        each = (getattr(capacity, name) for name in DRY)
+        divided = (np.where(one < NO_LIMIT, one / by.strength, NO_LIMIT) for one in each)
+        return model.with_capacity(JointCapacity(*divided))
+
+
+def read_combinations(path: PathLike, model: Model) -> list[Combination]:
+    """The combinations that a TOML file asks for on a model.
+
+    Parameters
+    ----------
+    path
+        ``standard`` (``en1990``) or tables ``[[situation]]`` as in it, ``situations`` (names; all
+        that apply when left out), ``[material]`` with ``friction`` and ``strength``: numbers by
+        which they are divided, or a class of EN 1996 such as ``A2``. A table ``[case.NAME]`` for
+        each action: ``kind``; ``load``: ``gravity``, ``model`` (the whole load of the model), a
+        case of its file (that of the same name when left out), ``seismic:KX,KY``, ``BLOCK:WHAT``,
+        or a list of these; ``blocks``, to which gravity is restricted; ``psi`` or ``category`` of
+        variable actions; ``factors``: unfavourable and favourable; ``group``; ``reversible``.
+    model
+
+    Raises
+    ------
+    InputError
+        Something is not known, contradicts another, or has no unit; its place is named.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from drystone.models import tower
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "few.toml"
+    >>> _ = path.write_text('''
+    ... situations = ["STR"]
+    ... [case.weight]
+    ... kind = "permanent"
+    ... load = "gravity"
+    ... [case.tank]
+    ... kind = "variable"
+    ... category = "E"
+    ... load = "block-1:2kN"
+    ... ''')
+    >>> [one.words for one in read_combinations(path, Model.of(tower(2)))]
+    ['1.35 weight', '1.35 weight + 1.5 tank', '1 weight', '1 weight + 1.5 tank']
+    """
+    top = parse_toml(read_bytes(path), as_path(path))
+    top.only(("standard", "situations", "situation", "material", "case"))
+    standard = _standard(top)
+    actions = [_action(name, one, model, standard) for name, one in top["case"].items()]
+    material = {name: _gamma(one) for name, one in top.get("material", {}).items()}
+    top.get("material", {}).only(("friction", "strength"))
+    own = top.has("situation")
+    given = top["situation"] if own else standard["situation"]
+    known = {one.name: one for one in (_situation(each, material) for each in given.elements())}
+    chosen = list(known.values())
+    if top.has("situations"):
+        names = [(one, one.text()) for one in top["situations"].elements()]
+        for one, name in names:
+            if name not in known:
+                raise one.error(f"there is no situation '{name}'", meant(name, known))
+        chosen = [known[name] for _, name in names]
+    made = [one for each in chosen for one in _combined(each, actions)]
+    if not made:
+        raise top.error("gives no combination", "add cases, or situations that they belong to")
+    if len(made) > _MOST:
+        raise top.error(
+            f"gives {len(made)} combinations, more than {_MOST}",
+            "put cases that act together into one, or into groups; or name fewer situations",
+        )
+    return made
+
+
+def _standard(top: Field) -> Field:
+    """The data of a standard."""
+    name = top.get("standard", "en1990")
+    folder = resources.files("drystone.studies").joinpath("standards")
+    known = sorted(
+        one.name.removesuffix(".toml") for one in folder.iterdir() if one.name != "en1996.toml"
+    )
+    if name.text() not in known:
+        raise name.error(f"there is no standard '{name.text()}'", meant(name.text(), known))
+    file = f"{name.text()}.toml"
+    return parse_toml(folder.joinpath(file).read_bytes(), Path(file))
+
+
+def _gamma(one: Field) -> float:
+    """A factor by which something is divided: a number, or a class of EN 1996."""
+    if isinstance(one.value, str):
+        folder = resources.files("drystone.studies").joinpath("standards")
+        table = parse_toml(folder.joinpath("en1996.toml").read_bytes(), Path("en1996.toml"))
+        classes = {
+            f"{name}{number}": float(value)
+            for name, each in table["masonry"].items()
+            for number, value in enumerate(each.floats(None), 1)
+        }
+        if one.value not in classes:
+            raise one.error(f"there is no class '{one.value}'", "give A1 to C5, or a number")
+        return classes[one.value]
+    if one.number() < 1.0:
+        raise one.error(f"is {one.number():g}", "resistance is divided by 1 or more")
+    return one.number()
+
+
+def _situation(one: Field, material: Mapping[str, float]) -> Situation:
+    one.only(("name", "source", "event", "permanent", "leading", "others", "friction", "strength"))
+    event = one.get("event", "")
+    if event.text() not in ("", *_KINDS[2:]):
+        raise event.error(f"is '{event.text()}'", "give accidental or seismic")
+    friction, strength = (
+        _gamma(one[name]) if one.has(name) else material.get(name, 1.0)
+        for name in ("friction", "strength")
+    )
+    return Situation(
+        one["name"].text(),
+        one.get("source", "").text(),
+        _factors(one["permanent"]),
+        _variable_pair(one["leading"]),
+        _variable_pair(one["others"]),
+        event.text(),
+        friction,
+        strength,
+    )
+
+
+def _variable_pair(one: Field) -> tuple[float, int]:
+    """A factor, and the number of the combination factor that multiplies it, -1 for none."""
+    factor, number = one.floats(2).tolist()
+    if factor < 0.0 or number not in (-1, 0, 1, 2):
+        raise one.error("needs a factor of zero or more, and -1, 0, 1 or 2")
+    return factor, int(number)
+
+
+def _factors(one: Field) -> tuple[float, float]:
+    """Unfavourable and favourable."""
+    bad, good = one.floats(2).tolist()
+    if not 0.0 <= good <= bad:
+        raise one.error(
+            f"contradicts itself: {bad:g} unfavourable, {good:g} favourable",
+            "give the larger one first, none below zero",
+        )
+    return bad, good
+
+
+def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
+    one.only(("kind", "load", "blocks", "psi", "category", "factors", "group", "reversible"))
+    kind = one["kind"]
+    if kind.text() not in _KINDS:
+        raise kind.error(f"is '{kind.text()}'", f"give {', '.join(_KINDS)}")
+    load = _load(name, one, model)
+    factors = _factors(one["factors"]) if one.has("factors") else None
+    psi = (1.0, 1.0, 1.0)
+    if kind.text() == "variable":
+        if one.has("psi") == one.has("category"):
+            both = "has psi and a category" if one.has("psi") else "has neither psi nor a category"
+            raise one.error(
+                both, f"give one; categories are {', '.join(standard['category'].value)}"
+            )
+        known = one if one.has("psi") else _category(one["category"], standard)
+        psi = _psi(known["psi"])
+        if known is not one and factors is None and known.has("factor"):
+            factors = (known["factor"].number(), 0.0)
+    elif one.has("psi") or one.has("category"):
+        raise one.error("is not variable, so it has no combination factors", "leave them out")
+    group, reversible = one.get("group", "").text(), one.get("reversible", False).boolean()
+    return Action(name, kind.text(), load, psi, factors, group, reversible)
+
+
+def _category(one: Field, standard: Field) -> Field:
+    known = standard["category"]
+    if one.text() not in known.value:
+        raise one.error(f"there is no category '{one.text()}'", meant(one.text(), known.value))
+    return known[one.text()]
+
+
+def _psi(one: Field) -> tuple[float, float, float]:
+    values = one.floats(3)
+    if not (values[0] <= 1.0 and (np.diff(values) <= 0.0).all() and values[2] >= 0.0):
+        raise one.error(
+            f"contradicts itself: {', '.join(f'{x:g}' for x in values)}",
+            "give psi 0, 1 and 2 from 1 to 0, none above the one before",
+        )
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def _load(name: str, one: Field, model: Model) -> LoadCase:
+    """The load of a case, at its characteristic value."""
+    given = one.get("load", name)
+    each = list(given.elements()) if isinstance(given.value, list) else [given]
+    parts = []
+    for word in each:
+        text = word.text()
+        if text == "gravity":
+            parts.append(_weight(one, model))
+        elif text == "model":
+            parts.append(model.load)
+        else:
+            try:
+                parts.append(chosen_case(text, model.assembly, model.cases))
+            except InputError as error:
+                raise word.error(error.what, error.remedy) from error
+    if one.has("blocks") and "gravity" not in [word.text() for word in each]:
+        raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
+    if not parts:
+        raise given.error("is empty", "name a load")
+    return LoadCase.combine([(1.0, part) for part in parts], name)
+
+
+def _weight(one: Field, model: Model) -> LoadCase:
+    """The weight of all blocks, or of those that are named."""
+    whole = LoadCase.gravity(model.assembly)
+    if not one.has("blocks"):
+        return whole
+    try:
+        kept = kept_of(model.assembly, one["blocks"].text())
+    except InputError as error:
+        raise one["blocks"].error(error.what, error.remedy) from error
+    wrench = np.zeros_like(whole.wrench)
+    wrench[kept] = whole.wrench[kept]
+    return LoadCase(wrench, "gravity")
+
+
+def _combined(by: Situation, actions: Sequence[Action]) -> Iterator[Combination]:
+    """All combinations of a situation; those that are equal are given once."""
+    kinds = {kind: [one for one in actions if one.kind == kind] for kind in _KINDS}
+    events: list[dict[str, float]] = [{}]
+    if by.event:
+        events = [
+            {one.name: sign}
+            for one in kinds[by.event]
+            for sign in ((1.0, -1.0) if one.reversible else (1.0,))
+        ]
+    lasting = [
+        [{one.name: factor} for factor in dict.fromkeys(one.factors or by.permanent)]
+        for one in kinds["permanent"]
+    ]
+    load = {one.name: one.load for one in actions}
+    known: set[tuple[tuple[str, float], ...]] = set()
+    for *weights, moving, event in product(*lasting, _variable(by, kinds["variable"]), events):
+        every = {**{k: v for one in weights for k, v in one.items()}, **moving, **event}
+        factors = {name: factor for name, factor in every.items() if factor != 0.0}
+        key = tuple((name, round(factor, 9)) for name, factor in factors.items())
+        if factors and key not in known:
+            known.add(key)
+            parts = [(factor, load[name]) for name, factor in factors.items()]
+            yield Combination(by, factors, LoadCase.combine(parts))
+
+
+def _variable(by: Situation, actions: Sequence[Action]) -> list[dict[str, float]]:
+    """Factors of the variable actions that act: none, and each set with each that leads it."""
+    found: list[dict[str, float]] = []
+    for present in product((False, True), repeat=len(actions)):
+        some = [one for one, there in zip(actions, present, strict=True) if there]
+        groups = [one.group for one in some if one.group]
+        if len(set(groups)) < len(groups):
+            continue
+        leaders: list[Action | None] = [*some] or [None]
+        for leader in leaders:
+            each = {one.name: _factor(one, by.leading if one is leader else by.others, by)
+                    for one in some}  # fmt: skip
+            turned = [(1.0, -1.0) if one.reversible else (1.0,) for one in some]
+            found += [
+                {
+                    name: sign * factor
+                    for (name, factor), sign in zip(each.items(), signs, strict=True)
+                }
+                for signs in product(*turned)
+            ]
+    return found
+
+
+def _factor(one: Action, pair: tuple[float, int], by: Situation) -> float:
+    """The factor of a variable action: its own replaces that of the situation above 1."""
+    factor, number = pair
+    if one.factors is not None and by.leading[0] > 1.0:
+        factor = one.factors[0]
+    return factor * (1.0 if number < 0 else one.psi[number])

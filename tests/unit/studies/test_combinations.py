@@ -1,0 +1,129 @@
+"""Combinations of actions: their factors, the one that governs, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import DrystoneError, JointCapacity, LoadCase, Model
+from drystone.cli import main
+from drystone.models import tower
+from drystone.studies import combinations, read_combinations
+
+WEIGHT = """
+[case.weight]
+kind = "permanent"
+load = "gravity"
+"""
+PUSH = """
+[case.push]
+kind = "variable"
+psi = [0.7, 0.5, 0.3]
+load = "block-1:{},0,0N"
+"""
+STACK = Model.of(tower(2), friction=2.0)
+"""A cube of 1 m and 23,544 N on a cube."""
+
+
+def written(folder: Path, *parts: str) -> Path:
+    path = folder / "cases.toml"
+    path.write_text("\n".join(parts), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("force", "stands"), [(14000, True), (14250, False)])
+def test_a_block_overturns_where_the_factors_of_equilibrium_say(
+    force: float, stands: bool, tmp_path: Path
+) -> None:
+    """By moments about the edge: 1.5 Q h/2 = 0.9 W b/2, so Q = 14,126 N."""
+    path = written(tmp_path, 'situations = ["EQU", "STR"]', WEIGHT, PUSH.format(force))
+    found = combinations(STACK, path)
+    assert len(found.each) == 8
+    governing = found.each[found.governs]
+    assert (governing.situation.name, governing.words) == ("EQU", "0.9 weight + 1.5 push")
+    assert (found.code == 0) == stands
+    assert found.governing.stable == stands
+    if stands:
+        share = 1.5 * force / (0.9 * 23544.0)
+        assert found.needed[found.governs] == pytest.approx(share, abs=2e-3)
+
+
+def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
+    """It slides where 1.5 Q = 0.9 W 0.6/1.25, so at Q = 6,781 N."""
+    firm = 'situations = ["EQU"]\n[material]\nfriction = 1.25\nstrength = "A2"'
+    rough = Model.of(tower(2), friction=0.6)
+    for force, stands in ((6700, True), (6850, False)):
+        path = written(tmp_path, firm, WEIGHT, PUSH.format(force))
+        assert combinations(rough, path, margin="none").governing.stable == stands
+    glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1700.0))
+    one = read_combinations(path, glued)[0].of(glued)
+    assert one.contacts.capacity is not None
+    assert one.contacts.capacity.tension.tolist() == pytest.approx([1000.0])
+    assert one.contacts.friction.tolist() == pytest.approx([1.6])
+
+
+def test_variable_actions_lead_in_turn_and_an_earthquake_goes_both_ways(tmp_path: Path) -> None:
+    other = '[case.snow]\nkind = "variable"\ncategory = "snow"\nload = "block-1:1kN"'
+    quake = '[case.quake]\nkind = "seismic"\nreversible = true\nload = "seismic:0.1"'
+    path = written(tmp_path, WEIGHT, PUSH.format(100), other, quake)
+    found = read_combinations(path, STACK)
+    words = {name: [one.words for one in found if one.situation.name == name]
+             for name in ("STR", "seismic")}  # fmt: skip
+    assert "1.35 weight + 1.5 push + 0.75 snow" in words["STR"]
+    assert "1.35 weight + 1.05 push + 1.5 snow" in words["STR"]
+    assert words["seismic"] == [
+        f"1 weight {more}{sign} 1 quake" for more in ("", "+ 0.3 push ") for sign in "+-"
+    ]
+    grouped = read_combinations(
+        written(tmp_path, WEIGHT, PUSH.format(100) + 'group = "q"', other + '\ngroup = "q"'), STACK
+    )
+    assert not any("push" in one.factors and "snow" in one.factors for one in grouped)
+
+
+def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
+    assembly = tower(2)
+    wind = LoadCase(LoadCase.point_load(assembly, 1, (500.0, 0.0, 0.0)).wrench, "wind")
+    model = Model(assembly, STACK.contacts, cases=(LoadCase.gravity(assembly), wind))
+    case = '[case.wind]\nkind = "variable"\ncategory = "wind"'
+    found = read_combinations(written(tmp_path, 'situations = ["STR"]', WEIGHT, case), model)
+    assert found[1].load.wrench[1, 0] == pytest.approx(750.0)
+    part = WEIGHT + 'blocks = "block-1"'
+    some = read_combinations(written(tmp_path, 'situations = ["characteristic"]', part), model)
+    assert some[0].load.wrench[:, 2].round().tolist() == [0.0, -23544.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (WEIGHT + "factors = [0.9, 1.1]", "case.weight.factors: contradicts itself: 0.9"),
+        (PUSH.format(1).replace("0.5,", "0.8,"), "case.push.psi: contradicts itself"),
+        (PUSH.format(1) + 'category = "A"', "case.push: has psi and a category"),
+        ('[case.q]\nkind = "variable"\nload = "gravity"', "has neither psi nor a category"),
+        (WEIGHT.replace("gravity", "block-1:500"), "case.weight.load: '500' is not a load"),
+        ('[case.snow]\nkind = "permanent"', "no load case is called 'snow'"),
+        (WEIGHT.replace("permanent", "dead"), "case.weight.kind: is 'dead'"),
+        (WEIGHT + "[material]\nfriction = 0.8", "material.friction: is 0.8"),
+        (WEIGHT + '[material]\nstrength = "D9"', "there is no class 'D9'"),
+        ('standard = "din"' + WEIGHT, "there is no standard 'din'"),
+        ('situations = ["ULS"]' + WEIGHT, "there is no situation 'ULS'"),
+        ('situations = ["seismic"]' + WEIGHT, "gives no combination"),
+        ("situations = []", "'case' is missing"),
+        ("[case", "is not TOML"),
+    ],
+)
+def test_what_contradicts_or_is_not_known_is_refused_in_one_line(
+    text: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DrystoneError, match=message.replace("[", r"\[")) as refused:
+        read_combinations(written(tmp_path, text), STACK)
+    assert "\n" not in str(refused.value)
+
+
+def test_the_command_tells_the_combination_that_governs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drystone.write(tower(2), tmp_path / "stack.json")
+    path = written(tmp_path, 'situations = ["EQU"]', WEIGHT, PUSH.format(14250))
+    told = ["combine", str(tmp_path / "stack.json"), str(path), "--friction", "2"]
+    assert main(told) == 1
+    assert "governs: EQU: 0.9 weight + 1.5 push" in capsys.readouterr().out
