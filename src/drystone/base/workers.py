@@ -335,6 +335,8 @@ class _DaskExecutor(Executor):
 
     def __init__(self, client: Any) -> None:
         self._client = client
+        # with its futures: a wait for one of Dask that is given up cancels what comes meanwhile
+        self._executor = client.get_executor(pure=False, retries=3)
         self._function: tuple[Callable[..., Any], Any] | None = None
         self._max_workers = max(1, len(client.scheduler_info()["workers"]))
 
@@ -344,9 +346,7 @@ class _DaskExecutor(Executor):
         """Submit one task; a function, with what is bound to it, is sent once."""
         if self._function is None or self._function[0] is not function:
             self._function = (function, self._client.scatter(function, broadcast=True, hash=False))
-        future: Future[Any] = self._client.submit(
-            _called, self._function[1], *arguments, pure=False, retries=3
-        )
+        future: Future[Any] = self._executor.submit(_called, self._function[1], *arguments)
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002

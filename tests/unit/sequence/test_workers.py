@@ -259,6 +259,11 @@ def test_a_dask_cluster_gives_the_same_plan_and_the_same_data_set(alone, tmp_pat
         write(arch(0.3, 5), tmp_path / "arch.json")
         asked = ["dataset", str(tmp_path / "arch.json"), "--rows", "30", "--out"]
         assert main([*asked, str(tmp_path / "alone")]) == 0
+        future = DaskWorkers(cluster.scheduler_address)().submit(time.sleep, 0.2)
+        with pytest.raises(TimeoutError):
+            future.result(timeout=0.01)
+        assert type(future) is Future  # whose wait cancels nothing when it is given up
+        assert future.result() is None
         cluster_too = [str(tmp_path / "side by side"), "--workers", cluster.scheduler_address]
         assert main([*asked, *cluster_too]) == 0
     one, other = (
