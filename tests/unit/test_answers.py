@@ -48,6 +48,7 @@ def answers() -> Iterator[Answer]:
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.limit_tilt(stack, options=coarse)
     yield limits.tilt_sweep(stack, 2, options=coarse)
+    yield limits.limit_train(arch(0.3, 8), steps=1, friction=0.8)
     yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
     yield drystone.programs.find_forces(stack)
     yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))

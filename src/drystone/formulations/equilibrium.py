@@ -11,7 +11,7 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -116,10 +116,13 @@ class FactorSolution:
         solver failed.
     state
         Forces at the limit; its multiplier is the mechanism.
+    reserve : (r,)
+        Share of each reserve that is used, from 0 to 1.
     """
 
     factor: float
     state: EquilibriumSolution
+    reserve: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 def build_equilibrium(
@@ -207,6 +210,7 @@ def solve_load_factor(
     live: Floats,
     *,
     cone: FrictionCone,
+    reserve: sparse.csc_matrix | None = None,
     options: ConicOptions | None = None,
     stop: Callable[[], bool] | None = None,
     enough: float = np.inf,
@@ -215,7 +219,8 @@ def solve_load_factor(
 
     ::
 
-        maximise  lambda   subject to   A f + p + lambda live = 0,  friction,  no pull
+        maximise  lambda   subject to   A f + p + lambda live + R s = 0,  0 <= s <= 1,  friction,
+                                        no pull
 
     Parameters
     ----------
@@ -223,6 +228,8 @@ def solve_load_factor(
     live : (n, 6)
         Scaled as ``statics.load`` is.
     cone
+    reserve : (6 n, r)
+        R: wrenches of which any share may act, such as what fill resists; scaled alike.
     options
     stop
     enough
@@ -234,13 +241,19 @@ def solve_load_factor(
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
     column = sparse.csc_matrix(live.reshape(-1, 1))
+    count = 0 if reserve is None else reserve.shape[1]
 
     def build(given: Statics) -> ConicProgram:
         builder = ProgramBuilder()
-        grown = builder.variable("factor", 1, linear=-1.0), column
+        terms: list[Term] = [(builder.variable("factor", 1, linear=-1.0), column)]
         if enough < np.inf:  # a little more, so that forces at that factor are well inside
-            builder.at_most("enough", np.array([1.001 * enough]), (grown[0], 1.0))
-        return _balanced(builder, given, add_corner_forces(builder, given), cone, grown)
+            builder.at_most("enough", np.array([1.001 * enough]), (terms[0][0], 1.0))
+        if reserve is not None:
+            share = builder.variable("reserve", count)
+            terms.append((share, reserve))
+            builder.at_most("reserve from 0", np.zeros(count), (share, -1.0))
+            builder.at_most("reserve to 1", np.ones(count), (share, 1.0))
+        return _balanced(builder, given, add_corner_forces(builder, given), cone, *terms)
 
     state = solved(build, statics, options, stop=stop, enough=-enough)
     raw = state.raw
@@ -250,7 +263,7 @@ def solve_load_factor(
         ConicStatus.INFEASIBLE: float("-inf"),
         ConicStatus.FAILED: float("nan"),
     }[raw.status]
-    return FactorSolution(factor, state)
+    return FactorSolution(factor, state, raw.x[1 : 1 + count].copy())
 
 
 def solve_extreme_force(

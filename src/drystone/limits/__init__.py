@@ -30,6 +30,7 @@ from drystone.limits.limits import (
 )
 from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
+from drystone.limits.train_limit import TrainEnvelope, limit_train
 from drystone.settlement import reduce_friction
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "ThrustBounds",
     "Tilt",
     "TiltSweep",
+    "TrainEnvelope",
     "imperfect",
     "imperfections",
     "limit_friction",
@@ -57,6 +59,7 @@ __all__ = [
     "limit_shrink",
     "limit_thickness",
     "limit_tilt",
+    "limit_train",
     "thrust_bounds",
     "tilt_sweep",
 ]
@@ -74,5 +77,6 @@ LIMITS: Mapping[str, Offered] = {
     "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),
     "thrust": Offered(thrust_bounds, "arch.json springer-right", ("direction",)),
     "tilt": Offered(limit_tilt, "arch.json --axis y", ("axis",)),
+    "train": Offered(limit_train, "arch.json --steps 5", ("train", "fill", "steps")),
 }
 """The limits of a model, by what the command line and other programs call them."""

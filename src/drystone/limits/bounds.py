@@ -172,10 +172,10 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
     """The largest factor of a live load; the scales are those of the model without it."""
     statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
-    return solve_load_factor(statics, _scaled_wrench(statics, live), cone=cone, stop=stop)
+    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop)
 
 
-def _scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
+def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
     """Wrenches (n, 6) of the free blocks in the units of a dimensionless problem."""
     wrench = load.wrench[statics.free] / statics.force_unit
     return np.concatenate([wrench[:, :3], wrench[:, 3:] / statics.length[:, None]], axis=1)

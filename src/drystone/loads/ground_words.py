@@ -49,6 +49,11 @@ def weight(text: str) -> float:
     return units.measured(size, units.FORCES | _MASSES, what="weight")
 
 
+def force(text: str) -> float:
+    """A force [N], such as ``300kN``, or the weight of a mass such as ``22.5t``."""
+    return units.measured(text, units.FORCES | _MASSES, what="load")
+
+
 def pressure(text: str) -> float:
     """A pressure [Pa], such as ``10kPa`` or ``10kN/m2``."""
     size, slash, _ = text.partition("/m2")

@@ -1,0 +1,428 @@
+"""Trains that move over a bridge: the largest load factor at every place, and the worst place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Unpack
+
+import numpy as np
+from scipy import sparse
+
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.drawing import bare_scene
+from drystone.base.arrays import Floats, Ints, whole
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
+from drystone.checks import check_forces, mechanism_defects
+from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
+from drystone.formulations.projection import held_still
+from drystone.io.opening import Given, How, supported_model
+from drystone.limits.bounds import scaled_wrench
+from drystone.limits.limit_answer import Limit
+from drystone.limits.limit_types import LimitOptions
+from drystone.limits.limits import limit_load
+from drystone.loads import Fill, LoadCase, Train
+from drystone.loads.fill import Tops
+from drystone.model import Model
+from drystone.results import Result
+from drystone.stability.problem import Problem
+from drystone.stability.proofs import MECHANISM_TOLERANCE
+
+_BALANCED = 1e-6
+"""Largest residual of forces that count, dimensionless."""
+_ALIKE = 1e-6
+"""Factors within this share of the least one are alike: of a bridge from both its ends."""
+_BEYOND = 1e-3
+"""Share of the factor beyond it at which the mechanism is checked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """A bridge under a train, wherever it is.
+
+    Attributes
+    ----------
+    problem
+        With its weight and that of the fill.
+    tops
+    train
+    options
+    """
+
+    problem: Problem
+    tops: Tops
+    train: Train
+    options: LimitOptions
+
+    @cached_property
+    def resisting(self) -> Floats:
+        """Wrench (n, 6) of all that the fill resists beyond its pressure by ``k``."""
+        fill = self.tops.fill
+        return self.tops.pressed(0.0, max(fill.passive - fill.k, 0.0))
+
+    @cached_property
+    def resisted(self) -> Ints:
+        """Positions of the free blocks on which fill resists."""
+        free = ~self.problem.model.assembly.fixed
+        return np.flatnonzero(free & self.resisting.any(axis=1))
+
+    def live(self, place: float) -> LoadCase:
+        """The train with its middle at a place."""
+        where = f"{self.train.name} at x = {place:.4g} m"
+        return LoadCase(self.train.on(self.tops, place), where)
+
+    def __call__(self, place: float) -> FactorSolution:
+        """The largest factor of the train at a place, by equilibrium."""
+        statics = self.problem.statics
+        count, each = len(self.problem.model.assembly), []
+        for block in self.resisted.tolist():
+            alone = np.zeros((count, 6))
+            alone[block] = self.resisting[block]
+            each.append(scaled_wrench(statics, LoadCase(alone)).ravel())
+        live = scaled_wrench(statics, self.live(place))
+        if not live.any():
+            raise InputError("no axle is on a free block", remedy="give fewer steps")
+        return solve_load_factor(
+            statics,
+            live,
+            cone=self.options.cone,
+            reserve=sparse.csc_matrix(np.array(each).T) if each else None,
+        )
+
+    def result(self, place: float, found: FactorSolution) -> Result | None:
+        """The forces and the mechanism at the limit; None where they are not balanced."""
+        if not np.isfinite(found.factor):
+            return None
+        problem = self.problem
+        model = problem.model.with_load(self._loaded(place, found.factor, found.reserve))
+        force = problem.force(found.state.force)
+        residuals = check_forces(model, force)
+        if max(residuals.equilibrium, residuals.tension) > _BALANCED:
+            return None
+        mechanism = problem.mechanism(found.state.multiplier)
+        return Result(
+            method="rbe",
+            verdict=Verdict.EQUILIBRIUM_EXISTS,
+            model=model,
+            message="the largest load that forces balance, and how it gives way beyond",
+            force=force,
+            mechanism=mechanism,
+            residuals=residuals,
+            solver=found.state.raw.solver,
+            iterations=found.state.raw.iterations,
+        )
+
+    def falls(self, place: float, found: FactorSolution) -> bool:
+        """Whether the mechanism proves that no forces balance a thousandth more.
+
+        Whatever share of its reserve the fill resists with: the whole where it is moved against.
+        """
+        problem = self.problem
+        beyond = found.factor + _BEYOND * abs(found.factor)
+        for state in (found.state, held_still(problem.statics, found.state)):
+            motion = problem.mechanism(state.multiplier)
+            against = (self.resisting[self.resisted] * motion[self.resisted]).sum(axis=1) < 0.0
+            load = self._loaded(place, beyond, against.astype(np.float64))
+            violation, power = mechanism_defects(problem.model.with_load(load), motion)
+            if violation <= MECHANISM_TOLERANCE and power > 0.0:
+                return True
+        return False
+
+    def _loaded(self, place: float, factor: float, reserve: Floats) -> LoadCase:
+        dead = self.problem.model.load
+        wrench = np.zeros_like(dead.wrench)
+        wrench[self.resisted] = reserve[:, None] * self.resisting[self.resisted]
+        acts = LoadCase(wrench, "what the fill resists") if reserve.any() else None
+        load = dead + factor * self.live(place)
+        return load if acts is None else load + acts
+
+
+@dataclass(frozen=True, eq=False)
+class TrainEnvelope(Answer):
+    """Largest load factors of a train on a bridge, by its place.
+
+    Attributes
+    ----------
+    places : (p,) [m]
+        Of the middle of the train, along x.
+    factors : (p,)
+        By equilibrium: NaN where none was found, infinite where nothing ends it.
+    limit
+        That of the full verdict at the worst place; ``None`` where fill resists, of which no
+        verdict knows.
+    asked_for
+        Number of places.
+    stopped
+        Why some are missing; else empty.
+    """
+
+    places: Floats
+    factors: Floats
+    limit: Limit | None
+    asked_for: int
+    stopped: str
+    _crossing: Crossing
+    _solutions: tuple[FactorSolution, ...]
+    options: LimitOptions
+
+    def _summary(self) -> str:
+        return f"'{self.train.name}', {counted(len(self.places), 'place')}"
+
+    @property
+    def train(self) -> Train:
+        """The train."""
+        return self._crossing.train
+
+    @property
+    def fill(self) -> Fill:
+        """The fill; without weight where there is none."""
+        return self._crossing.tops.fill
+
+    def live(self, place: float) -> LoadCase:
+        """The train with its middle at a place [m], spread through the fill."""
+        return self._crossing.live(place)
+
+    @property
+    def worst(self) -> int:
+        """The place with the least factor; of equal ones the first.
+
+        Raises
+        ------
+        InputError
+            No place is known.
+        """
+        if not len(self.places) or np.isnan(self.factors).all():
+            raise InputError("no place is known", remedy="let the search go on")
+        least = float(np.nanmin(self.factors))
+        room = _ALIKE * abs(least) if np.isfinite(least) else 0.0
+        return int(np.flatnonzero(self.factors <= least + room)[0])
+
+    @property
+    def model(self) -> Model:
+        """The bridge with its fill, without the train."""
+        return self._crossing.problem.model
+
+    @cached_property
+    def proven(self) -> bool:
+        """Whether forces at the worst place, and a mechanism just beyond, were checked."""
+        at, found = float(self.places[self.worst]), self._solutions[self.worst]
+        known = self._crossing.result(at, found) is not None
+        return known and self._crossing.falls(at, found)
+
+    @property
+    def _near(self) -> Floats:
+        """The factors (p,) up to four times the least; NaN for the others."""
+        if not len(self.places):
+            return self.factors
+        most = 4.0 * abs(float(self.factors[self.worst]))
+        return np.where(np.isfinite(self.factors) & (self.factors <= most), self.factors, np.nan)
+
+    @property
+    def title(self) -> str:
+        """The least factor, and where."""
+        train = self.train.name
+        if not len(self.places):
+            return f"No place of '{train}' is known"
+        at, factor = self.places[self.worst], float(self.factors[self.worst])
+        if not factor > 0.0:
+            return f"Forces balance no share of '{train}' at x = {at:.4g} m"
+        if self.limit is not None and self.limit.rest and self.limit.stands is not None:
+            factor = self.limit.stands
+            return f"Stands under '{train}' up to load factor {factor:.4g}, least at x = {at:.4g} m"
+        told = "any load factor" if np.isinf(factor) else f"load factor {factor:.4g}"
+        return f"Forces balance '{train}' up to {told}, least at x = {at:.4g} m"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The least factor, how it was found, and what it does not say."""
+        good = bool(len(self.places)) and self.factors[self.worst] > 0.0
+        if good and self.limit is not None and self.limit.stands is None:
+            good = False
+        said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
+        if not len(self.places):
+            return [*said, Sentence(f"not finished: {self.stopped}", Role.REMARK)]
+        known = counted(len(self.places), "place")
+        checked = "forces there and a mechanism beyond are checked" if self.proven else "not proved"
+        least = float(self.factors[self.worst])
+        said.append(Sentence(f"by equilibrium at {known}: {least:.4g} and more; {checked}"))
+        fill = self.fill
+        if fill.passive > fill.k:
+            said.append(
+                Sentence(
+                    f"fill resists up to {fill.passive:g} times its vertical pressure: only "
+                    "'limit train' counts that, and no verdict was asked",
+                    Role.REMARK,
+                )
+            )
+        elif self.limit is not None:
+            said += self.limit.sentences()[1:]
+        if self.stopped:
+            missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
+            said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """The factors by place."""
+        return [self.table()]
+
+    def table(self) -> Table:
+        """The factors by place."""
+        columns = {"place": self.places, "load_factor": self.factors}
+        return Table("load factor by place", columns, {"place": "m"})
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Places, factors, the worst one, the train and the fill."""
+        train, fill = self.train, self.fill
+        return {
+            "train": {"name": train.name, "places": train.places, "loads": train.loads,
+                      "contact": train.contact, "across": train.across, "source": train.source},
+            "fill": fill,
+            "places": self.places,
+            "factors": self.factors,
+            "worst": float(self.places[self.worst]) if len(self.places) else None,
+            "proven": bool(len(self.places)) and self.proven,
+            "limit": None if self.limit is None else self.limit.numbers(),
+            "stopped": self.stopped,
+        }  # fmt: skip
+
+    def layers(self) -> Scene:
+        """The worst place, then the others, each with its forces and its mechanism.
+
+        Those where much more is carried are left out: beside them the worst has no visible forces.
+        """
+        scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
+        if not len(self.places):
+            return scene
+        stages = [] if self.limit is None else list(self.limit.layers().stages)
+        still = max(len(stages) - 1, 0)
+        order = [] if stages else [self.worst]
+        for i in [*order, *np.flatnonzero(np.isfinite(self._near)).tolist()]:
+            stages += self._stage(i)
+        charts = (self.figure(),)
+        return replace(scene, title=self.title, stages=tuple(stages), charts=charts, still=still)
+
+    def _stage(self, i: int) -> list[SceneStage]:
+        at, found = float(self.places[i]), self._solutions[i]
+        result = self._crossing.result(at, found)
+        if result is None:
+            return []
+        stage = result.stage(f"x = {at:.3g} m")
+        headline = f"Load factor {found.factor:.4g} at x = {at:.4g} m"
+        return [replace(stage, headline=headline)]
+
+    def figure(self) -> Chart:
+        """The factor by the place of the train."""
+        factor, told = self._near, ""
+        marks = [Marks(MarkKind.LINE, self.places, factor, "accent", "forces balance it")]
+        if np.isfinite(factor).any():
+            at = self.worst
+            spot = self.places[at : at + 1], factor[at : at + 1]
+            marks.append(Marks(MarkKind.DIAMOND, *spot, "bad", "the worst place"))
+            told = f"least at x = {spot[0][0]:.4g} m: {spot[1][0]:.4g}; shown up to four times that"
+        name = self.train.name
+        return Chart(
+            f"Largest load factor of '{name}' by its place", tuple(marks),
+            "middle of the train", "load factor", ("m", ""), told,
+        )  # fmt: skip
+
+
+@checked_call
+def limit_train(
+    given: Given,
+    *,
+    train: Train | None = None,
+    fill: Fill | None = None,
+    steps: int = 50,
+    options: LimitOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> TrainEnvelope:
+    """The largest load factor of a train at every place on a bridge along x.
+
+    One conic program at each place gives the largest factor that forces balance; at the worst place
+    the full verdict is searched as well. Fill is added to the load, spreads the axles, and resists
+    what moves into it.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file that ``how`` turns into one.
+    train
+        Of the library: ``axle`` (1 kN), ``lm1``, ``lm1-axle``, ``lm2``, ``lm71``, ``bogie``; or a
+        TOML file (axle).
+    fill
+        Such as ``cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3,passive=1``; none when left out.
+    steps
+        Places of the middle of the train, from where its first axle comes to where its last one
+        leaves.
+    options
+        Of the limit at the worst place.
+
+    Raises
+    ------
+    InputError
+        The train is longer than the bridge, or the load has fill already.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import segmental_bridge
+    >>> model = drystone.Model.of(segmental_bridge(voussoirs=12), friction=0.6)
+    >>> found = limit_train(model, fill=Fill(cover=0.3, weight=2e4), steps=5)
+    >>> found.places[found.worst].round(2)
+    np.float64(1.32)
+    """
+    model = supported_model(given, **how)
+    carried = Train.named("axle") if train is None else train
+    if "fill to " in model.load.name:
+        raise InputError("the load has fill already", where="load", remedy="give --fill alone")
+    if whole(steps, "the number of places") < 1:
+        raise InputError(f"{steps} places", where="steps", remedy="give one or more")
+    tops = Tops.of(model.assembly, Fill(0.0, 0.0) if fill is None else fill)
+    low, high = tops.ends
+    if carried.length > high - low:
+        raise InputError(
+            f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m",
+            where="train",
+            remedy="take a shorter one, or the axles of it that fit",
+        )
+    if fill is not None:
+        model = model.with_load(model.load + tops.fill.on(model.assembly))
+    chosen = LimitOptions.of(options)
+    crossing = Crossing(Problem.build(model), tops, carried, chosen)
+    share = (np.arange(steps) + 0.5) / steps
+    reach = 0.5 * carried.length
+    places = low - reach + share * (high - low + 2.0 * reach)
+    clock = Clock(time_limit_s, stop)
+    found: list[FactorSolution] = []
+    with WorkerPool(executor) as pool:
+        for one in pool.answers(crossing, places.tolist(), clock.late):
+            found.append(one)
+            if progress is not None:
+                progress("places", len(found), steps)
+    factors = np.array([one.factor for one in found])
+    known = places[: len(found)]
+    envelope = TrainEnvelope(
+        known, factors, None, steps, clock.reason, crossing, tuple(found), chosen
+    )
+    if clock.late() or not found or tops.fill.passive > tops.fill.k:
+        return envelope
+    worst, factor = float(places[envelope.worst]), float(factors[envelope.worst])
+    if not np.isfinite(factor):
+        return envelope
+    limit = limit_load(
+        model,
+        crossing.live(worst),
+        upper=max(2.0 * factor, 1e-3),
+        options=chosen,
+        stop=clock.late,
+    )
+    return replace(envelope, limit=limit, stopped=clock.reason)

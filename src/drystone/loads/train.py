@@ -1,0 +1,130 @@
+"""Trains of axles that move over a bridge: from a small library, or a TOML of one's own."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any, Self
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError, counted, meant
+from drystone.base.files import read_bytes
+from drystone.base.settings import Options
+from drystone.loads.fill import Tops
+from drystone.loads.ground_words import force, length
+
+_KEYS = ("source", "contact", "across", "axles")
+
+
+@dataclass(frozen=True)
+class Train(Options):
+    """Axles at fixed distances.
+
+    Attributes
+    ----------
+    name
+    places : (a,) [m]
+        From the first axle on.
+    loads : (a,) [N]
+    contact, across : [m]
+        Length and width of the road on which an axle acts; over the whole width of the bridge
+        where ``across`` is zero.
+    source
+
+    Examples
+    --------
+    >>> Train.named("lm1").length
+    1.2
+    """
+
+    name: str
+    places: tuple[float, ...]
+    loads: tuple[float, ...]
+    contact: float = 0.0
+    across: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        where = f"train '{self.name}'"
+        if not self.places or len(self.places) != len(self.loads):
+            axles = f"{len(self.places)} places and {counted(len(self.loads), 'load')}"
+            raise InputError(axles, where=where, remedy="give a load for each axle")
+        if min(self.loads) <= 0.0 or list(self.places) != sorted(self.places):
+            raise InputError(
+                "a load is not above zero, or its places do not grow", where=where,
+                remedy="list axles from the first one on",
+            )  # fmt: skip
+        self._refuse_below(0.0, "contact", "across")
+
+    def _summary(self) -> str:
+        return f"'{self.name}', {counted(len(self.places), 'axle')}, {sum(self.loads):.4g} N"
+
+    @property
+    def length(self) -> float:
+        """[m], from the first axle to the last one."""
+        return self.places[-1] - self.places[0]
+
+    @classmethod
+    def named(cls, text: str) -> Self:
+        """Of the library by its name, or of a TOML file.
+
+        Raises
+        ------
+        InputError
+            There is none, or the file cannot be read.
+        """
+        if text.lower().endswith(".toml"):
+            try:
+                found = tomllib.loads(read_bytes(text).decode("utf-8"))
+            except ValueError as error:
+                raise InputError(f"is no TOML: {error}", where=text) from error
+            return cls._of(Path(text).stem, found, text)
+        known = _library()
+        if text not in known:
+            others = meant(text, list(known), f"use {', '.join(known)} or a .toml")
+            raise InputError(f"there is no train '{text}'", remedy=others)
+        return cls._of(text, known[text], f"train '{text}'")
+
+    @classmethod
+    def _of(cls, name: str, found: Mapping[str, Any], where: str) -> Self:
+        odd = [key for key in found if key not in _KEYS]
+        axles = found.get("axles")
+        if odd or not isinstance(axles, list):
+            what = f"'{odd[0]}' is no key" if odd else "it has no axles"
+            raise InputError(what, where=where, remedy=f"give {', '.join(_KEYS)}")
+        try:
+            each = [str(one).partition(" at ") for one in axles]
+            for load, at, _ in each:
+                if not at:
+                    raise InputError(f"axle '{load}' has no place")
+            return cls(
+                name,
+                tuple(length(place) for _, _, place in each),
+                tuple(force(load) for load, _, _ in each),
+                length(str(found.get("contact", 0.0))),
+                length(str(found.get("across", 0.0))),
+                str(found.get("source", "")),
+            )
+        except InputError as error:
+            remedy = "write '300kN at 1.2m'"
+            raise InputError(str(error).partition(";")[0], where=where, remedy=remedy) from error
+
+    def on(self, tops: Tops, middle: float) -> Floats:
+        """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along x."""
+        first = middle - 0.5 * (self.places[0] + self.places[-1])
+        each = zip(self.places, self.loads, strict=True)
+        wrenches: Sequence[Floats] = [
+            tops.spread(load, first + place, self.contact, self.across) for place, load in each
+        ]
+        return sum(wrenches[1:], wrenches[0])
+
+
+@cache
+def _library() -> Mapping[str, Mapping[str, Any]]:
+    text = resources.files("drystone.loads").joinpath("trains.toml").read_text("utf-8")
+    return tomllib.loads(text)

@@ -1,0 +1,93 @@
+"""Bridges with fill under an axle, against a plane linear program that shares nothing with ours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from drystone import Model
+from drystone.limits import LimitOptions, limit_train
+from drystone.loads import Fill, Train
+from drystone.models import segmental_bridge
+
+SPAN, RISE, RING, COUNT, FRICTION = 6.0, 1.5, 0.45, 30, 0.6
+STONE, SOIL, COVER, CONTACT = 2200.0 * 9.81, 20e3, 0.3, 0.3
+
+
+def own_limit(place: float, k: float = 0.0, passive: float = 0.0) -> float:
+    """The largest axle [kN] on a segmental ring with fill, by statics in its plane.
+
+    Per joint a compression at the intrados and one at the extrados, and a shear of at most friction
+    times their sum; three equations per voussoir. The axle spreads by 1/2 to each side, down to the
+    extrados below it.
+    """
+    radius = (0.25 * SPAN**2 + RISE**2) / (2.0 * RISE)
+    low = RISE - radius
+    half = np.arcsin(0.5 * SPAN / radius)
+    angle = np.linspace(-half, half, COUNT + 1)
+    ray = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    centre = np.array([0.5 * SPAN, low])
+    inner, outer = centre + radius * ray, centre + (radius + RING) * ray
+    along = np.stack([np.cos(angle), -np.sin(angle)], axis=1)  # normal of a joint, to the right
+    road = float(outer[:, 1].max()) + COVER
+    at = int(np.clip(np.searchsorted(outer[:, 0], place) - 1, 0, COUNT - 1))
+    share = (place - outer[at, 0]) / (outer[at + 1, 0] - outer[at, 0])
+    depth = road - (outer[at, 1] + share * (outer[at + 1, 1] - outer[at, 1]))
+    wide = CONTACT + depth
+    balance, dead, live = np.zeros((3 * COUNT, 3 * COUNT + 3)), np.zeros(3 * COUNT), []
+    held = np.zeros((3 * COUNT, COUNT))
+    for i in range(COUNT):
+        for joint, sign in ((i, 1.0), (i + 1, -1.0)):
+            for column, (way, point) in enumerate(((along, inner), (along, outer), (ray, inner))):
+                force, where = sign * way[joint], point[joint]
+                turn = where[0] * force[1] - where[1] * force[0]
+                balance[3 * i : 3 * i + 3, 3 * joint + column] = *force, turn
+        (xa, za), (xb, zb) = outer[i], outer[i + 1]
+        corner = np.array([inner[i], inner[i + 1], outer[i + 1], outer[i]])
+        x, z = corner.T
+        cross = x * np.roll(z, -1) - np.roll(x, -1) * z
+        area = 0.5 * cross.sum()
+        middle = ((x + np.roll(x, -1)) * cross).sum() / (6.0 * area)
+        ha, hb, length = road - za, road - zb, xb - xa
+        fill = SOIL * length * np.array([ha, hb]) @ [0.5, 0.5]
+        centroid = xa + length * (ha + 2.0 * hb) / (3.0 * (ha + hb))
+        dead[3 * i + 1] = -abs(area) * STONE - fill
+        dead[3 * i + 2] = -abs(area) * STONE * middle - fill * centroid
+        step = (zb - za) / 2.0 * np.array([1.0, 4.0, 1.0]) / 3.0  # Simpson: exact for cubics
+        level = np.array([za, 0.5 * (za + zb), zb])
+        push = SOIL * (road - level) * step
+        sideways = np.array([push.sum(), 0.0, -(level * push).sum()])
+        dead[3 * i : 3 * i + 3] += k * sideways
+        held[3 * i : 3 * i + 3, i] = (passive - k) * sideways if passive else 0.0
+        left, right = max(xa, place - 0.5 * wide), min(xb, place + 0.5 * wide)
+        force = max(right - left, 0.0) / wide * 1e3
+        live += [0.0, -force, -force * 0.5 * (left + right)]
+    joints = COUNT + 1
+    friction = np.zeros((2 * joints, 3 * joints))
+    for j in range(joints):
+        friction[2 * j, 3 * j : 3 * j + 3] = -FRICTION, -FRICTION, 1.0
+        friction[2 * j + 1, 3 * j : 3 * j + 3] = -FRICTION, -FRICTION, -1.0
+    bounds = [(0, None), (0, None), (None, None)] * joints + [(0, 1)] * COUNT + [(0, None)]
+    matrix = np.column_stack([balance, held, live])
+    limits = np.column_stack([friction, np.zeros((2 * joints, COUNT + 1))])
+    price = np.zeros(matrix.shape[1])
+    price[-1] = -1.0
+    found = linprog(price, limits, np.zeros(len(limits)), matrix, -dead, bounds)
+    return float(found.x[-1])
+
+
+@pytest.mark.parametrize("k", [0.0, 0.3, 1.5])
+@pytest.mark.parametrize("passive", [0.0, 2.0])
+def test_an_axle_is_carried_as_a_plane_program_says(k: float, passive: float) -> None:
+    bridge = Model.of(segmental_bridge(SPAN, RISE, RING, COUNT).with_density(2200.0), friction=0.6)
+    found = limit_train(
+        bridge,
+        train=Train.named("axle"),
+        fill=Fill(COVER, SOIL, k=k, passive=passive),
+        steps=6,
+        options=LimitOptions(equilibrium_only=True),
+    )
+    own = [own_limit(float(place), k, passive) for place in found.places[:3]]
+    assert found.factors[:3] == pytest.approx(own, rel=1e-5)
+    assert found.factors[::-1][:3] == pytest.approx(own, rel=1e-5)
