@@ -60,7 +60,7 @@ suppress_warnings = ["ref.python"]  # attributes of two classes may have one nam
 html_theme = "furo"
 html_title = f"drystone {version}"
 html_favicon = "images/favicon.svg"
-html_static_path = ["site/site.css", "images/vault.png"]
+html_static_path = ["site/site.css", "images/vault.png", "images/film.mp4"]
 html_css_files = ["site.css"]
 html_baseurl = os.environ.get("DRYSTONE_SITE", "")
 """The address of the site, with a slash at its end: pictures of links need it."""

@@ -333,6 +333,15 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
 
 
+def test_the_front_page_shows_a_film_that_is_quick_to_load() -> None:
+    film = ROOT / "docs" / "images" / "film.mp4"
+    assert film.read_bytes()[4:8] == b"ftyp"
+    assert film.stat().st_size < 3_000_000
+    page = (ROOT / "docs" / "index.md").read_text("utf-8")
+    assert f'src="_static/{film.name}"' in page
+    assert f"images/{film.name}" in (ROOT / "docs" / "conf.py").read_text("utf-8")
+
+
 def test_the_version_has_one_source() -> None:
     others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "README.md"]
     others += ["docs/trust/citing.md", "docs/conf.py"]
