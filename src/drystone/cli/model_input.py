@@ -38,13 +38,14 @@ HOW = partial(
         "only": "NAMES",
         "without": "NAMES",
         "isolate": "NAMES",
+        "crack": "BLOCKS:BLOCKS",
         "layers": "NAME",
         "thickness": "LENGTH",
     },
     group=MODEL,
     groups={
         LOADS: ("gravity", "load", "case", "seismic"),
-        CONTACTS: ("joint_capacity", "gap", "angle", "edges", "anyway", "search"),
+        CONTACTS: ("joint_capacity", "gap", "angle", "edges", "anyway", "search", "crack"),
     },
 )
 """How a model is read: the options of :func:`drystone.read`."""

@@ -65,6 +65,7 @@ class How(FileOptions, total=False):
     only: str | Sequence[str]
     without: str | Sequence[str]
     isolate: str | Sequence[str]
+    crack: str | Sequence[str]
     up: Literal["z", "y"]
     search: bool
     skip_defects: bool
@@ -96,6 +97,7 @@ def read(
     only: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
     isolate: str | Sequence[str] = (),
+    crack: str | Sequence[str] = (),
     units: Unit | None = None,
     up: Literal["z", "y"] = "z",
     split: bool = False,
@@ -164,6 +166,9 @@ def read(
     isolate
         Blocks that are looked at alone, by names and patterns separated by commas: all others are
         fixed.
+    crack
+        Joints that are cut out, as open cracks that carry nothing: ``BLOCKS:BLOCKS`` of those
+        between blocks by names and patterns, such as ``r00-*:r00-*`` for the head joints of a ring.
     units
         Unit of length of the file (the file's, else m).
     up
@@ -214,7 +219,7 @@ def read(
     asked: How = {
         "supports": supports, "friction": friction, "density": density,
         "joint_capacity": joint_capacity, "anyway": anyway, "only": only, "without": without,
-        "isolate": isolate, "search": search,
+        "isolate": isolate, "crack": crack, "search": search,
     }  # fmt: skip
     of_file: FileOptions = {
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
@@ -293,7 +298,7 @@ def _model_of(
             detection=detection,
             anyway=anyway,
         )
-    model = _isolated(model, how)
+    model = _cracked(_isolated(model, how), how)
     notes += model.notes
     total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
     return _with_capacity(
@@ -439,6 +444,29 @@ def _isolated(model: Model, how: How) -> Model:
     return replace(model, assembly=assembly, notes=(*model.notes, note))
 
 
+def _cracked(model: Model, how: How) -> Model:
+    """The model without the joints that are cracks; no others are looked for instead."""
+    given = how.get("crack", ())
+    if not len(given):
+        return model
+    contacts, cut = model.contacts, np.zeros(model.contacts.count, dtype=bool)
+    for text in [given] if isinstance(given, str) else given:
+        first, colon, second = text.partition(":")
+        if not colon:
+            raise InputError(
+                f"'{text}' is not BLOCKS:BLOCKS", where="crack", remedy="write a-*:b-*"
+            )
+        a, b = (_named(model.assembly, one, "crack") for one in (first, second))
+        of_a, of_b = contacts.block_a, contacts.block_b
+        here = (a[of_a] & b[of_b]) | (a[of_b] & b[of_a])
+        if not here.any():
+            raise InputError(f"no joint is between '{first}' and '{second}'", where="crack")
+        cut |= here
+    note = f"{counted(int(cut.sum()), 'joint')} cut out as cracks, which carry nothing"
+    left = model.with_contacts(contacts.select(~cut))
+    return replace(left, report=None, unjoined=(), notes=(*model.notes, note))
+
+
 def _with_one_more(case: LoadCase) -> LoadCase:
     """The load case of an assembly with one more block, on which nothing acts."""
     none = np.zeros((1, 6))
@@ -482,7 +510,7 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
         model = model.subset(kept_of(model.assembly, only, without))
     if supports is not None:
         model = model.with_supports(supports, up_of_load(loads.acceleration))  # type: ignore[arg-type]
-    model = _isolated(model, how)
+    model = _cracked(_isolated(model, how), how)
     if coefficient is not None:
         model = model.with_friction(coefficient)
     if loads != Loads():
