@@ -21,7 +21,7 @@ import click
 
 from drystone.base.errors import DrystoneError, InputError
 from drystone.cli import kinds, output
-from drystone.cli.command import SETTINGS, write_examples
+from drystone.cli.command import SETTINGS, help_all, write_examples
 from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY, ends_as_ctrl_c
 
 _SHELLS = ("bash", "zsh", "fish")
@@ -110,12 +110,16 @@ class _Limits(_Program):
 
 
 limit = _Limits(
-    "limit", help="Limits: largest tilt, least friction and others.", context_settings=SETTINGS
+    "limit",
+    help="Limits: largest tilt, least friction and others.",
+    params=[help_all()],
+    context_settings=SETTINGS,
 )
 limit.examples = ("drystone limit tilt arch.json", "drystone limit thickness arch")
 app = _Program(
     "drystone",
     help="Does a structure of loose blocks stand by contact and friction alone?",
+    params=[help_all()],
     context_settings=SETTINGS,
 )
 app.examples = ("drystone demo", "drystone check arch.json --html arch.html")

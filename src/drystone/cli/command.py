@@ -118,8 +118,7 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Told | No
     Each parameter is an argument or an option; its annotation has an :class:`Argument` or an
     :class:`Option`. A parameter whose type is a dataclass gives an option per field, one with
     :class:`Of` the options that are declared beside an analysis. A parameter ``waiting`` gets the
-    :class:`Waiting` of the command. ``--json`` and, where there are expert options, ``--help-all``
-    are added.
+    :class:`Waiting` of the command. ``--json`` and ``--help-all`` are added.
     """
 
     def make(function: Callable[..., Told | None]) -> Command:
@@ -222,18 +221,16 @@ def _common(params: list[click.Parameter]) -> list[click.Parameter]:
             ["--json", "as_json"], is_flag=True, help="Print one JSON object and nothing else."
         )
     ]
-    if any(isinstance(one, GroupedOption) and one.expert for one in params):
-        more.append(
-            GroupedOption(
-                ["--help-all"],
-                is_flag=True,
-                is_eager=True,
-                expose_value=False,
-                callback=_help_all,
-                help="Show all options and exit.",
-            )
-        )
-    return more
+    experts = any(isinstance(one, GroupedOption) and one.expert for one in params)
+    return [*more, help_all(hidden=not experts)]
+
+
+def help_all(*, hidden: bool = True) -> GroupedOption:
+    """The option ``--help-all``; where it shows no more than ``--help`` it is taken, and hidden."""
+    return GroupedOption(
+        ["--help-all"], is_flag=True, is_eager=True, expose_value=False, callback=_help_all,
+        help="Show all options and exit.", hidden=hidden,
+    )  # fmt: skip
 
 
 def _help_all(ctx: click.Context, _: click.Parameter, asked: bool) -> None:

@@ -47,6 +47,9 @@ def mend(
             metavars={"margin": "WHAT", "kinds": "KIND", "keep": "BLOCKS"},
         ),
     ],
+    everything: Annotated[
+        bool, Option("List what was tried without success, too.", flags=("--all",), expert=True)
+    ] = False,
     apply: Annotated[
         int | None,
         Option(
@@ -99,7 +102,8 @@ def mend(
         mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
-    told = Told(mends, notes=model.notes, files=partial(pictures.of, mends))
+    notes = [*model.notes, *(mends.failures() if everything else ())]
+    told = Told(mends, notes=notes, files=partial(pictures.of, mends))
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
             what = f"there is no mend {apply}: {len(mends.mends)} were found"

@@ -134,12 +134,16 @@ class Mends(Answer):
             for number, one in enumerate(self.mends, 1)
         ]
 
+    def failures(self) -> list[str]:
+        """A line for each combination that was tried without success."""
+        return [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
+
     def _failed(self) -> str:
         regions = len({blocks for blocks, _ in self.tried})
         kinds = ", ".join(dict.fromkeys(one.kind for _, one in self.tried))
         where = f" in {regions} regions" if regions > 1 else ""
         told = counted(len(self.tried), "combination was", "combinations were")
-        return f"{told} tried without success{where}: {kinds} (--json lists them)"
+        return f"{told} tried without success{where}: {kinds} (--all lists them)"
 
     def layers(self) -> Scene:
         """Why it falls, and each mend as a stage of its own, as far as a page carries them."""

@@ -18,7 +18,8 @@ from drystone.cli.command import Command, command
 from drystone.cli.offered import MODEL, Argument, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.models import arch
+from drystone.model import Model
+from drystone.models import arch, h_model
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -97,6 +98,21 @@ def test_the_help_of_every_command_has_two_examples_and_few_options(
     )
     assert len(re.findall(r"^  --[a-z]", out, re.MULTILINE)) <= 16
     assert max(map(len, out.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("name", ["", "limit", *commands()])
+def test_every_command_shows_all_of_its_options(name: str, capsys: Capsys) -> None:
+    assert main([*name.split(), "--help-all"]) == 0
+    assert "more option" not in capsys.readouterr().out
+
+
+def test_mends_that_fail_are_folded_and_listed_on_request(tmp_path: Path, capsys: Capsys) -> None:
+    path = tmp_path / "h.json"
+    io.write(Model.of(h_model(), friction=0.5), path)
+    assert main(["mend", str(path), "--kind", "friction", "--all"]) == 1
+    told = capsys.readouterr().out
+    assert "1 combination was tried without success: friction (--all lists" in told
+    assert "block: friction: it falls" in told
 
 
 LEFT_OUT = {"reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})
