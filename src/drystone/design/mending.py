@@ -61,14 +61,14 @@ def mend(
     log: list[str] = []
     passed: dict[frozenset[str], str] = {}
     passed_at = 0
+    result = chosen.margin.holds(model, clock.late)
     with WorkerPool(executor) as pool:
         while True:
-            result = chosen.margin.holds(model, clock.late)
             stands = chosen.margin.meets(result)
             if stands or len(steps) == _ROUNDS or clock.late():
                 break
             found = find_mends(
-                model, options=chosen, regions=1, besides=passed,
+                model, options=chosen, regions=1, besides=passed, result=result,
                 executor=pool.executor, progress=progress, stop=clock.late,
             )  # fmt: skip
             passed |= _hopeless(found)
@@ -78,6 +78,7 @@ def mend(
                 model, kept = best.model, best.change
                 steps.append(kept)
                 log.append(f"{named(kept.blocks)}: {kept.description} (cost {kept.cost:.3g})")
+                result = chosen.margin.holds(model, clock.late)
             elif passed and passed_at < len(steps):  # what was mended since may hold them
                 passed, passed_at = {}, len(steps)
             else:

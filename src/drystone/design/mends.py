@@ -26,6 +26,7 @@ from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
+from drystone.results import Result
 from drystone.stability import check
 from drystone.supports import select
 
@@ -188,6 +189,7 @@ def find_mends(
     options: MendOptions | None = None,
     regions: int | None = None,
     besides: Collection[frozenset[str]] = (),
+    result: Result | None = None,
     found_one: Callable[[Changed], None] | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -211,6 +213,8 @@ def find_mends(
         do not count.
     besides
         Regions that are not examined, by the names of their blocks.
+    result
+        What :meth:`DesignMargin.holds` of the margin says of this model, if available.
     found_one
         Called with each change that holds the whole structure, once all of its kind were checked.
 
@@ -223,7 +227,8 @@ def find_mends(
     clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
     keep = kept_blocks(model, chosen.keep)
-    found, message = _fallen(model, chosen.margin, clock, executor)
+    first = chosen.margin.holds(model, clock.late) if result is None else result
+    found, message = _fallen(first, chosen.margin, clock, executor)
     if message:
         return Mends(found, message=message)
     tell_one = found_one or bool
@@ -255,10 +260,9 @@ def find_mends(
 
 
 def _fallen(
-    model: Model, margin: DesignMargin, clock: Clock, executor: Workers | None
+    first: Result, margin: DesignMargin, clock: Clock, executor: Workers | None
 ) -> tuple[Diagnosis, str]:
     """Why a model falls in the first case of a margin that falls, or why nothing is mended."""
-    first = margin.holds(model, clock.late)
     if margin.meets(first):
         return diagnose(first.model, result=first), stands_already(margin)
     # what stands for some stiffnesses only is mended as it falls with the uniform one
