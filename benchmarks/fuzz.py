@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import copy
 import faulthandler
-import io as text_io
 import json
 import os
 import random
@@ -31,7 +30,6 @@ import tempfile
 import time
 import warnings
 import xml.etree.ElementTree as ET
-import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -62,8 +60,7 @@ OUTSIDE = {"3dm": "rhino3dm", "step": "cascadio", "ifc": "ifcopenshell", "usd": 
 LIMIT_OUTSIDE_S = 30.0
 """More than each of them may take by itself."""
 SHARES = {
-    "drystone": 0.24,
-    "npz": 0.08,
+    "drystone": 0.32,
     "compas-assembly": 0.1,
     "compas-dem": 0.1,
     "obj": 0.18,
@@ -262,9 +259,6 @@ def samples() -> dict[str, list[bytes]]:
 
 
 def _written(model: Contents, name: str, folder: Path) -> list[bytes]:
-    if name == "npz":
-        io.write(model, folder / "model.json", format="drystone-npz")
-        return [(folder / "model.npz").read_bytes()]
     path = folder / f"model.{io.format_of('x', name).suffixes[0]}"
     try:
         io.write(model, path, format=name)
@@ -331,8 +325,6 @@ def _binary_stl(model: Assembly) -> bytes:
 def damaged(name: str, files: list[bytes], rng: random.Random) -> bytes:
     """One input."""
     data = rng.choice(files)
-    if name == "npz" and rng.random() < 0.3:
-        return _odd_archive(data, rng)
     if name.startswith(("drystone", "compas")) and rng.random() < 0.5:
         return _odd_json(data, rng)
     if name in ("mjcf", "urdf", "dae") and rng.random() < 0.5:
@@ -439,28 +431,6 @@ def _somewhere(content: Any, rng: random.Random) -> tuple[Any, Any]:
     return at, key
 
 
-def _odd_archive(data: bytes, rng: random.Random) -> bytes:
-    """A zip that unpacks to much, claims odd shapes, or holds an object array."""
-    buffer = text_io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        kind = rng.randrange(4)
-        if kind == 0:
-            archive.writestr("vertices.npy", bytes(rng.choice((10, 10**6, 3 * 10**7))))
-        elif kind == 1:
-            shape = rng.choice(("(10**12,)", "(1000000000000, 3)", "(-1,)", "()", "(0,)", "[1]"))
-            kinds = ("<f8", "|O", "<U9", "<i8", ">f8", "<M8[s]")
-            dtype = rng.choice(kinds)
-            head = f"{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}, }}"
-            text = head.encode().ljust(117) + b"\n"
-            magic = b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little")
-            archive.writestr("vertices.npy", magic + text + bytes(24))
-        elif kind == 2:
-            archive.writestr("../../evil.npy", data[:100])
-        else:
-            archive.writestr("vertices.npy", b"cos\nsystem\n(S'true'\ntR.")
-    return buffer.getvalue()
-
-
 class Watch:
     """Notes what the running reader must not do. There is one, since hooks cannot be removed."""
 
@@ -552,17 +522,6 @@ def _warm_up(files: dict[str, list[bytes]]) -> None:
 
 def file_of(name: str, data: bytes, folder: Path) -> Path:
     """Write the bytes of a file of a format to a folder."""
-    if name == "npz":
-        from drystone.io.npz import digest
-
-        (folder / "model.npz").write_bytes(data)
-        told = {"file": "model.npz", "sha256": digest(data)}
-        vertices = {"npz": "vertices", "rows": [0, 8]}
-        corners = {"npz": "corners", "rows": [0, 24], "lengths": [4] * 6}
-        block = {"name": "a", "vertices": vertices, "faces": corners}
-        path = folder / "model.json"
-        path.write_text(json.dumps({"arrays": told, "blocks": [block]}), encoding="utf-8")
-        return path
     if name == "folder":
         return _unpacked(data, folder / "parts")
     path = folder / f"model{io.format_of('x', name).suffixes[0]}"

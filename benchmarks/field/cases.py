@@ -107,7 +107,7 @@ class Case:
             f'"blocks": {_rows(blocks)},',
         ]
         if self.contacts is not None:
-            given = contacts_content(self.contacts, lambda _, value: value.round(DECIMALS).tolist())
+            given = contacts_content(self.contacts, DECIMALS)
             lines.append(f'"contacts": {json.dumps(given)},')
         lines.append(f'"loads": {_rows(loads)}}}')
         return "\n".join(lines) + "\n"

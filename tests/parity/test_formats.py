@@ -8,7 +8,7 @@ import pytest
 from drystone import Assembly, Contacts, Model, check, find_contacts, io
 from drystone.models import arch, concave, vault
 
-EXACT = ("drystone", "drystone-npz", "compas-assembly", "compas-dem", "obj", "stl", "ply")
+EXACT = ("drystone", "compas-assembly", "compas-dem", "obj", "stl", "ply")
 SUFFIX = {"obj": ".obj", "stl": ".stl", "ply": ".ply", "glb": ".glb"}
 
 

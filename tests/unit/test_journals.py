@@ -154,7 +154,7 @@ def test_records_of_another_version_are_not_gone_on_from(work, tmp_path) -> None
         work(file)
 
 
-@pytest.mark.parametrize("form", ["drystone", "drystone-npz", "compas-assembly"])
+@pytest.mark.parametrize("form", ["drystone", "compas-assembly"])
 def test_a_stored_model_that_is_cut_or_damaged_is_read_or_refused_in_one_line(
     form: str, tmp_path
 ) -> None:
@@ -165,7 +165,7 @@ def test_a_stored_model_that_is_cut_or_damaged_is_read_or_refused_in_one_line(
         for place in range(0, len(data), 89):
             damaged = bytearray(data)
             damaged[place] ^= 1 << place % 8
-            cuts.append((bytes(damaged), file.suffix == ".npz"))  # its checksum is known
+            cuts.append((bytes(damaged), False))
         for content, is_lost in cuts:
             file.write_bytes(content)
             said = ""

@@ -35,8 +35,7 @@ def convert(
     to: Annotated[
         str | None,
         Option(
-            "Format by name, where several share a suffix: drystone, drystone-npz, "
-            "compas-assembly, compas-dem.",
+            "Format by name, where several share a suffix: drystone, compas-assembly, compas-dem.",
             OUTPUT,
             metavar="FORMAT",
         ),
@@ -110,9 +109,8 @@ def convert(
         told.append(Sentence(said, Role.REMARK))
     if chosen.loses:
         told.append(Sentence(f"this format does not store {chosen.loses}", Role.REMARK))
-    arrays = [str(Path(target).with_suffix(".npz"))] if chosen.name == "drystone-npz" else []
     found = Statement(tuple(told), values=values)
-    return Told(found, subject=source.name, notes=notes, written=[target, *arrays])
+    return Told(found, subject=source.name, notes=notes, written=[target])
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:

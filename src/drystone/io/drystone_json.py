@@ -15,7 +15,6 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
-from drystone.io import npz
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
 from drystone.io.load_parts import load_of_parts
@@ -26,7 +25,7 @@ from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
 SCHEMA = "drystone"
 VERSION = 1
-TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
+TOP = ("schema", "version", "units", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
 LOAD = ("name", "wrench", "motion", "parts")
@@ -60,7 +59,6 @@ def read(top: Field) -> Draft:
     if version.integer() > VERSION:
         raise version.error(f"is {version.value}", "a newer drystone wrote this file; update")
     top.only(TOP)
-    top = npz.resolve(top)
     shapes = tuple(_shape(field) for field in top["blocks"].elements())
     if not shapes:
         raise top["blocks"].error("holds no block", "give at least one")

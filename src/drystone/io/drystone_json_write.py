@@ -6,19 +6,13 @@ import dataclasses
 import enum
 import json
 import math
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
-from drystone.base.files import utf8, write_bytes, write_together
+from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
-from drystone.io import npz
 from drystone.io.draft import Contents
 from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
 from drystone.joint_capacity import DRY
@@ -34,26 +28,7 @@ def write(model: Contents, path: Path) -> None:
     FormatError
         A result belongs to other contacts, or metadata is not made of JSON values.
     """
-    write_bytes(path, _text(_content(model, path, None), path))
-
-
-def write_beside(model: Contents, path: Path) -> None:
-    """Write a model with all its data, the arrays to an npz file with the same name.
-
-    Raises
-    ------
-    FormatError
-        As :func:`write`.
-    """
-    packer = npz.Packer()
-    content = _content(model, path, packer)
-    data = packer.data()
-    beside = path.with_suffix(".npz")
-    content["arrays"] = {"file": beside.name, "sha256": npz.digest(data)}
-    text = _text(content, path)
-    write_together(
-        [(beside, partial(write_bytes, data=data)), (path, partial(write_bytes, data=text))]
-    )
+    write_bytes(path, _text(_content(model, path), path))
 
 
 def _text(content: dict[str, Any], path: Path) -> bytes:
@@ -68,16 +43,12 @@ def _text(content: dict[str, Any], path: Path) -> bytes:
     return utf8("{\n " + ",\n ".join(parts) + "\n}\n")
 
 
-def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str, Any]:
-    """A model as plain values; its arrays as nested lists, or in the packer."""
-
-    def array(key: str, values: NDArray[Any]) -> Any:
-        return values.tolist() if packer is None else packer.put(key, values)
-
+def _content(model: Contents, path: Path) -> dict[str, Any]:
+    """A model as plain values."""
     assembly, contacts = model.assembly, model.contacts
     loads = list(model.loads)
     results = []
-    for number, result in enumerate(model.results):
+    for result in model.results:
         if result.assembly is not assembly or result.contacts is not contacts:
             raise FormatError(
                 "a result belongs to another assembly or to other contacts",
@@ -88,7 +59,7 @@ def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str
             loads.append(result.load)
         position = next(i for i, load in enumerate(loads) if load is result.load)
         arrays = {
-            name: array(f"result-{number}-{name}", getattr(result, name))
+            name: getattr(result, name).tolist()
             for name in ARRAYS
             if getattr(result, name) is not None
         }
@@ -97,45 +68,41 @@ def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str
         "schema": SCHEMA,
         "version": VERSION,
         "units": "m",
-        "arrays": None,
         "blocks": [
-            _block_content(block, bool(fixed), packer)
+            _block_content(block, bool(fixed))
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
-        "contacts": None if contacts is None else contacts_content(contacts, array),
-        "loads": [_load_content(load, number, array) for number, load in enumerate(loads)] or None,
+        "contacts": None if contacts is None else contacts_content(contacts),
+        "loads": [_load_content(load) for load in loads] or None,
         "results": results or None,
     }
 
 
-def contacts_content(
-    contacts: Contacts, array: Callable[[str, NDArray[Any]], Any]
-) -> dict[str, Any]:
-    """Contacts as plain values; ``array`` says what stands for an array of a name."""
-    content = {name: array(name, getattr(contacts, name)) for name in CONTACTS}
+def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[str, Any]:
+    """Contacts as plain values, rounded where so many ``decimals`` are enough."""
+    content = {name: getattr(contacts, name) for name in CONTACTS}
     if contacts.capacity is not None:
-        content |= {name: array(name, getattr(contacts.capacity, name)) for name in DRY}
-    return content
+        content |= {name: getattr(contacts.capacity, name) for name in DRY}
+    if decimals is not None:
+        content = {name: values.round(decimals) for name, values in content.items()}
+    return {name: values.tolist() for name, values in content.items()}
 
 
-def _load_content(
-    load: LoadCase, number: int, array: Callable[[str, NDArray[Any]], Any]
-) -> dict[str, Any]:
-    content = {"name": load.name, "wrench": array(f"load-{number}", load.wrench)}
+def _load_content(load: LoadCase) -> dict[str, Any]:
+    content = {"name": load.name, "wrench": load.wrench.tolist()}
     if load.motion is not None:
-        content["motion"] = array(f"load-{number}-motion", load.motion)
+        content["motion"] = load.motion.tolist()
     return content
 
 
-def _block_content(block: Block, fixed: bool, packer: npz.Packer | None) -> dict[str, Any]:
-    content: dict[str, Any] = {"name": block.name, "fixed": fixed, "density": block.density}
-    if packer is None:
-        content |= {"vertices": block.vertices.tolist(), "faces": block.faces}
-    else:
-        corners = np.array([corner for face in block.faces for corner in face], dtype=np.int64)
-        lengths = [len(face) for face in block.faces]
-        content["vertices"] = packer.append("vertices", block.vertices)
-        content["faces"] = packer.append("corners", corners) | {"lengths": lengths}
+def _block_content(block: Block, fixed: bool) -> dict[str, Any]:
+    content: dict[str, Any] = {
+        "name": block.name,
+        "fixed": fixed,
+        "density": block.density,
+        "vertices": block.vertices.tolist(),
+        "faces": block.faces,
+    }
     if block.metadata:
         content["metadata"] = dict(block.metadata)
     if block.repairs:

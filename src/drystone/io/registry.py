@@ -83,12 +83,6 @@ _COMPAS = f"friction, metadata, {_LOADS} but for forces"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), "json_file", "drystone_json_write"),
     Format(
-        "drystone-npz",
-        "drystone JSON with npz",
-        (),
-        writer="drystone_json_write.write_beside",
-    ),
-    Format(
         "compas-assembly",
         "COMPAS JSON, compas_assembly",
         (".json",),

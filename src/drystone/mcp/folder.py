@@ -14,7 +14,7 @@ from typing import Any
 from drystone.base.declared import Declared, declared, refuse_unknown
 from drystone.base.errors import InputError
 from drystone.base.files import write_text
-from drystone.io import FORMATS, jsontext, read
+from drystone.io import FORMATS, read
 from drystone.model import Model
 from drystone.supports import require_supports
 
@@ -54,7 +54,7 @@ class Folder:
         return cls(folder.resolve(), int(largest_mib * MIB))
 
     def model(self, name: str) -> Path:
-        """The model file of that name; files that it refers to are in the folder too.
+        """The model file of that name.
 
         Raises
         ------
@@ -65,11 +65,6 @@ class Folder:
         if file.suffix.lower() not in _SUFFIXES:
             known = ", ".join(sorted(_SUFFIXES))
             raise InputError("is no model file", where=name, remedy=f"its suffix is one of {known}")
-        data = file.read_bytes() if file.suffix.lower() == ".json" else b""
-        if b'"arrays"' in data or b"\\u" in data:  # a key may be written with escapes
-            top = jsontext.parse(data, Path(name))
-            if top.has("arrays"):
-                self._file(str(PurePath(name).parent / top["arrays"]["file"].text()))
         return file
 
     def _file(self, name: str) -> Path:

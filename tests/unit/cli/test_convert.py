@@ -25,7 +25,7 @@ def test_convert_writes_every_format_that_it_reads(
     assert again.volume == pytest.approx(arch().volume, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", ["drystone", "drystone-npz", "compas-assembly", "compas-dem"])
+@pytest.mark.parametrize("name", ["drystone", "compas-assembly", "compas-dem"])
 def test_the_format_can_be_named_and_contacts_written(
     tmp_path: Path, capsys: Capsys, name: str
 ) -> None:

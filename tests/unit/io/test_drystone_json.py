@@ -1,8 +1,5 @@
 import dataclasses
-import hashlib
-import io as text_io
 import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -97,10 +94,9 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-@pytest.mark.parametrize("format", ["drystone", "drystone-npz"])
-def test_everything_of_a_model_comes_back_to_the_last_bit(tmp_path: Path, format: str) -> None:
+def test_everything_of_a_model_comes_back_to_the_last_bit(tmp_path: Path) -> None:
     model = full_model()
-    io.write(model, tmp_path / "model.json", format=format)
+    io.write(model, tmp_path / "model.json")
     again = io.read_file(tmp_path / "model.json")
     assert again.contacts is not None
     assert model.contacts is not None
@@ -316,106 +312,6 @@ def test_each_block_has_a_line_of_its_own(tmp_path: Path) -> None:
     io.write(assembly, tmp_path / "arch.json")
     lines = (tmp_path / "arch.json").read_text(encoding="utf-8").splitlines()
     assert len([line for line in lines if '"name"' in line]) == len(assembly)
-
-
-def beside(tmp_path: Path) -> tuple[Path, Any]:
-    path = tmp_path / "model.json"
-    io.write(full_model(), path, format="drystone-npz")
-    return path, json.loads(path.read_text(encoding="utf-8"))
-
-
-def test_arrays_lie_beside_the_file(tmp_path: Path) -> None:
-    _, content = beside(tmp_path)
-    assert content["arrays"]["file"] == "model.npz"
-    assert content["blocks"][1]["vertices"] == {"npz": "vertices", "rows": [8, 16]}
-    with np.load(tmp_path / "model.npz", allow_pickle=False) as arrays:
-        assert arrays["vertices"].shape == (24, 3)
-
-
-def test_arrays_of_another_file_are_refused(tmp_path: Path) -> None:
-    path, _ = beside(tmp_path)
-    np.savez(tmp_path / "model.npz", vertices=np.zeros((24, 3)))
-    with pytest.raises(FormatError, match=r"model\.npz: does not belong to model\.json"):
-        io.read_file(path)
-    (tmp_path / "model.npz").unlink()
-    with pytest.raises(FormatError, match=r"model\.npz: there is no such file"):
-        io.read_file(path)
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("../model.npz", "not the name of an npz file"),
-        ("/etc/passwd", "not the name of an npz file"),
-        ("model.json", "not the name of an npz file"),
-    ],
-)
-def test_arrays_lie_in_the_same_folder_only(tmp_path: Path, name: str, words: str) -> None:
-    _, content = beside(tmp_path)
-    content["arrays"]["file"] = name
-    with pytest.raises(FormatError, match=words):
-        load(tmp_path, content)
-
-
-@pytest.mark.parametrize(
-    ("reference", "words"),
-    [
-        ({"npz": "nothing"}, "there is no array 'nothing'"),
-        ({"npz": "vertices", "rows": [0, 25]}, "which has 24 rows"),
-        ({"npz": "vertices", "rows": [8, 0]}, "which has 24 rows"),
-        ({"npz": "vertices", "lengths": [3, 4]}, "do not add up to 24 rows"),
-        ({"npz": "vertices", "columns": 3}, "unknown field 'columns'"),
-        ([{"npz": "vertices"}] * 100, "too often"),
-    ],
-)
-def test_references_to_arrays_are_checked(tmp_path: Path, reference: Any, words: str) -> None:
-    _, content = beside(tmp_path)
-    content["blocks"][0]["vertices"] = reference
-    with pytest.raises(FormatError, match=words):
-        load(tmp_path, content)
-
-
-def with_archive(tmp_path: Path, data: bytes) -> Path:
-    path, content = beside(tmp_path)
-    (tmp_path / "model.npz").write_bytes(data)
-    content["arrays"]["sha256"] = hashlib.sha256(data).hexdigest()
-    path.write_text(json.dumps(content), encoding="utf-8")
-    return path
-
-
-def archive(content: bytes, name: str = "vertices.npy") -> bytes:
-    buffer = text_io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as made:
-        made.writestr(name, content)
-    return buffer.getvalue()
-
-
-def saved(array: Any, **options: Any) -> bytes:
-    buffer = text_io.BytesIO()
-    np.save(buffer, array, **options)
-    return buffer.getvalue()
-
-
-@pytest.mark.parametrize(
-    ("data", "words"),
-    [
-        (b"no archive", "is no npz file"),
-        (archive(b"no array"), "not an array of numbers"),
-        (archive(saved(np.zeros((2, 3)))[:-8]), "does not have the contents that its header says"),
-        (
-            archive(saved(np.array(["a", 1], dtype=object), allow_pickle=True)),
-            "not an array of numbers",
-        ),
-        (archive(saved(np.asfortranarray(np.zeros((2, 3))))), "not an array of numbers"),
-        (archive(saved(np.array(["text"]))), "not an array of numbers"),
-        (archive(bytes(10**8)), "far larger than itself"),
-    ],
-    # the archives have the time in them, and every worker needs the same names
-    ids=["no archive", "no array", "cut off", "objects", "by columns", "text", "bomb"],
-)
-def test_archives_are_not_trusted(tmp_path: Path, data: bytes, words: str) -> None:
-    with pytest.raises(FormatError, match=words):
-        io.read_file(with_archive(tmp_path, data))
 
 
 def test_a_number_of_thousands_of_digits_is_told_in_plain_words(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """Small files that unfold to very much are refused before they do."""
 
-import hashlib
 import io as streams
 import json
 import struct
@@ -35,14 +34,6 @@ def archive(members: dict[str, bytes]) -> bytes:
         for name, content in members.items():
             made.writestr(name, content)
     return buffer.getvalue()
-
-
-def npz(folder: Path) -> Path:
-    header = b"\x93NUMPY\x01\x00v\x00{'descr': '<f8', 'fortran_order': False, 'shape': (9,), } \n"
-    data = archive({f"{i}.npy": header + bytes(2**25) for i in range(8)})
-    (folder / "model.npz").write_bytes(data)
-    named = {"file": "model.npz", "sha256": hashlib.sha256(data).hexdigest()}
-    return written(folder, "model.json", json.dumps({"arrays": named, "blocks": []}).encode())
 
 
 def usdz(folder: Path) -> Path:
@@ -152,7 +143,6 @@ def written(folder: Path, name: str, data: bytes) -> Path:
 @pytest.mark.parametrize(
     ("made", "words"),
     [
-        pytest.param(npz, "far larger than itself", id="npz"),
         pytest.param(usdz, "its files are packed", id="usdz"),
         pytest.param(lambda at: glb_file(at, 1, OFTEN), "places more than", id="glb-nodes"),
         pytest.param(lambda at: glb_file(at, OFTEN, 1), "places more than", id="glb-parts"),

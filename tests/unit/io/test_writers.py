@@ -21,7 +21,6 @@ OTHERS = {
     ("view/notebook.py", "TemporaryDirectory"): "read again at once, by the one writer",
     ("view/plots.py", "savefig"): "into memory",
     ("view/instructions.py", "savefig"): "into memory",
-    ("io/npz.py", "savez_compressed"): "into memory",
 }
 """Other calls that write, and why they may."""
 CALLS = {
