@@ -279,7 +279,7 @@ def _draft(
     drafts = [(file, _draft_of(file, units, max_size, asked)) for file in files]
     draft = drafts[0][1] if len(drafts) == 1 else together(drafts, units)
     draft = replace(draft, notes=(*draft.notes, *left_notes(left)))
-    return draft, units if len(files) == 1 else None, rest
+    return draft, units, rest
 
 
 def _draft_of(

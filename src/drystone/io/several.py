@@ -130,7 +130,9 @@ def left_notes(left: Sequence[Path]) -> list[str]:
 
 
 def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
-    """One draft of the shapes of several files, in metres, with remarks on their units.
+    """One draft of the shapes of several files, with remarks on their units.
+
+    Its lengths are in ``units`` where these are given, else in metres.
 
     A block has the name of its file; where a file has several, a dot and its own name follow.
 
@@ -156,14 +158,15 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
                 where=str(file),
                 remedy="read it alone, or convert it to a mesh",
             )
-        scale = scale_of(units or draft.units or "m")
+        scale = 1.0 if units else scale_of(draft.units or "m")
         own = [_placed(shape, file, name, len(draft.shapes), scale) for shape in draft.shapes]
         shapes += own
         size.append(_extent(own))
         notes += [f"{file.name}: {note}" for note in draft.notes]
     if units is None:
         notes += _units_told(drafts)
-    return Draft(tuple(shapes), "m", notes=(*notes, *_odd_sizes([f for f, _ in drafts], size)))
+    told = units or ("m" if any(draft.units for _, draft in drafts) else None)
+    return Draft(tuple(shapes), told, notes=(*notes, *_odd_sizes([f for f, _ in drafts], size)))
 
 
 def _names(files: Sequence[Path]) -> list[str]:

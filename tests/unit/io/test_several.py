@@ -83,6 +83,8 @@ def test_files_of_one_name_keep_their_suffix(folder: Path) -> None:
 def test_one_unit_is_that_of_all_files(folder: Path) -> None:
     model = drystone.read(folder, units="cm")
     assert model.assembly.volume == pytest.approx(0.5 * UNITS["cm"] ** 3)
+    # a thousandth of a metre across: whether the unit is right is asked by its name
+    assert any("read in mm: is the unit" in one for one in drystone.read(folder, units="mm").notes)
 
 
 def test_units_that_differ_are_told(folder: Path) -> None:
