@@ -19,6 +19,9 @@ OTHERS = {
     ("mcp/folder.py", "TemporaryDirectory"): "the same",
     ("view/notebook.py", "NamedTemporaryFile"): "a name for a page that the browser opens",
     ("view/notebook.py", "TemporaryDirectory"): "read again at once, by the one writer",
+    ("report/report_pdf.py", "save"): "into memory",
+    ("report/sketches.py", "savefig"): "into memory",
+    ("sequence/dataset.py", "mkdir"): "folders, in which the one writer writes",
     ("view/plots.py", "savefig"): "into memory",
     ("view/instructions.py", "savefig"): "into memory",
 }
