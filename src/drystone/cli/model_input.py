@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from drystone.loads import LoadCase
     from drystone.model import Model
 
-_PAIRS = 5
-"""Blocks or pairs named in a remark."""
-
 HOW = partial(
     Of,
     "drystone.io.read",
@@ -212,8 +209,7 @@ def warnings_of(report: ContactReport) -> Iterable[str]:
     names = report.names
     said = []
     if report.isolated:
-        shown = ", ".join(f"'{names[i]}'" for i in report.isolated[:_PAIRS])
-        more = len(report.isolated) - _PAIRS
-        said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
+        alone = named([f"'{names[i]}'" for i in report.isolated])
+        said.append(f"touching nothing: {alone}")
         said += report.suggestions()
     return said

@@ -27,8 +27,6 @@ _USUAL_BLOCK = 0.5
 _METRIC = ("mm", "cm", "m")
 """[m], chosen: the suggested unit is the metric unit that brings the median block nearest to this
 size."""
-_MANY = 5
-"""Names listed in one note."""
 
 
 @dataclass(frozen=True)
@@ -226,7 +224,7 @@ def _repair_notes(blocks: list[Block]) -> list[str]:
     notes = []
     for repair, repaired in names.items():
         many = "block" if len(repaired) == 1 else "blocks"
-        notes.append(f"{many} {named(repaired, _MANY)}: {repair}")
+        notes.append(f"{many} {named(repaired)}: {repair}")
     return notes
 
 

@@ -21,7 +21,7 @@ from drystone.base.errors import FormatError
 from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import SINGLE, FaceSoup, moved, named_apart, shapes_of
 from drystone.io.unfolding import Unfolded, unfold
 from drystone.io.xml_tree import numbers, root_of
 
@@ -36,8 +36,6 @@ _UP = {
 _MOVES = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
 """Numbers of each transformation."""
 _FACES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
-_SINGLE = 1e-6
-"""Distance of coincident points, relative to the extent: programs write single precision."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -66,7 +64,7 @@ def read(data: bytes, path: Path) -> Draft:
         raise FormatError(
             "shows no mesh", where=str(path), remedy="export the blocks as meshes in a scene"
         )
-    shapes, notes = shapes_of(soups, _SINGLE, path)
+    shapes, notes = shapes_of(soups, SINGLE, path)
     shapes, renamed = named_apart(shapes)
     return Draft(tuple(shapes), units, notes=(*notes, *renamed))
 

@@ -19,7 +19,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
+from drystone.io.face_soup import SINGLE, FaceSoup, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.unfolding import Unfolded
 
@@ -32,8 +32,6 @@ Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _MOST_NODES = 100_000
 _LARGEST_STRIDE = 252
 """[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
-SINGLE = 1e-6
-"""Distance of coincident points, relative to the extent, in single precision."""
 
 
 def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:

@@ -14,7 +14,8 @@ from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
 from drystone.io.draft import Contents
-from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
+from drystone.io.face_soup import SINGLE
+from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, VERSION, Z_UP
 
 
 def write(model: Contents, path: Path) -> None:

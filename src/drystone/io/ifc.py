@@ -19,14 +19,12 @@ from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import Draft
-from drystone.io.face_soup import FaceSoup, named_apart, shapes_of
+from drystone.io.face_soup import EXACT, FaceSoup, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import content_of, require
 
 PROGRAM = Path(__file__).with_name("ifc_extract.py")
 WALL_S = 20.0
-_SAME = 1e-9
-"""Distance of coincident points, relative to the extent."""
 _FIXED = ("IfcFooting", "IfcPile")
 
 
@@ -50,7 +48,7 @@ def read(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="walls, columns, beams, members, plates, proxies and their parts are read",
         )
-    shapes, said = shapes_of(soups, _SAME, path)
+    shapes, said = shapes_of(soups, EXACT, path)
     shapes = [
         replace(one, fixed=one.where in _FIXED, metadata={"class": one.where}) for one in shapes
     ]

@@ -24,7 +24,7 @@ from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
 from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
+from drystone.io.face_soup import SINGLE, FaceSoup, moved, named_apart, shape_of, shapes_of
 from drystone.io.registry import format_of
 from drystone.io.unfolding import Unfolded
 
@@ -33,8 +33,6 @@ Part: TypeAlias = tuple[Floats, Sequence[Loop]]
 
 MESHES = (".obj", ".stl", ".ply", ".glb", ".dae")
 """Suffixes of mesh files beside a scene."""
-_SINGLE = 1e-6
-"""Distance of coincident points of one part, relative to its extent: meshes in single precision."""
 _GROWN, _UNITED = 1e-6, 1e-5
 """Parts are united after they have grown by the first share of their body, so that the gap of a cut
 closes; afterwards points nearer than the second are one. Parts of 52 of 53 exported concave blocks
@@ -103,7 +101,7 @@ def _shape(body: PlacedBody, path: Path) -> DraftBlock:
     whole = _united(body, path) if len(body.parts) > 1 else None
     if whole is None:
         soups = [FaceSoup(p, f, body.name, body.where, split=False) for p, f in body.parts]
-        whole = _together(shapes_of(soups, _SINGLE, path)[0])
+        whole = _together(shapes_of(soups, SINGLE, path)[0])
     loops = [tuple(face) for face in whole.faces]
     own = shape_of(np.asarray(whole.vertices), loops, body.name, body.where)
     return _with_material(own, body)

@@ -19,12 +19,10 @@ from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
 from drystone.io import ply_tables
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, in_double, shape_of, shapes_of
+from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 _MARK = "drystone block "
-EXACT, SINGLE = 1e-9, 1e-6
-"""Distance of coincident points, relative to the extent, in double and in single precision."""
 
 
 def read(data: bytes, path: Path) -> Draft:

@@ -21,7 +21,7 @@ from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.io import outside
 from drystone.io.draft import Draft, DraftBlock
-from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.layers import hidden_notes, holds, require_blocks
 
@@ -32,7 +32,6 @@ TEXT = "drystone"
 PROGRAM = Path(__file__).with_name("rhino_extract.py")
 WALL_S = 4.0
 """[s] Any small file is answered within 5 s; one of some hundred KiB takes 0.2 s."""
-EXACT, SINGLE = 1e-9, 1e-6
 
 
 def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:

@@ -29,7 +29,6 @@ _MOST = 10_000
 _ODD = 30.0
 """A file whose blocks are larger or smaller by this factor than the median file is told: nearer to
 the ratio of units than of stones. Chosen."""
-_NAMED = 4
 _BESIDE = (".mtl", ".jpg", ".jpeg", ".png", ".bmp", ".tga", ".tif", ".tiff", ".gif", ".webp")
 """Suffixes of materials and pictures, which a shell puts into a list of files: ``parts/*``."""
 
@@ -125,7 +124,7 @@ def left_notes(left: Sequence[Path]) -> list[str]:
     """A remark on files that are no models."""
     if not left:
         return []
-    names = named([file.name for file in left], _NAMED)
+    names = named([file.name for file in left])
     return [f"{counted(len(left), 'file')} that can hold no model left out: {names}"]
 
 
@@ -203,7 +202,7 @@ def _units_told(drafts: Sequence[tuple[Path, Draft]]) -> list[str]:
         files.setdefault(draft.units or "no unit, metres assumed", []).append(file.name)
     if len(files) < 2:
         return []
-    told = [f"{named(names, _NAMED)}: {unit}" for unit, names in files.items()]
+    told = [f"{named(names)}: {unit}" for unit, names in files.items()]
     return [f"the units of the files differ ({'; '.join(told)}): --units reads all in one"]
 
 
@@ -223,7 +222,7 @@ def _odd_sizes(files: Sequence[Path], size: Sequence[float]) -> list[str]:
     if not told:
         return []
     than = "the median" if len(sized) > 2 else "the other file"
-    return [f"{named(told, _NAMED)} than {than}: are the units of all files the same (--units)?"]
+    return [f"{named(told)} than {than}: are the units of all files the same (--units)?"]
 
 
 def digest_of(files: Sequence[Path]) -> str:

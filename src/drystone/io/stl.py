@@ -14,13 +14,11 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_text
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft
-from drystone.io.face_soup import FaceSoup, in_double, shapes_of
+from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Length of the header and of each triangle in the binary form."""
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("spare", "<u2")])
-EXACT, SINGLE = 1e-9, 1e-6
-"""Distance of coincident points, relative to the extent: in text, and in single precision."""
 _FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
 
 

@@ -20,9 +20,6 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability.proofs import MECHANISM_TOLERANCE, part_of_fall, withdrawn
 
-_SHOWN = 3
-"""Pairs that a note names."""
-
 
 def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:
     """The result as it is, or that with the edges and corners that touch and may hold what falls.
@@ -126,7 +123,7 @@ def _with(model: Model, more: Contacts) -> Model:
     """The model with more contacts, and a note of them."""
     names = model.assembly.names
     pairs = sorted(set(zip(more.block_a.tolist(), more.block_b.tolist(), strict=True)))
-    told = named([f"{names[a]}-{names[b]}" for a, b in pairs], _SHOWN)
+    told = named([f"{names[a]}-{names[b]}" for a, b in pairs])
     note = f"edges and corners touch as well, where it would fall without: {told}"
     joined = joined_contacts(model.contacts, more)
     return replace(model, contacts=joined, notes=(*model.notes, note))

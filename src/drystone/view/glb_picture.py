@@ -16,7 +16,8 @@ from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
+from drystone.io.face_soup import SINGLE
+from drystone.io.glb import FLOAT, TRIANGLES, Z_UP
 from drystone.io.glb_write import container
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (

@@ -90,7 +90,7 @@ def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) ->
     faces = [list(f)[::-1] for f in CUBE.faces]
     shapes = [block(f"b{i}", 2.0 * i, faces=faces) for i in range(8)]
     (note,) = io.read_file(file(tmp_path, *shapes)).notes
-    assert note == "blocks 'b0', 'b1', 'b2', 'b3', 'b4' and 3 more: inside out: all faces turned"
+    assert note == "blocks 'b0', 'b1', 'b2' and 5 more: inside out: all faces turned"
 
 
 def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:
