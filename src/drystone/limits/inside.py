@@ -11,7 +11,7 @@ from functools import partial
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.workers import WorkerPool
-from drystone.limits.bounds import bisected_bound
+from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import (
     SEARCHED,
@@ -139,6 +139,10 @@ def searched(
                 found = _inside(family, (start, last), outer, width, means, pool.executor)
     means.tell("done", 3)
     rest = found.get("rest")
+    if rest is not None and rest.bracket.falls == start and outer.stands is not None:
+        at = rbe(means.options.cone, means.clock.late, family(start))
+        if at.falls:  # forces balance it farther on only: no limit from the start
+            outer = Bracket(falls=start, falling=at)
     tried = {one.value: one for each in found.values() for one in each.evaluations}
     return Limit(
         family.quantity,

@@ -503,6 +503,14 @@ def test_a_stopped_search_keeps_the_fall_that_was_followed() -> None:
     assert limit.rest.falls < limit.equilibrium.stands
 
 
+def test_what_falls_at_the_start_has_no_limit_farther_on() -> None:
+    """Turned back by 18.4 degrees the tower would stand, as its load slopes by 45."""
+    sloping = Model.of(tower(3), friction=0.6, load=(6.0, 0.0, -6.0))
+    limit = limit_tilt(sloping, "-y")
+    assert limit.best.stands is None
+    assert (limit.equilibrium.stands, limit.equilibrium.falls) == (None, 0.0)
+
+
 def test_a_tilt_is_told_about_its_own_axis() -> None:
     model = Model.of(tower(2), friction=0.6)
     pushed = model.with_load(model.load + 0.1 * LoadCase.of(model.assembly, (9.81, 0.0, 0.0)))
