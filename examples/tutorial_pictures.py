@@ -7,7 +7,9 @@ import sys
 from pathlib import Path
 
 import drystone
-from drystone.models import arch, bridge, h_model
+from drystone.limits import limit_train
+from drystone.loads import Fill, Train
+from drystone.models import arch, bridge, h_model, segmental_bridge, wall
 
 SIZE = (8.0, 4.4)
 """Inches."""
@@ -19,14 +21,23 @@ def main(folder: Path = Path()) -> None:
     span = arch(thickness_ratio=0.15, voussoirs=11)
     cart = drystone.LoadCase.point_load(span, "voussoir-03", (0.0, 0.0, -500.0))  # N
     loaded = drystone.LoadCase.gravity(span) + cart
+    ring = drystone.Model.of(segmental_bridge(8.0, 2.0, 0.5, 24), density=2200)
+    crossed = limit_train(
+        ring, train=Train.named("lm1"), fill=Fill(0.4, 19e3, k=0.3), steps=20, friction=0.6
+    )
+    earth = "earth:side=-y,weight=18kN/m3,k=active:30deg"
+    held = drystone.check(wall(9, 2, (1.0, 1.1, 0.3)), load=[earth], friction=0.6)
     pictures = {
         "architect": drystone.check(thin),
+        "bridge": crossed.limit or crossed,
         "engineer": drystone.check(span, friction=0.7, load=loaded),
+        "retaining-wall": held,
         "roboticist": drystone.plan(drystone.Model.of(bridge(), friction=0.5)),
         "researcher": drystone.check(h_model(), friction=0.84),
     }
     for name, subject in pictures.items():
-        drystone.save_figure(subject, folder / f"tutorial-{name}.png", size=SIZE, dpi=110)
+        size = (SIZE[0], SIZE[0]) if name == "bridge" else SIZE  # room for its arrows
+        drystone.save_figure(subject, folder / f"tutorial-{name}.png", size=size, dpi=110)
 
 
 if __name__ == "__main__":
