@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 
 FLOORS = {
     "Show": ("cli", "gym", "live", "mcp", "reproduce", "report", "view"),
-    "Design and plan": ("design", "compat", "sequence", "shells", "studies", "models"),
+    "Design and plan": ("design", "compat", "sequence", "shells", "studies", "seismic", "models"),
     "Analyse": (
         "limits",
         "programs",

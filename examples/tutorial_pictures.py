@@ -9,7 +9,7 @@ from pathlib import Path
 import drystone
 from drystone.limits import limit_train
 from drystone.loads import Fill, Train
-from drystone.models import arch, bridge, h_model, segmental_bridge, wall
+from drystone.models import arch, box, bridge, h_model, segmental_bridge, wall
 
 SIZE = (8.0, 4.4)
 """Inches."""
@@ -27,9 +27,16 @@ def main(folder: Path = Path()) -> None:
     )
     earth = "earth:side=-y,weight=18kN/m3,k=active:30deg"
     held = drystone.check(wall(9, 2, (1.0, 1.1, 0.3)), load=[earth], friction=0.6)
+    blocks = [box((12.0, 12.0, 1.0), (-3.0, -3.0, -1.0), "ground")]
+    for i in range(5):
+        blocks.append(box((6.0, 0.6, 1.0), (0.0, 0.0, i), f"facade-{i}"))
+        blocks.append(box((0.5, 1.5, 1.0), (0.0, 0.6, i), f"left-{i}"))
+        blocks.append(box((0.5, 1.5, 1.0), (5.5, 0.6, i), f"right-{i}"))
+    chapel = drystone.Model.of(drystone.Assembly(blocks).with_fixed(["ground"]), friction=0.6)
     pictures = {
         "architect": drystone.check(thin),
         "bridge": crossed.limit or crossed,
+        "church-wall": drystone.seismic.local_mechanism(chapel, direction="-y", part="facade-*"),
         "engineer": drystone.check(span, friction=0.7, load=loaded),
         "retaining-wall": held,
         "roboticist": drystone.plan(drystone.Model.of(bridge(), friction=0.5)),

@@ -15,6 +15,7 @@ ROOMS = {
     "What most people need": ("drystone",),
     "Limits": ("drystone.limits",),
     "Combinations": ("drystone.studies",),
+    "Masonry in earthquakes": ("drystone.seismic",),
     "Design": ("drystone.design",),
     "Assembly planning": ("drystone.sequence",),
     "Shells": ("drystone.shells",),

@@ -94,6 +94,7 @@ _ROOMS = (
     "limits",
     "models",
     "report",
+    "seismic",
     "sequence",
     "settlement",
     "shells",

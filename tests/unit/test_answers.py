@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import LoadCase, Model, design, limits, sequence, shells, studies
+from drystone import LoadCase, Model, design, limits, seismic, sequence, shells, studies
 from drystone.answer import Answer, Role, Scene, Sentence, Statement
 from drystone.answer.chart import Chart
 from drystone.detection import gap_sweep
@@ -24,6 +24,8 @@ from drystone.fall import Film
 from drystone.io import Inspection
 from drystone.models import arch, box, tower
 from drystone.reproduce import reproduce
+
+SPECTRUM = seismic.Spectrum.ec8(1.0, "A")
 
 
 def kinds() -> set[type[Answer]]:
@@ -57,6 +59,7 @@ def answers() -> Iterator[Answer]:
     yield studies.combinations(stack, file)
     yield limits.imperfections(stack, limits.Imperfections(offset=0.01), draws=2)
     yield drystone.settle(tower(2))
+    yield seismic.local_mechanism(tower(2), part="block-1", site=seismic.SeismicDemand(SPECTRUM))
     yield drystone.settlement.push(tower(2), friction=0.3, to=0.01)
     moves = {"springer-right": (0.01, 0.0, 0.0)}
     yield drystone.settlement.support_response(arch(0.2, 8), moves, friction=0.9)

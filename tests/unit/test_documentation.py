@@ -24,7 +24,15 @@ ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 """Whose examples and commands are tried."""
-TUTORIALS = ["architect", "bridge", "engineer", "researcher", "retaining-wall", "roboticist"]
+TUTORIALS = [
+    "architect",
+    "bridge",
+    "church-wall",
+    "engineer",
+    "researcher",
+    "retaining-wall",
+    "roboticist",
+]
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
 

@@ -32,6 +32,7 @@ ROOMS = [
     "limits",
     "models",
     "report",
+    "seismic",
     "sequence",
     "settlement",
     "shells",

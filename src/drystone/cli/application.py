@@ -147,6 +147,10 @@ app.places = {
         "drystone.sequence.interlocking",
         "Whether a model with its supports fixed holds under every load without friction",
     ),
+    "kinematic": (
+        "drystone.seismic.local_mechanism",
+        "Local collapse mechanism of masonry in an earthquake, by the kinematic method",
+    ),
     "limit": "application",
     "live": "server_commands",
     "mcp": "server_commands",

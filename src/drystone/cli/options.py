@@ -52,6 +52,12 @@ Csv: TypeAlias = Annotated[
     Option("Write the table of the answer, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
 ]
 
+Report: TypeAlias = Annotated[
+    Path | None,
+    Option("Write a calculation report on the answer, .pdf or .html.", OUTPUT,
+           kind=kinds.target(".pdf", ".html"), expert=True),
+]  # fmt: skip
+
 TimeLimit: TypeAlias = Annotated[
     float | None,
     Option(

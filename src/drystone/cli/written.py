@@ -30,6 +30,7 @@ class Pictures:
     section: options.Section = None
     cad: options.RareCad = None
     csv: options.Csv = None
+    report: options.Report = None
 
     def __post_init__(self) -> None:
         every = [getattr(self, one.name) for one in fields(self)]
@@ -38,6 +39,10 @@ class Pictures:
             raise InputError(
                 "has no picture to cut", where="--section", remedy="add --html or --png"
             )
+        if self.report is not None and self.report.suffix.lower() == ".pdf":
+            from drystone.report import require_pdf
+
+            require_pdf()
         if self.cad is not None and self.cad.suffix.lower() == ".3dm":
             from drystone.io.rhino import require  # before any work
 
@@ -70,6 +75,10 @@ class Pictures:
                 jobs += [] if path is None else [(path, write)]
         if self.csv is not None:
             jobs.append((self.csv, answer.table().to_csv))
+        if self.report is not None:
+            from drystone.report import write_report  # as above
+
+            jobs.append((self.report, partial(write_report, answer)))
         return jobs, []
 
 

@@ -1,0 +1,453 @@
+"""Local collapse mechanisms in earthquakes, compared with a spectrum.
+
+Source: Circolare 617/2009 on the Italian code, C8A.4: linear and non-linear kinematic analysis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.drawing import interface_layers, load_layers, seen, state_of
+from drystone.base import units
+from drystone.base.arrays import Floats, Ints
+from drystone.base.declared import Offered
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.checks import block_speed
+from drystone.geometry.frames import axis_vector
+from drystone.io.opening import Given, How, kept_of, supported_model
+from drystone.limits import limit_load
+from drystone.loads import LoadCase
+from drystone.loads.applied import applied_loads
+from drystone.loads.load_words import vector
+from drystone.model import Model
+from drystone.seismic.kinematics import Oscillator, Turning
+from drystone.seismic.spectrum import SeismicDemand
+from drystone.settlement import push
+
+_UP = np.array([0.0, 0.0, 1.0])
+_MOVES = 1e-2
+"""Share of the largest motion from which a block moves. Measured: return walls beside a facade that
+overturns move by a thousandth; counted, they change e* from 0.76 to 0.54."""
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked beside the model, in words."""
+
+    direction: str = ""
+    part: str = ""
+    line: str = ""
+    ties: str = ""
+    shaken: bool = False
+    site: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class LocalMechanism(Answer):
+    """A mechanism, its capacity, and what a site asks.
+
+    Attributes
+    ----------
+    model
+    motion : (n, 6) [m, rad]
+        Virtual motion of the blocks.
+    oscillator
+    displacement, load : (s,)
+        Mean displacement [m] of the weights that move, and the multiplier there; empty where the
+        blocks were not followed.
+    how
+        How it was found.
+    site
+        ``None`` where no spectrum was given.
+    options
+        What was asked beside the model.
+    """
+
+    model: Model
+    motion: Floats
+    oscillator: Oscillator
+    displacement: Floats
+    load: Floats
+    how: str
+    site: SeismicDemand | None = None
+    options: Any = None
+
+    def _summary(self) -> str:
+        return f"alpha0={self.oscillator.multiplier:.4g}, e*={self.oscillator.share:.4g}"
+
+    @property
+    def confidence(self) -> float:
+        """Factor by which the capacity is divided."""
+        return 1.0 if self.site is None else self.site.confidence
+
+    @property
+    def acceleration(self) -> float:
+        """a0* [m/s2]."""
+        return self.oscillator.acceleration(self.confidence)
+
+    @property
+    def ultimate(self) -> float:
+        """du* [m], 0.4 of d0*."""
+        return 0.4 * self.oscillator.displacement
+
+    @property
+    def secant_period(self) -> float:
+        """Ts [s], at ds* = 0.4 du* of the line from a0* to d0*."""
+        there = 0.4 * self.ultimate
+        level = self.acceleration * (1.0 - there / self.oscillator.displacement)
+        return 2.0 * math.pi * math.sqrt(there / level) if level > 0.0 else float("nan")
+
+    @property
+    def verifications(self) -> Sequence[tuple[str, str, float, float, str]]:
+        """Method, formula of the demand, demand, capacity and unit; empty without a site."""
+        if self.site is None:
+            return ()
+        linear = self.site.accelerations().items()
+        told = [("linear", name, value, self.acceleration, "m/s2") for name, value in linear]
+        if math.isfinite(self.secant_period):
+            asked = self.site.displacements(self.secant_period).items()
+            told += [("non-linear", name, value, self.ultimate, "m") for name, value in asked]
+        return told
+
+    def fulfils(self, method: str) -> bool:
+        """Whether the demands of a method, ``linear`` or ``non-linear``, are met."""
+        own = [one for one in self.verifications if one[0] == method]
+        return bool(own) and all(capacity >= demand for _, _, demand, capacity, _ in own)
+
+    @property
+    def title(self) -> str:
+        """The multiplier, and whether the site asks for no more."""
+        begins = f"A mechanism begins at {self.oscillator.multiplier:.4g} g"
+        if self.site is None:
+            return begins
+        met = [one for one in ("linear", "non-linear") if self.fulfils(one)]
+        return f"{begins}: {' and '.join(met) or 'neither'} verification fulfilled"
+
+    def sentences(self) -> Sequence[Sentence]:
+        """The same, what moves, and how it was found."""
+        asked = self.site is not None
+        good = self.oscillator.multiplier > 0.0
+        if asked:
+            good = self.fulfils("linear") or self.fulfils("non-linear")
+        moving = counted(int(np.count_nonzero(self._moving)), "block")
+        said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
+        said.append(Sentence(f"{moving} move; {self.how}"))
+        if not math.isfinite(self.oscillator.reach):
+            missing = "the displacement at which it overturns is not known"
+            said.append(Sentence(missing, Role.REMARK))
+        return said
+
+    def tables(self) -> Sequence[Table]:
+        """The numbers of the method, and the verifications."""
+        one = self.oscillator
+        told = [
+            ("multiplier alpha0", one.multiplier, "", "virtual work"),
+            ("weight that moves, P", one.weight / 1e3, "kN", ""),
+            ("mass M*", one.mass, "kg", "(sum P d)^2 / (g sum P d^2)"),
+            ("share e*", one.share, "", "g M* / P"),
+            ("acceleration a0*", self.acceleration, "m/s2", "alpha0 g / (e* FC)"),
+            ("displacement d0*", one.displacement, "m", "where alpha is zero"),
+            ("displacement du*", self.ultimate, "m", "0.4 d0*"),
+            ("period Ts", self.secant_period, "s", "2 pi (ds*/as*)^0.5, ds* = 0.4 du*"),
+        ]
+        columns: dict[str, Any] = {
+            "quantity": [name for name, *_ in told],
+            "value": [f"{value:.4g}" for _, value, *_ in told],
+            "unit": [unit for _, _, unit, _ in told],
+            "from": [source for *_, source in told],
+        }
+        tables = [Table("kinematic method", columns)]
+        if self.verifications:
+            names = ("method", "demand", "asked", "capacity", "unit")
+            rows = self.verifications
+            verified: dict[str, Any] = {
+                name: [row[i] for row in rows] for i, name in enumerate(names)
+            }
+            verified["fulfilled"] = [row[3] >= row[2] for row in rows]
+            tables.append(Table("verification", verified))
+        return tables
+
+    def table(self) -> Table:
+        """The capacity curve: d* [m] and a* [m/s2]."""
+        columns = {
+            "displacement": self.displacement / self.oscillator.share,
+            "acceleration": self.load * 9.81 / (self.oscillator.share * self.confidence),
+        }
+        return Table("capacity curve", columns, {"displacement": "m", "acceleration": "m/s2"})
+
+    def numbers(self) -> Mapping[str, Any]:
+        """The numbers of the method and of the site."""
+        return {
+            "multiplier": self.oscillator.multiplier,
+            "weight": self.oscillator.weight,
+            "mass": self.oscillator.mass,
+            "share": self.oscillator.share,
+            "acceleration": self.acceleration,
+            "displacement": self.oscillator.displacement,
+            "ultimate": self.ultimate,
+            "secant_period": self.secant_period,
+            "linear": self.fulfils("linear") if self.site else None,
+            "nonlinear": self.fulfils("non-linear") if self.site else None,
+            "site": None if self.site is None else self.site.told(),
+            "curve": {"displacement": self.displacement, "multiplier": self.load},
+        }
+
+    @property
+    def _moving(self) -> np.ndarray:
+        speed = block_speed(self.model.assembly, self.motion)
+        return np.asarray(speed > _MOVES * float(speed.max(initial=0.0)))
+
+    def layers(self) -> Scene:
+        """What moves, and the capacity curve beside it."""
+        assembly, contacts = self.model.assembly, self.model.contacts
+        state = state_of(assembly)
+        state[self._moving] = State.FALLING
+        stage = SceneStage(
+            "mechanism", self.title, self.how, state, motion=seen(assembly, self.motion),
+            motion_name="Mechanism", plays=True,
+            layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load)),
+        )  # fmt: skip
+        charts = (self.chart(),) if len(self.displacement) else ()
+        title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
+        return Scene(assembly, contacts, (stage,), title, self.asked.facts(), charts=charts,
+                     preset="solid")  # fmt: skip
+
+    def chart(self) -> Chart:
+        """The capacity curve, its line, and the spectrum as displacement and acceleration."""
+        curve, end = self.table(), self.oscillator.displacement
+        marks = [
+            Marks(MarkKind.LINE, curve["displacement"], curve["acceleration"], "ink", "capacity")
+        ]
+        line = np.array([0.0, end]), np.array([self.acceleration, 0.0])
+        marks.append(Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"))
+        if self.site is not None:
+            period = np.linspace(0.02, 4.0, 200)
+            spectrum = self.site.spectrum
+            across = np.array([spectrum.displacement(one) for one in period])
+            up = np.array([spectrum.acceleration(one) for one in period])
+            marks.append(Marks(MarkKind.LINE, across, up, "bad", "elastic spectrum"))
+        return Chart("Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s2"))
+
+
+@checked_call
+def local_mechanism(
+    given: Given,
+    *,
+    direction: Floats | Sequence[float] | str = "x",
+    part: str | Sequence[str] = (),
+    line: Sequence[float] | None = None,
+    ties: Sequence[str] = (),
+    shaken: bool = False,
+    site: str | SeismicDemand | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> LocalMechanism:
+    """The local collapse mechanism of masonry in an earthquake, by the kinematic method.
+
+    Of a part that turns about a line as one rigid body, or, where no part is named, of all blocks:
+    then the multiplier and the mechanism are those of the largest horizontal load at which forces
+    balance, and the capacity curve follows the blocks (:func:`drystone.settlement.push`).
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file that ``how`` turns into one.
+    direction : (3,) or a name
+        Of the earthquake, level.
+    part
+        Blocks that turn as one body, by names and patterns separated by commas.
+    line : (6,) [m]
+        Two points of the line about which the part turns; when left out, the line across the
+        direction through the lowest edge of the part on the side to which it falls.
+    ties
+        Each ``BLOCK:FORCE[@X,Y,Z]``, such as ``wall-7:20kN@0,0,3``: a rod that pulls against the
+        direction with its strength while the part turns.
+    shaken
+        Whether vertical loads, as of a roof, have masses that are shaken with the part.
+    site
+        TOML file with a spectrum and the factors q and FC, such as ``code``, ``ag``, ``soil``.
+
+    Raises
+    ------
+    InputError
+        The part has no free block, the line is vertical or along the direction, or a tie has no
+        unit or holds no block of the part.
+
+    Examples
+    --------
+    A wall 0.5 m thick and 3 m high turns about its edge at 0.5/3 g:
+
+    >>> import drystone
+    >>> from drystone.models import box
+    >>> blocks = (box((4, 4, 1), (-2, -2, -1), "base"), box((0.5, 2, 3), (0, 0, 0), "wall"))
+    >>> wall = drystone.Assembly(blocks).with_fixed(["base"])
+    >>> found = local_mechanism(wall, part="wall", friction=0.6)
+    >>> round(found.oscillator.multiplier, 4), round(found.oscillator.displacement, 4)
+    (0.1667, 0.25)
+    """
+    del executor  # one mechanism
+    site = SeismicDemand.named(site) if isinstance(site, str) else site
+    model = supported_model(given, **how)
+    along = axis_vector(direction, "direction") * np.array([1.0, 1.0, 0.0])
+    if not along.any():
+        raise InputError("is vertical", where="direction", remedy="give x, y or another level one")
+    along /= np.linalg.norm(along)
+    clock = Clock(time_limit_s, stop)
+    asked = _Asked(
+        direction=", ".join(f"{x:.4g}" for x in along + 0.0),
+        part=part if isinstance(part, str) else ", ".join(part),
+        line="" if line is None else ", ".join(f"{x:g}" for x in line),
+        ties=", ".join([ties] if isinstance(ties, str) else ties),
+        shaken=shaken,
+        site="" if site is None else repr(site),
+    )
+    if part:
+        turning, motion = _turning(model, along, part, line, ties, shaken)
+        found = turning.oscillator()
+        angles = np.linspace(0.0, np.nan_to_num(turning.overturned()), 21)
+        moved = np.array([turning.moved(one) for one in angles])
+        load = np.array([turning.multiplier(one) for one in angles])
+        told = "a rigid part that turns about a line"
+        return LocalMechanism(model, motion, found, moved, load, told, site, asked)
+    for name, one in (("line", line is not None), ("ties", bool(ties))):
+        if one:
+            raise InputError("is for a part", where=name, remedy="name its blocks: --part")
+    late: dict[str, Any] = {"progress": progress, "stop": clock.late}
+    return replace(_found(model, along, shaken, site, late), options=asked)
+
+
+def _found(
+    model: Model, along: Floats, shaken: bool, site: SeismicDemand | None, late: dict[str, Any]
+) -> LocalMechanism:
+    """The mechanism of all blocks."""
+    assembly = model.assembly
+    live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
+    limit = limit_load(model, live, upper=100.0, **late)
+    best = limit.best
+    if best.value is None or best.falling is None or best.falling.mechanism is None:
+        raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
+    motion = best.falling.mechanism
+    arms = place - assembly.centroid[block]
+    virtual = (motion[block, :3] + np.cross(motion[block, 3:], arms)) @ along
+    moving = np.abs(virtual) > _MOVES * np.abs(virtual).max(initial=0.0)
+    share = float(weight.sum() / weight[moving].sum())
+    reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
+    told = "the mechanism of the largest load at which forces balance"
+    if model.contacts.dry.all():
+        pushed = push(model, live, **late)
+        moved, load = share * pushed.displacement, pushed.load
+        reach = float("nan") if pushed.capacity is None else share * pushed.capacity
+        told += f"; followed: {pushed.message}"
+    found = Oscillator.of(best.value, weight[moving], virtual[moving], reach)
+    return LocalMechanism(model, motion, found, moved, load, told, site)
+
+
+def _shaken(
+    model: Model, along: Floats, part: Ints, loads: bool
+) -> tuple[LoadCase, Floats, Floats, Ints]:
+    """Forces of an earthquake of 1 g; places (p, 3), weights (p,) and blocks of the masses."""
+    assembly = model.assembly
+    part = part[~assembly.fixed[part]]
+    place, weight, block = assembly.centroid[part], 9.81 * assembly.mass[part], part
+    if loads:
+        applied = applied_loads(assembly, model.load)
+        down = np.isin(applied.block, part) & (applied.force[:, 2] < 0.0)
+        place = np.vstack([place, applied.point[down]])
+        weight = np.concatenate([weight, -applied.force[down, 2]])
+        block = np.concatenate([block, applied.block[down]])
+    wrench = np.zeros((len(assembly), 6))
+    force = weight[:, None] * along
+    np.add.at(wrench[:, :3], block, force)
+    np.add.at(wrench[:, 3:], block, np.cross(place - assembly.centroid[block], force))
+    return LoadCase(wrench, "earthquake of 1 g"), place, weight, block
+
+
+def _turning(
+    model: Model,
+    along: Floats,
+    part: str | Sequence[str],
+    line: Sequence[float] | None,
+    ties: Sequence[str],
+    shaken: bool,
+) -> tuple[Turning, Floats]:
+    """A part that turns about a line, and its virtual motion (n, 6)."""
+    assembly = model.assembly
+    try:
+        chosen = kept_of(assembly, part)
+    except InputError as error:
+        raise error.located("part") from error
+    chosen = chosen[~assembly.fixed[chosen]]
+    if not len(chosen):
+        raise InputError("has no free block", where="part", remedy="name blocks that can move")
+    level = np.cross(_UP, along)
+    if line is None:
+        corners = np.vstack([assembly.blocks[i].vertices for i in chosen])
+        low = corners[corners[:, 2] <= corners[:, 2].min() + 1e-9 * assembly.size.max()]
+        origin, axis = low[np.argmax(low @ along)], level
+    else:
+        ends = np.reshape(np.asarray(line, dtype=np.float64), (-1,))
+        if len(ends) != 6:
+            raise InputError(f"has {len(ends)} numbers", where="line", remedy="give X,Y,Z,X,Y,Z")
+        origin, axis = ends[:3], ends[3:] - ends[:3]
+        size = float(np.linalg.norm(axis))
+        if abs(float(axis @ level)) <= 1e-6 * size:
+            what = "is vertical or along the direction: nothing overturns"
+            raise InputError(what, where="line", remedy="give a level line across the direction")
+        axis = axis / size * np.sign(axis @ level)
+    applied = applied_loads(assembly, model.load)
+    mine = np.isin(applied.block, chosen)
+    each = [ties] if isinstance(ties, str) else ties
+    hold = [_tie(text, model, along, chosen) for text in each]
+    place = [assembly.centroid[chosen], applied.point[mine], *[at[None] for at, _ in hold]]
+    force = [
+        assembly.mass[chosen, None] * applied.acceleration,
+        applied.force[mine],
+        *[pull[None] for _, pull in hold],
+    ]
+    couple = applied.moment[mine].sum(axis=0)
+    _, mass_place, weight, _ = _shaken(model, along, chosen, shaken)
+    turning = Turning(
+        origin, axis, along, np.vstack(place), np.vstack(force), couple, mass_place, weight
+    )
+    motion = np.zeros((len(assembly), 6))
+    motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
+    motion[chosen, 3:] = axis
+    return turning, motion
+
+
+def _tie(text: str, model: Model, along: Floats, part: Ints) -> tuple[Floats, Floats]:
+    """Where a tie holds, and its pull."""
+    name, colon, rest = text.rpartition(":")
+    size, at, place = rest.partition("@")
+    try:
+        if not colon:
+            raise InputError(f"'{text}' names no block", remedy="write BLOCK:20kN@X,Y,Z")
+        pull = units.measured(size.strip(), units.FORCES, what="strength")
+        block = int(model.assembly.indices([name.strip()])[0])
+        if block not in part:
+            raise InputError(f"'{name}' is not in the part", remedy="tie a block that turns")
+        point = np.array(vector(place)) if at else model.assembly.centroid[block]
+    except InputError as error:
+        raise error.located("ties") from error
+    return point, -pull * along
+
+
+OFFERED = Offered(
+    local_mechanism,
+    "arch.json --direction x",
+    ("direction", "part", "site"),
+    names=("direction", "part", "line", "ties", "shaken", "site", "time_limit_s"),
+)

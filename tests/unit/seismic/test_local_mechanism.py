@@ -1,0 +1,206 @@
+"""Local collapse mechanisms against hand calculations."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import Assembly, DrystoneError, InputError, LoadCase, Model
+from drystone.cli import main
+from drystone.models import box
+from drystone.seismic import LocalMechanism, SeismicDemand, Spectrum, local_mechanism
+
+G = 9.81
+BASE = box((20.0, 20.0, 1.0), (-10.0, -10.0, -1.0), "base")
+
+
+def standing(*blocks: drystone.Block, friction: float = 0.8) -> Model:
+    return Model.of(Assembly((BASE, *blocks)).with_fixed(["base"]), friction=friction)
+
+
+def courses(count: int, thick: float = 0.5, high: float = 0.5) -> Model:
+    """A wall of courses, 2 m long across x."""
+    return standing(
+        *(box((thick, 2.0, high), (0.0, 0.0, i * high), f"wall-{i}") for i in range(count))
+    )
+
+
+def loaded(model: Model, *loads: LoadCase) -> Model:
+    return model.with_load(LoadCase.combine([(1.0, one) for one in (model.load, *loads)]))
+
+
+def test_a_wall_of_courses_turns_about_its_edge_with_the_numbers_of_the_method() -> None:
+    """Six courses: alpha0 = b/h; P d grows with z, so e* = (sum z)^2 / (6 sum z^2) = 27/35.75."""
+    found = local_mechanism(courses(6), part="wall-*")
+    one, mass = found.oscillator, 6 * 0.5 * 2.0 * 0.5 * 2400.0
+    share = 18.0**2 / (6.0 * sum((0.5 * i + 0.25) ** 2 * 4.0 for i in range(6)))
+    assert one.multiplier == pytest.approx(0.5 / 3.0)
+    assert one.share == pytest.approx(share)
+    assert one.mass == pytest.approx(share * mass)
+    assert found.acceleration == pytest.approx(G * 0.5 / 3.0 / share)
+    assert one.displacement == pytest.approx(0.25 / share)  # the centroid stands over the edge
+    assert found.ultimate == pytest.approx(0.4 * 0.25 / share)
+    there = 0.4 * found.ultimate
+    period = 2.0 * math.pi * math.sqrt(there / (found.acceleration * (1.0 - 0.16)))
+    assert found.secant_period == pytest.approx(period)
+
+
+def test_the_mechanism_that_is_found_is_that_wall_and_is_followed_until_it_overturns() -> None:
+    by_line, found = local_mechanism(courses(3), part="wall-*"), local_mechanism(courses(3))
+    for name in ("multiplier", "share"):
+        expected = getattr(by_line.oscillator, name)
+        assert getattr(found.oscillator, name) == pytest.approx(expected, rel=1e-3)
+    reach = by_line.oscillator.displacement
+    assert found.oscillator.displacement == pytest.approx(reach, rel=0.02)
+    assert "followed" in found.how
+    assert found.table()["acceleration"].max() == pytest.approx(found.acceleration, rel=0.01)
+
+
+def test_a_roof_holds_by_its_weight_pushes_by_its_thrust_and_shakes_if_asked() -> None:
+    """W b/2 + N e = alpha (W h/2 [+ N h]) + H h, with the roof 0.1 m behind the outer edge."""
+    model = courses(1, 0.4, 3.0)
+    weight = 0.4 * 2.0 * 3.0 * 2400.0 * G
+    roof, thrust = 20e3, 1e3
+    at = (0.3, 1.0, 3.0)
+    model = loaded(model, LoadCase.point_load(model.assembly, "wall-0", (thrust, 0.0, -roof), at))
+    holds = weight * 0.2 + roof * 0.1 - thrust * 3.0
+    for shaken, masses in ((False, weight * 1.5), (True, weight * 1.5 + roof * 3.0)):
+        found = local_mechanism(model, part="wall-0", shaken=shaken)
+        assert found.oscillator.multiplier == pytest.approx(holds / masses)
+    moved = weight * 1.5 + roof * 3.0
+    share = moved**2 / ((weight + roof) * (weight * 1.5**2 + roof * 3.0**2))
+    assert found.oscillator.share == pytest.approx(share)
+
+
+def test_a_tie_holds_with_its_strength() -> None:
+    """W b/2 + T z = alpha W h/2."""
+    weight = 0.4 * 2.0 * 3.0 * 2400.0 * G
+    model = courses(1, 0.4, 3.0)
+    found = local_mechanism(model, part="wall-0", ties=["wall-0:15kN@0,1,2.8"])
+    expected = (weight * 0.2 + 15e3 * 2.8) / (weight * 1.5)
+    assert found.oscillator.multiplier == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("shape", ["L", "T"])
+def test_a_facade_that_takes_a_return_wall_along_turns_later(shape: str) -> None:
+    """Moments about the outer edge of the facade, 0.4 m thick; the return is 1.2 m long."""
+    along = 0.0 if shape == "L" else 1.8
+    facade = box((0.4, 4.0, 3.0), (0.0, 0.0, 0.0), "facade")
+    side = box((1.2, 0.4, 3.0), (-1.2, along, 0.0), "side")
+    found = local_mechanism(standing(facade, side), part="facade,side")
+    one, other = 0.4 * 4.0, 1.2 * 0.4
+    expected = (one * 0.2 + other * (0.4 + 0.6)) / ((one + other) * 1.5)
+    assert found.oscillator.multiplier == pytest.approx(expected)
+    assert found.oscillator.share == pytest.approx(1.0)
+
+
+def test_a_corner_turns_about_a_line_across_the_diagonal() -> None:
+    """A square pier of 1 m and 4 m about its corner: half the diagonal by half the height."""
+    pier = standing(box((1.0, 1.0, 4.0), (0.0, 0.0, 0.0), "pier"))
+    by_default = local_mechanism(pier, part="pier", direction=(1.0, 1.0, 0.0))
+    by_hand = local_mechanism(
+        pier, part="pier", direction=(1.0, 1.0, 0.0), line=(0.0, 2.0, 0.0, 2.0, 0.0, 0.0)
+    )
+    for found in (by_default, by_hand):
+        assert found.oscillator.multiplier == pytest.approx(math.sqrt(0.5) / 2.0)
+
+
+def test_spectra_are_those_of_the_codes() -> None:
+    ec8 = Spectrum.ec8(0.25 * G, "C")
+    assert ec8.acceleration(0.0) == pytest.approx(0.25 * G * 1.15)
+    assert ec8.acceleration(0.4) == pytest.approx(0.25 * G * 1.15 * 2.5)
+    assert ec8.acceleration(1.2) == pytest.approx(0.25 * G * 1.15 * 2.5 * 0.5)
+    assert ec8.acceleration(4.0) == pytest.approx(0.25 * G * 1.15 * 2.5 * 0.6 * 2.0 / 16.0)
+    ntc = Spectrum.ntc(0.2 * G, 2.4, 0.3, "C", 1.2)
+    assert ntc.soil == pytest.approx((1.7 - 0.6 * 2.4 * 0.2) * 1.2)
+    corner = 1.05 * 0.3**-0.33 * 0.3
+    periods = (ntc.corner_b, ntc.corner_c, ntc.corner_d)
+    assert periods == pytest.approx((corner / 3.0, corner, 2.4))
+    assert Spectrum.ntc(0.5 * G, 2.5, 0.3, "C").soil == 1.0  # the least
+
+
+def site(folder: Path, *lines: str) -> Path:
+    path = folder / "site.toml"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+def verified(folder: Path, ag: float, *more: str) -> LocalMechanism:
+    path = site(folder, 'code = "ec8"', f'ag = "{ag}g"', 'soil = "A"', "q = 2.0", *more)
+    return local_mechanism(courses(1, 0.5, 3.0), part="wall-0", site=SeismicDemand.named(path))
+
+
+def test_the_linear_verification_compares_a0_with_ag_s_by_q(tmp_path: Path) -> None:
+    """Alpha0 g = g/6 against ag/2: the threshold is ag = g/3, and g/3/1.35 with a factor FC."""
+    for more, limit in (((), 1.0 / 3.0), (("confidence = 1.35",), 1.0 / 3.0 / 1.35)):
+        assert verified(tmp_path, 0.999 * limit, *more).fulfils("linear")
+        assert not verified(tmp_path, 1.001 * limit, *more).fulfils("linear")
+
+
+def test_the_nonlinear_verification_compares_displacements(tmp_path: Path) -> None:
+    """D0* = 0.25 m: du* = 0.1 m, ds* = 0.04 m, as* = 0.84 g/6; Ts = 1.07 s is between TC and TD."""
+    found = verified(tmp_path, 0.3)
+    level = 0.84 * G / 6.0
+    period = 2.0 * math.pi * math.sqrt(0.04 / level)
+    asked = 0.3 * G * 2.5 * 0.4 / period * (period / 2.0 / math.pi) ** 2
+    (row,) = [one for one in found.verifications if one[0] == "non-linear"]
+    assert row[2:4] == pytest.approx((asked, 0.1))
+    limit = 0.3 * 0.1 / asked
+    assert verified(tmp_path, 0.999 * limit).fulfils("non-linear")
+    assert not verified(tmp_path, 1.001 * limit).fulfils("non-linear")
+    above = verified(tmp_path, 0.3, "T1 = 0.3", "psi = 0.8", "gamma = 1.2")
+    asked = [one[2] for one in above.verifications]
+    assert asked[1] == pytest.approx(0.3 * G * 2.5 * 0.8 * 1.2 / 2.0)
+    ratio = period / 0.3
+    grown = ratio**2 / math.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
+    ground = 0.3 * G * 2.5 * (0.3 / 2.0 / math.pi) ** 2
+    assert asked[3] == pytest.approx(ground * 0.8 * 1.2 * grown)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"direction": "z"}, "is vertical"),
+        ({"part": "base"}, "has no free block"),
+        ({"part": "walls"}, "part"),
+        ({"part": "wall-0", "line": (0, 0, 0, 1, 0, 0)}, "nothing overturns"),
+        ({"part": "wall-0", "line": (0, 0, 0)}, "has 3 numbers"),
+        ({"part": "wall-0", "ties": ["wall-0:15"]}, "not a number with a unit"),
+        ({"part": "wall-0", "ties": ["base:15kN"]}, "not in the part"),
+        ({"ties": ["wall-0:15kN"]}, "is for a part"),
+    ],
+)
+def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        local_mechanism(courses(1), **asked)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('code = "ec8"\nag = 0.15\nsoil = "A"', "ag: has no unit"),
+        ('code = "ec8"\nag = "0.15m"\nsoil = "A"', "unit 'm' is not known"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "F"', "soil is 'F'"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\ntype = 3', "type is '3'"),
+        ('code = "uni"', "code: is 'uni'"),
+        ('code = "ntc"\nag = "0.15g"\nsoil = "A"', "'F0' is missing"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nq = 0.5', "q: is 0.5"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nT1 = 0.5', "has T1, not all"),
+    ],
+)
+def test_a_site_that_is_not_known_is_refused_in_one_line(
+    text: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DrystoneError, match=message):
+        SeismicDemand.named(site(tmp_path, text))
+
+
+def test_the_command_compares_a_wall_with_a_spectrum(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drystone.write(courses(2).assembly, tmp_path / "wall.json")
+    path = site(tmp_path, 'code = "ec8"', 'ag = "0.2g"', 'soil = "A"')
+    told = ["kinematic", str(tmp_path / "wall.json"), "--part", "wall-*", "--site", str(path)]
+    assert main(told) == 0
+    assert "linear and non-linear verification fulfilled" in capsys.readouterr().out
