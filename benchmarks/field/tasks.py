@@ -95,5 +95,5 @@ def _contacts(task):
         np.full(count, task["friction"]),
         np.concatenate([one["points"] for one in task["interfaces"]]),
         np.repeat(np.arange(count), [len(one["points"]) for one in task["interfaces"]]),
-        JointCapacity(of("tension"), of("cohesion"), of("shear")),
+        JointCapacity(of("tension"), of("cohesion"), of("shear"), brittle=False),
     )

@@ -328,7 +328,7 @@ def _stages() -> Iterator[tuple[str, Made]]:
 
 def _glued(build: Callable[[], Assembly], mu: float, pull: float) -> Model:
     model = _model(build, mu)
-    return model.with_capacity(JointCapacity.of_stress(model.contacts, tension=pull))
+    return model.with_capacity(JointCapacity.of_stress(model.contacts, tension=pull, brittle=False))
 
 
 def _with_capacity() -> Iterator[tuple[str, Made]]:

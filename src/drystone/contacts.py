@@ -236,6 +236,11 @@ class Contacts(OneLine):
         return every
 
     @property
+    def brittle(self) -> bool:
+        """Whether some joints pull or cohere, and lose that where they crack."""
+        return self.capacity is not None and self.capacity.law == "brittle"
+
+    @property
     def plain(self) -> Bools:
         """(m,) interfaces that press and rub only, without any limit."""
         plain: Bools = self.dry & ~self.crushes
@@ -447,4 +452,6 @@ def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
     if one.capacity is None and other.capacity is None:
         return None
     parts = [c.capacity or _as_strong(c, one, other) for c in (one, other)]
-    return JointCapacity(*(np.concatenate([getattr(p, name) for p in parts]) for name in DRY))
+    brittle = any(p.brittle for p in parts if p.law)
+    values = {name: np.concatenate([getattr(p, name) for p in parts]) for name in DRY}
+    return JointCapacity(**values, brittle=brittle)

@@ -52,6 +52,9 @@ class JointCapacity(OneLine):
         Largest tangential force of the whole interface. Left out, without limit.
     compression : (m,) [N]
         Largest force of the whole interface that presses evenly. Left out, without limit.
+    brittle
+        Whether a joint that exceeds its pull or cohesion loses both, as mortar does. Otherwise it
+        keeps pulling (ductile), as studs and dowels do.
 
     Raises
     ------
@@ -73,6 +76,7 @@ class JointCapacity(OneLine):
     cohesion: Floats
     shear: Floats = None  # type: ignore[assignment]  # filled in below
     compression: Floats = None  # type: ignore[assignment]
+    brittle: bool = True
 
     def __post_init__(self) -> None:
         count = len(np.atleast_1d(np.asarray(self.tension)))
@@ -85,7 +89,15 @@ class JointCapacity(OneLine):
         some = int(((self.tension > 0.0) | (self.cohesion > 0.0)).sum())
         crush = int((self.compression < NO_LIMIT).sum())
         told = f"{counted(len(self.tension), 'interface')}, {some} of them pull or cohere"
+        told += f" ({self.law})" if self.law else ""
         return f"{told}, {crush} crush" if crush else told
+
+    @property
+    def law(self) -> str:
+        """``brittle`` or ``ductile``; empty where nothing pulls or coheres."""
+        if not (self.tension.any() or self.cohesion.any()):
+            return ""
+        return "brittle" if self.brittle else "ductile"
 
     @classmethod
     def of(
@@ -97,6 +109,7 @@ class JointCapacity(OneLine):
         shear: _PerInterface | None = None,
         compression: _PerInterface | None = None,
         moment: _PerInterface | None = None,
+        brittle: bool = True,
     ) -> JointCapacity:
         """From forces, one for all interfaces or one each.
 
@@ -113,6 +126,7 @@ class JointCapacity(OneLine):
         compression : [N] > 0
         moment : [N m]
             Largest bending moment of a joint that is not pressed. Pressure adds to it.
+        brittle
         """
         m = contacts.count
         given = tension if tension is not None else 0.0 if moment is None else NO_LIMIT
@@ -131,6 +145,7 @@ class JointCapacity(OneLine):
             _capacities(cohesion, m, "cohesion"),
             _capacities(slide, m, "shear"),
             _strengths(compression, m),
+            brittle,
         )
 
     @classmethod
@@ -142,6 +157,7 @@ class JointCapacity(OneLine):
         cohesion: _PerInterface | None = None,
         shear: _PerInterface | None = None,
         compression: _PerInterface | None = None,
+        brittle: bool = True,
     ) -> JointCapacity:
         """From stresses times the areas of the interfaces; see :meth:`of`.
 
@@ -151,6 +167,7 @@ class JointCapacity(OneLine):
         tension, cohesion, shear : [Pa]
         compression : [Pa] > 0
             Edges and points have no area: they carry nothing then.
+        brittle
         """
         m, area = contacts.count, contacts.area
         strength = None if compression is None else _strengths(compression, m)
@@ -163,22 +180,32 @@ class JointCapacity(OneLine):
             tension=forces(tension, "tension"),
             cohesion=forces(cohesion, "cohesion"),
             shear=forces(shear, "shear"),
+            brittle=brittle,
         )
         return made if strength is None else replace(made, compression=strength * area)
 
     @classmethod
     def dry(cls, count: int) -> JointCapacity:
         """Of so many dry joints."""
-        return cls(*(np.full(count, value) for value in DRY.values()))
+        none: dict[str, Any] = {name: np.full(count, value) for name, value in DRY.items()}
+        return cls(**none)
 
     def select(self, interfaces: Bools | Ints) -> JointCapacity:
         """Those of some interfaces (mask or positions)."""
-        return JointCapacity(*(getattr(self, name)[interfaces] for name in DRY))
+        return self.with_values({name: getattr(self, name)[interfaces] for name in DRY})
 
     def summed(self, joint: Ints) -> JointCapacity:
         """Those of joints (m,) that consist of several interfaces."""
-        each = (np.bincount(joint, getattr(self, name)) for name in DRY)
-        return JointCapacity(*(total.astype(np.float64) for total in each))
+        return self.with_values({name: np.bincount(joint, getattr(self, name)) for name in DRY})
+
+    def with_values(self, values: Mapping[str, Any]) -> JointCapacity:
+        """The same law with other values (m,) of each capacity."""
+        return JointCapacity(**values, brittle=self.brittle)
+
+    def cracked(self, interfaces: Bools) -> JointCapacity:
+        """The same where some interfaces (m,) neither pull nor cohere any more."""
+        pull, cohesion = (np.where(interfaces, 0.0, one) for one in (self.tension, self.cohesion))
+        return replace(self, tension=pull, cohesion=cohesion)
 
 
 def _strengths(values: Any, count: int) -> Floats:

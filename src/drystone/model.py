@@ -20,7 +20,7 @@ from drystone.detection.inexact import inexact_lines
 from drystone.detection.reasons import Missed
 from drystone.detection.resample import resampled_lines
 from drystone.detection.unjoined import among
-from drystone.joint_capacity import JointCapacity
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of, to_pyvista, to_trimesh
 from drystone.supports import UP, GroundPlane, Joints, ground_of, remarks, select, up_of
@@ -314,9 +314,19 @@ class Model(Card):
         capacity = self.contacts.capacity
         if capacity is None:
             return self
-        dry = self.contacts.dry.all()
-        others = JointCapacity(capacity.tension, capacity.cohesion, capacity.shear)
-        return self.with_capacity(None if dry else others)
+        if self.contacts.dry.all():
+            return self.with_capacity(None)
+        unlimited = np.full(self.contacts.count, NO_LIMIT)
+        return self.with_capacity(replace(capacity, compression=unlimited))
+
+    def cracked(self, interfaces: Bools | None = None) -> Model:
+        """The same model where some interfaces (m,), all by default, pull and cohere no more."""
+        capacity = self.contacts.capacity
+        if capacity is None:
+            return self
+        which = np.ones(self.contacts.count, dtype=bool) if interfaces is None else interfaces
+        other = self.with_capacity(capacity.cracked(which))
+        return self.with_capacity(None) if other.contacts.plain.all() else other
 
     def require_dry(self, what: str, why: str = "") -> None:
         """Raise InputError where joints pull or cohere, of an analysis that takes dry joints only.

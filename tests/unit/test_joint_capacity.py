@@ -47,11 +47,14 @@ def test_who_follows_dry_joints_only_refuses_others():
 
 @pytest.mark.parametrize("suffix", [".json"])
 def test_a_file_keeps_them(tmp_path, suffix):
-    capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0, compression=9.0)
+    capacity = JointCapacity.of(
+        MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0, compression=9.0, brittle=False
+    )
     drystone.write(MODEL.with_capacity(capacity), tmp_path / f"glued{suffix}")
     again = drystone.read(tmp_path / f"glued{suffix}").contacts.capacity
     for name in ("tension", "cohesion", "shear", "compression"):
         assert (getattr(again, name) == getattr(capacity, name)).all()
+    assert again.law == "ductile"
     drystone.write(MODEL, tmp_path / "dry.json")
     assert drystone.read(tmp_path / "dry.json").contacts.capacity is None
 
@@ -138,21 +141,23 @@ def overhang(tmp_path, monkeypatch):
 def test_the_command_line_takes_stresses_and_a_table(overhang, capsys):
     """Weight 17,658 N at 0.25 m beyond the edge; the pier's other edge is 1 m from it."""
     assert main(["check", "overhang.json"]) == 1
-    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.01MPa"]) == 0
-    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.008MPa"]) == 1
+    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.01MPa,ductile"]) == 0
+    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.008MPa,ductile"]) == 1
     (overhang / "joints.csv").write_text(
         "block_a,block_b,tension,cohesion,shear\rslab,pier,1e999,10000,\r"  # old line ends
     )
     capsys.readouterr()
-    assert main(["check", "overhang.json", "--joint-capacity", "joints.csv", "--json"]) == 0
+    assert main(["check", "overhang.json", "--joint-capacity", "joints.csv,ductile", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["verdict"] == "stable"
 
 
 def test_a_limit_of_moment_is_one_of_tension(overhang):
     """The corners are 0.5 m sqrt(2) from the centroid; a tension T resists T 0.5 m here."""
-    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.3kNm"]) == 0
-    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.2kNm"]) == 1
-    assert main(["check", "overhang.json", "--joint-capacity", "moment=1MNm,tension=8kN"]) == 1
+    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.3kNm,ductile"]) == 0
+    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.2kNm,ductile"]) == 1
+    assert (
+        main(["check", "overhang.json", "--joint-capacity", "moment=1MNm,tension=8kN,ductile"]) == 1
+    )
     glue = JointCapacity.of(MODEL.contacts, moment=[1.0, 2.0, 0.0])
     np.testing.assert_allclose(glue.tension * np.sqrt(0.5), [1.0, 2.0, 0.0])
     np.testing.assert_allclose(glue.cohesion, MODEL.contacts.friction * glue.tension)
@@ -166,6 +171,9 @@ def test_a_limit_of_moment_is_one_of_tension(overhang):
         ("compression=5", ["compression '5'", "unit"]),
         ("compression=5MPa,compression=2MPa", ["'compression=2MPa' is no capacity"]),
         ("crush.csv", ["crush.csv, line 2", "compression is 0"]),
+        ("ductile", ["'' is no capacity"]),
+        ("compression=5MPa,brittle", ["has no mortar that breaks or yields", "give tension"]),
+        ("tension=1kPa,brittle,ductile", ["'brittle' is no capacity"]),
         ("moment=3kN", ["unit 'kN' is not known", "use one of Nm"]),
         ("tension", ["--joint-capacity", "'tension' is no capacity"]),
         ("pull=3Pa", ["'pull=3Pa' is no capacity"]),
@@ -197,7 +205,7 @@ def test_glue_that_is_strong_enough_holds_for_every_contact_stiffness(strength):
     one = (contacts.block_a == contacts.block_a[0]) & (contacts.block_b == contacts.block_b[0])
     glue = np.where(one, strength, 0.0)
     found = drystone.check(
-        model.with_capacity(JointCapacity.of(contacts, tension=glue, cohesion=glue)),
+        model.with_capacity(JointCapacity.of(contacts, tension=glue, cohesion=glue, brittle=False)),
         options=drystone.CheckOptions.robust(),
     )
     assert found.samples.standing == found.samples.tried == 5

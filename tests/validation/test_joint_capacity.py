@@ -18,12 +18,14 @@ def box(low, high, name):
 HEIGHT, WIDTH, LENGTH = 0.4, 0.3, 1.0
 
 
-def cantilever(tension, cohesion=1e9, friction=0.6):
+def cantilever(tension, cohesion=1e9, friction=0.6, brittle=False):
     """A block glued by its end face to the side of a fixed one."""
     wall = box((-1.0, 0.0, 0.0), (0.0, WIDTH, HEIGHT), "wall")
     arm = box((0.0, 0.0, 0.0), (LENGTH, WIDTH, HEIGHT), "arm")
     model = Model.of(Assembly((wall, arm), fixed=[True, False]), friction=friction)
-    glue = JointCapacity.of_stress(model.contacts, tension=tension, cohesion=cohesion)
+    glue = JointCapacity.of_stress(
+        model.contacts, tension=tension, cohesion=cohesion, brittle=brittle
+    )
     return model.with_capacity(glue)
 
 
@@ -61,6 +63,60 @@ def test_the_largest_load_of_a_glued_cantilever():
         assert bracket.stands <= expected * (1 + 1e-6)
         assert bracket.falls >= expected * (1 - 1e-6)
         assert bracket.falls - bracket.stands < 0.05 * expected
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(1.01, "stable"), (0.99, "unstable")])
+def test_a_brittle_cantilever_breaks_at_tension_times_section_modulus(share, verdict):
+    """M = t b h2 / 6 of a plane section; the ductile one carries t b h2 / 2 about its edge."""
+    model = cantilever(3.0 * share * critical_tension(), brittle=True)
+    assert check(model).verdict == verdict
+
+
+WALL, COURSES = (1.0, 0.3, 2.0), 4
+
+
+def wall(tension, brittle=True, cohesion=1e6):
+    """A wall 2 m high and 0.3 m thick, of 1,800 kg/m3: its foot is pressed with 35,316 Pa."""
+    length, thick, height = WALL
+    low = [-0.2, *(height * i / COURSES for i in range(COURSES))]
+    high = [0.0, *low[2:], height]
+    blocks = [
+        box_of_size((length, thick, top - bottom), (0.0, 0.0, bottom), f"b{i}", density=1800.0)
+        for i, (bottom, top) in enumerate(zip(low, high, strict=True))
+    ]
+    model = Model.of(Assembly(tuple(blocks), [True] + COURSES * [False]), friction=0.6)
+    mortar = JointCapacity.of_stress(
+        model.contacts, tension=tension, cohesion=cohesion, brittle=brittle
+    )
+    return model.with_capacity(mortar)
+
+
+@pytest.mark.parametrize(
+    ("tension", "brittle", "expected"),
+    [
+        (5e4, False, 0.15 * (1.0 + 5e4 / 35316.0)),  # (t / h) (1 + f A / W): 0.362
+        (5e4, True, 0.15),  # it cracks at 0.121 already, and rocks as a dry one: t / h
+        (2e5, True, 0.05 * (1.0 + 2e5 / 35316.0)),  # (t / 3 h) (1 + f A / W): 0.333, uncracked
+    ],
+)
+def test_the_mortar_of_a_wall_in_an_earthquake(tension, brittle, expected):
+    found = drystone.limit_load(wall(tension, brittle), (0.0, 9.81, 0.0), upper=2.0)
+    assert found.rest.stands <= expected * (1.0 + 1e-5)
+    assert found.rest.falls >= expected * (1.0 - 1e-5)
+    assert found.rest.falls - found.rest.stands <= 2e-3 * expected
+
+
+def test_a_wall_says_what_its_mortar_does():
+    model = wall(5e4)
+    for factor, words in (
+        (0.1, "every joint of mortar cracked"),
+        (0.2, "its mortar cracks in 2 joints, and what is left falls"),
+    ):
+        shaken = model.with_load(model.load + factor * LoadCase.seismic(model.assembly, 0.0, 1.0))
+        found = check(shaken)
+        assert words in found.message
+        assert found.asked.mortar == "brittle"
+        assert "(brittle)" in found.asked.facts()["Joint capacity"]
 
 
 def incline(angle_deg, cohesion, friction=0.5):
@@ -168,5 +224,5 @@ def test_the_verdict_does_not_depend_on_units(scale):
         scaled = Model.of(assembly, friction=0.6)
         forces = model.contacts.capacity
         cube = scale**3
-        capacity = JointCapacity(forces.tension * cube, forces.cohesion * cube)
+        capacity = JointCapacity(forces.tension * cube, forces.cohesion * cube, brittle=False)
         assert check(scaled.with_capacity(capacity)).verdict == verdict

@@ -57,7 +57,9 @@ class Question(OneLine):
         [N m] about this point, and the motion [m, rad] of a support. See
         :class:`drystone.loads.applied.AppliedLoads`.
     joint_capacity
-        Least and largest tension, cohesion and shear of the joints [N].
+        Least and largest tension, cohesion, shear and compression of the joints [N].
+    mortar
+        ``brittle`` or ``ductile`` where joints pull or cohere.
     notes
         What was assumed while the model was made.
     options
@@ -83,6 +85,7 @@ class Question(OneLine):
     acceleration: tuple[float, ...] = ()
     loads: tuple[Mapping[str, Any], ...] = ()
     joint_capacity: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    mortar: str = ""
     notes: tuple[str, ...] = ()
     options: Mapping[str, str] = field(default_factory=dict)
     version: str = ""
@@ -148,6 +151,7 @@ class Question(OneLine):
                 for name, ends in capacity.items()
                 if ends not in (None, (DRY[name],) * 2)
             },
+            mortar="" if contacts.capacity is None else contacts.capacity.law,
             version=version(),
             commit=commit(),
             **more,
@@ -167,7 +171,8 @@ class Question(OneLine):
             "Friction": _range(self.friction, ""),
             "Joint capacity": ", ".join(
                 f"{name} {_range(ends, ' N')}" for name, ends in self.joint_capacity.items()
-            ),
+            )
+            + (f" ({self.mortar})" if self.mortar else ""),
             "Load": self.load,
             "Options": _pairs(self.options),
             "Notes": "; ".join(self.notes),

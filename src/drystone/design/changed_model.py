@@ -165,7 +165,11 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bo
             strength[row, now] = NO_LIMIT if total >= NO_LIMIT else total * share
     _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)
-    return part if old.capacity is None else part.with_capacity(JointCapacity(*strength))
+    return (
+        part
+        if old.capacity is None
+        else part.with_capacity(capacity.with_values(dict(zip(DRY, strength, strict=True))))
+    )
 
 
 def _refuse_lost(

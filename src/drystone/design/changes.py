@@ -232,8 +232,11 @@ def ballast_change(model: Model, count: int, block: int) -> Change:
 
 
 def glued(model: Model, joints: Ints, strength: float) -> Model:
-    """The model with glue in some joints, each of a strength [N] against pull and against shear."""
-    before = model.contacts.capacity or JointCapacity.of(model.contacts)
+    """The model with glue in some joints, each of a strength [N] against pull and against shear.
+
+    It is ductile where the model has no brittle joints.
+    """
+    before = model.contacts.capacity or JointCapacity.of(model.contacts, brittle=False)
     tension, cohesion = np.array(before.tension), np.array(before.cohesion)
     tension[joints] = np.maximum(tension[joints], strength)
     cohesion[joints] = np.maximum(cohesion[joints], strength)

@@ -93,16 +93,16 @@ class EquilibriumSolution:
     ----------
     force : (k, 3) minus tension, when solved
     tension : (k,) when it was allowed
-    pull : (k,) what pulls where corners of a face that crushes press as well
     multiplier : (n, 6) virtual velocity of the blocks: the mechanism when infeasible
     raw
+    pull : (k,) what pulls where corners of a face that crushes press as well
     """
 
     force: Floats
     tension: Floats
-    pull: Floats
     multiplier: Floats
     raw: ConicSolution
+    pull: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,15 +317,16 @@ def solved(
     if vertex and raw.status is ConicStatus.SOLVED:
         raw = program.at_vertex(raw, ConicOptions.of(options).time_limit_s)
     force = raw.x[program.variables["force"]].reshape(-1, 3).copy()
-    tension, pull = np.zeros((2, len(force)))
+    tension, pull = np.zeros(len(force)), None
     if "tension" in program.variables:
         net = raw.x[program.variables["tension"]]
         force[:, 0] -= net
         tension = np.maximum(0.0, net)
     if "pull" in program.variables and statics.crushing is not None:
+        pull = np.zeros(len(force))
         pull[statics.crushing.corner] = raw.x[program.variables["pull"]]
     multiplier = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
-    return EquilibriumSolution(force, tension, pull, multiplier, raw)
+    return EquilibriumSolution(force, tension, multiplier, raw, pull)
 
 
 def _finer(

@@ -81,4 +81,4 @@ def project_on_mechanisms(
         return None
     force = scale * raw.z[made.rows["opening"]].reshape(-1, 3)
     motion = raw.x[velocity.place].reshape(-1, 6)
-    return EquilibriumSolution(force, np.zeros(k), np.zeros(k), motion, raw)
+    return EquilibriumSolution(force, np.zeros(k), motion, raw)

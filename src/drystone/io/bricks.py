@@ -180,7 +180,7 @@ def _joints(
         np.zeros(len(ends)),
         np.concatenate([np.zeros((0, 3)), *corners]),
         np.repeat(np.arange(len(corners)), [len(one) for one in corners]),
-        JointCapacity(pull, held),
+        JointCapacity(pull, held, brittle=False),
     )
 
 

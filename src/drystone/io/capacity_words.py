@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +26,25 @@ def with_joint_capacity(model: Model, text: str) -> Model:
     InputError
         It cannot be read, or names blocks that do not touch.
     """
-    if text.lower().endswith(".csv"):
-        return model.with_capacity(_of_table(model, text))
-    return model.with_capacity(_of_words(model, text))
+    words, brittle = law_of(text)
+    read = _of_table if words.lower().endswith(".csv") else _of_words
+    found = read(model, words)
+    if brittle is None:
+        return model.with_capacity(found)
+    if not found.law:
+        raise InputError(
+            f"'{text[:60]}' has no mortar that breaks or yields",
+            where=_WHERE,
+            remedy=f"give tension or cohesion, such as {_EXAMPLE}",
+        )
+    return model.with_capacity(replace(found, brittle=brittle))
+
+
+def law_of(text: str) -> tuple[str, bool | None]:
+    """The words without a last ``brittle`` or ``ductile``, and whether it is brittle, if told."""
+    words, _, last = text.rpartition(",")
+    known = {"brittle": True, "ductile": False}
+    return (words, known[last.strip()]) if last.strip() in known else (text, None)
 
 
 def _of_words(model: Model, text: str) -> JointCapacity:
@@ -46,8 +63,11 @@ def _of_words(model: Model, text: str) -> JointCapacity:
     if found.get("compression", 1.0) <= 0.0:
         remedy = "give more than zero, such as 5MPa"
         raise InputError(f"compression is {found['compression']:g}", where=_WHERE, remedy=remedy)
-    area, strength = model.contacts.area, {}
-    forces = {name: value * area if stress[name] else value for name, value in found.items()}
+    area = model.contacts.area
+    strength: dict[str, Any] = {}
+    forces: dict[str, Any] = {
+        name: value * area if stress[name] else value for name, value in found.items()
+    }
     if "compression" in forces:  # of edges, which have no area, it is zero
         strength = {"compression": np.broadcast_to(forces.pop("compression"), area.shape)}
     try:
@@ -69,7 +89,7 @@ def _of_table(model: Model, path: str) -> JointCapacity:
         raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
     contacts, names = model.contacts, model.assembly.names
     place = {name: i for i, name in enumerate(names)}
-    values = {name: np.full(contacts.count, dry) for name, dry in DRY.items()}
+    values: dict[str, Any] = {name: np.full(contacts.count, dry) for name, dry in DRY.items()}
     for number, row in enumerate(rows[1:], start=2):
         if not row:
             continue

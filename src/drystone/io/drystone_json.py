@@ -119,7 +119,7 @@ def _extras(top: Field, assembly: Assembly) -> Extras:
 
 
 def _contacts(field: Field, assembly: Assembly) -> Contacts:
-    field.only((*CONTACTS, *DRY))
+    field.only((*CONTACTS, *DRY, "brittle"))
     block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
     m = len(block_a)
     for side, values in (("block_a", block_a), ("block_b", block_b)):
@@ -147,11 +147,12 @@ def _capacity(field: Field, count: int) -> JointCapacity | None:
     """What joints carry beyond friction, where the file says so."""
     if not any(field.has(name) for name in DRY):
         return None
-    given = (
-        field[name].floats(count) if field.has(name) else np.full(count, dry)
+    given = {
+        name: field[name].floats(count) if field.has(name) else np.full(count, dry)
         for name, dry in DRY.items()
-    )
-    return JointCapacity(*given)
+    }
+    brittle = field["brittle"].boolean() if field.has("brittle") else True
+    return JointCapacity(**given, brittle=brittle)
 
 
 def _load(field: Field, assembly: Assembly) -> LoadCase:

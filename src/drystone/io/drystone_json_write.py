@@ -85,7 +85,8 @@ def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[st
         content |= {name: getattr(contacts.capacity, name) for name in DRY}
     if decimals is not None:
         content = {name: values.round(decimals) for name, values in content.items()}
-    return {name: values.tolist() for name, values in content.items()}
+    law = {} if contacts.capacity is None else {"brittle": contacts.capacity.brittle}
+    return {name: values.tolist() for name, values in content.items()} | law
 
 
 def _load_content(load: LoadCase) -> dict[str, Any]:

@@ -144,9 +144,10 @@ def read(
     seismic
         Horizontal forces as shares of the weight, along x and y.
     joint_capacity
-        What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and
-        bending moment in Nm, such as ``tension=0.1MPa,cohesion=0.2MPa``; or a table
-        block_a,block_b,tension,cohesion,shear in N.
+        What joints carry beyond friction, ``tension=0.1MPa,cohesion=0.2MPa`` or ``shear`` in Pa or
+        N, ``moment`` in Nm; ``compression=5MPa`` for joints that crush; with ``ductile`` at the end
+        for joints that do not break; or a table block_a,block_b,tension,cohesion,shear,compression
+        in N.
     gap
         Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
         block, such as ``5%`` (0.5%).

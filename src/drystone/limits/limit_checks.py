@@ -28,7 +28,8 @@ the quick level gives the same limits as the patient one in half of the time."""
 
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     """Whether it stands with uniform contact stiffness: the fastest proof."""
-    if model.contacts.corner_count > SEARCHED and not model.contacts.crushes.any():
+    contacts = model.contacts
+    if contacts.corner_count > SEARCHED and not (contacts.brittle or contacts.crushes.any()):
         return try_rest(model, screening=_UNIFORM, stop=stop)
     return check(model, options=CheckOptions(settle=False), stop=stop)
 

@@ -15,6 +15,7 @@ from drystone.base.declared import Declared, declared, refuse_unknown
 from drystone.base.errors import InputError
 from drystone.base.files import write_text
 from drystone.io import FORMATS, read
+from drystone.io.capacity_words import law_of
 from drystone.model import Model
 from drystone.supports import require_supports
 
@@ -175,8 +176,9 @@ def how_of(subject: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
                 how[name] = value
     except InputError as error:
         raise error.located(f"model.{error.where}" if error.where else "model") from error
-    if str(how.get("joint_capacity", "")).lower().endswith(".csv"):
-        folder.require(how["joint_capacity"])
+    capacity = law_of(str(how.get("joint_capacity", "")))[0]
+    if capacity.lower().endswith(".csv"):
+        folder.require(capacity)
     return how
 
 

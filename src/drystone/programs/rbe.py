@@ -266,7 +266,8 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
     force = tension = residuals = None
     if solution.raw.status is ConicStatus.SOLVED:
         force = problem.force(solution.force)
-        residuals = check_forces(problem.model, force, pull=problem.force(solution.pull[:, None]))
+        pull = None if solution.pull is None else problem.force(solution.pull[:, None])
+        residuals = check_forces(problem.model, force, pull=pull)
         if max(residuals.equilibrium, residuals.tension, residuals.crushing) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     else:

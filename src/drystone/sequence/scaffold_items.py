@@ -379,5 +379,5 @@ def _interfaces(pairs: Sequence[tuple[int, int]], joints: Sequence[_Joint]) -> C
         np.array([joint.friction for joint in joints]),
         np.concatenate([joint.corner for joint in joints]),
         np.repeat(np.arange(len(joints)), corners),
-        JointCapacity(pull, pull) if pull.any() else None,
+        JointCapacity(pull, pull, brittle=False) if pull.any() else None,
     )

@@ -15,7 +15,7 @@ from drystone.formulations.equilibrium import (
 )
 from drystone.formulations.projection import held_still, project_on_mechanisms
 from drystone.mechanics.rest_state import RestState
-from drystone.results import Result, Verdict
+from drystone.results import Result, Samples, Verdict
 from drystone.stability.problem import Problem
 
 FORCE_TOLERANCE = 1e-8
@@ -106,6 +106,19 @@ def withdrawn(found: Result, message: str) -> Result:
         prop=None,
         force_with_props=None,
         falling=(),
+    )
+
+
+def undone(found: Result, message: str) -> Result:
+    """UNDECIDED in place of any verdict, and nothing of what showed it."""
+    return replace(
+        withdrawn(found, message),
+        force=None,
+        displacement=None,
+        residuals=None,
+        settlement=None,
+        samples=Samples(),
+        sensitive_to=(),
     )
 
 

@@ -67,10 +67,12 @@ def try_rest(
     if progress is not None:
         progress("rest state", 0, 1)
     problem = Problem.of(given)
+    model = problem.model
+    if model.contacts.brittle:  # mortar that cracks holds nothing that stands on springs alone
+        problem = Problem.build(model.cracked())
     tried: tuple[Candidate, ...] = ()
     falling: tuple[int, ...] = ()
     if problem.statics.free_count == 0:
-        model = problem.model
         force, motion = (
             np.zeros((model.contacts.corner_count, 3)),
             np.zeros((len(model.assembly), 6)),
@@ -93,7 +95,7 @@ def try_rest(
     return Result(
         method="rest",
         verdict=Verdict.STABLE if stands else Verdict.UNDECIDED,
-        model=problem.model,
+        model=model,
         message=message,
         falling=falling,
         samples=Samples(ended, sum(one.stands for one in tried)),

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.progress import Clock
 from drystone.checks import Residuals, check_forces, crushed_most
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_load_factor
 from drystone.model import Model
-from drystone.results import Result, Samples, Verdict
+from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
@@ -20,6 +21,7 @@ from drystone.stability.proofs import (
     FORCE_TOLERANCE,
     checked_mechanism,
     moving_blocks,
+    undone,
 )
 
 CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
@@ -58,7 +60,7 @@ def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> C
     steps = state.raw.iterations
     if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
         force = problem.force(state.force / share)
-        pull = problem.force(state.pull[:, None] / share)
+        pull = None if state.pull is None else problem.force(state.pull[:, None] / share)
         residuals = check_forces(problem.model, force, pull=pull)
         return Carried(1.0, force, residuals, None, steps)
     return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
@@ -76,9 +78,7 @@ def crushing_words(model: Model, found: Carried) -> str:
 
 
 @one_blas_thread()
-def within_strength(
-    problem: Problem, decide: Callable[[Model], Result], late: Callable[[], bool]
-) -> Result:
+def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: Clock) -> Result:
     """The verdict of a model whose joints crush.
 
     Without the limits of strength it must stand. With the forces found there within them, it
@@ -91,7 +91,7 @@ def within_strength(
     problem
     decide
         Gives the verdict on a model without limits of strength.
-    late
+    clock
     """
     model = problem.model
     found = decide(model.without_crushing())
@@ -103,38 +103,31 @@ def within_strength(
         residuals = check_forces(crushes, found.force, found.displacement)
         if residuals.crushing <= FORCE_TOLERANCE:
             return replace(found, residuals=residuals)
-    most = carried(problem, FrictionCone.exact(), late)
+    most = carried(problem, FrictionCone.exact(), clock.late)
     found = replace(found, iterations=found.iterations + most.iterations)
     if most.mechanism is not None:
         return replace(
-            _undecided(found, crushing_words(model, most)),
+            undone(found, crushing_words(model, most)),
             verdict=Verdict.UNSTABLE,
             mechanism=most.mechanism,
             falling=moving_blocks(model.assembly, most.mechanism),
         )
     if most.force is None or most.residuals.largest > FORCE_TOLERANCE:
-        return _undecided(found, "no forces within the strength of its joints were found")
+        words = "no forces within the strength of its joints were found"
+        words += f"; {clock.reason}" if clock.late() else ""
+        return replace(undone(found, words), stopped=clock.reason)
     if not found.sensitive:
         words = f"{found.message}; its most pressed joints crush in part"
         return replace(
-            found, model=model, message=words, force=most.force, residuals=most.residuals
+            found,
+            model=model,
+            message=words,
+            force=most.force,
+            displacement=None,
+            residuals=most.residuals,
         )
-    return _undecided(
+    return undone(
         found,
         "forces within the strength of its joints balance the loads, but whether crushing brings "
         f"them about is not known: without it {found.message}",
-    )
-
-
-def _undecided(found: Result, message: str) -> Result:
-    return replace(
-        found,
-        verdict=Verdict.UNDECIDED,
-        message=message,
-        force=None,
-        displacement=None,
-        residuals=None,
-        settlement=None,
-        samples=Samples(),
-        sensitive_to=(),
     )

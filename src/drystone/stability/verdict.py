@@ -39,6 +39,7 @@ from drystone.stability.free_fall import (
     closing_blocks,
     unpressed,
 )
+from drystone.stability.mortar import with_brittle_mortar
 from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
 from drystone.stability.strength import within_strength
@@ -124,14 +125,17 @@ def decided(
     """
     if asked.problem.statics.free_count == 0:
         return asked.nothing_free()
-    if asked.problem.statics.crushing is not None:
+    problem = asked.problem
+    if problem.model.contacts.brittle or problem.statics.crushing is not None:
 
-        def unlimited(model: Model) -> Result:
-            """The verdict where no joint crushes."""
-            other = Asked(Problem.build(model), asked.options, asked.clock, asked.progress)
-            return decided(other, executor, near=near)
+        def other(model: Model) -> Result:
+            """The verdict on the same blocks with other capacities of joints."""
+            part = Asked(Problem.build(model), asked.options, asked.clock, asked.progress)
+            return decided(part, executor, near=near)
 
-        return within_strength(asked.problem, unlimited, asked.clock.late)
+        if problem.model.contacts.brittle:
+            return with_brittle_mortar(problem.model, other, asked.clock)
+        return within_strength(problem, other, asked.clock)
 
     def touching(model: Model) -> Result:
         """The verdict on the same blocks with more contacts."""

@@ -15,7 +15,7 @@ from drystone.base.errors import InputError, meant
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
-from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
+from drystone.joint_capacity import DRY, NO_LIMIT
 from drystone.loads import LoadCase
 from drystone.loads.load_words import chosen_case
 from drystone.model import Model
@@ -113,9 +113,12 @@ class Combination(OneLine):
         capacity = model.contacts.capacity
         if capacity is None or by.strength == 1.0:
             return model
-        each = (getattr(capacity, name) for name in DRY)
-        divided = (np.where(one < NO_LIMIT, one / by.strength, NO_LIMIT) for one in each)
-        return model.with_capacity(JointCapacity(*divided))
+        each = {name: getattr(capacity, name) for name in DRY}
+        divided = {
+            name: np.where(one < NO_LIMIT, one / by.strength, NO_LIMIT)
+            for name, one in each.items()
+        }
+        return model.with_capacity(capacity.with_values(divided))
 
 
 def read_combinations(path: PathLike, model: Model) -> list[Combination]:

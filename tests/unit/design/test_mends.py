@@ -169,7 +169,9 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     assert found.change.description in mends.diagnosis.reasons[0]
     enough, half = (
         JointCapacity(
-            np.full(1, share * found.change.value), np.full(1, share * found.change.value)
+            np.full(1, share * found.change.value),
+            np.full(1, share * found.change.value),
+            brittle=False,
         )
         for share in (1.0, 0.5)
     )
