@@ -5,7 +5,6 @@ from drystone.detection.contact_report import ContactReport
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.find import Detection, find_contacts, find_overlaps
 from drystone.detection.gap_sweep import GapSweep, gap_sweep
-from drystone.detection.given import contacts_from_mesh
 from drystone.detection.inexact import Inexact
 from drystone.detection.reasons import Missed, Reason
 from drystone.detection.resample import Resampled
@@ -23,7 +22,6 @@ __all__ = [
     "Reason",
     "Resampled",
     "Shortfall",
-    "contacts_from_mesh",
     "find_contacts",
     "find_overlaps",
     "gap_sweep",

@@ -11,7 +11,6 @@ from benchmarks.curved import curved_vault
 from drystone import (
     Assembly,
     Contacts,
-    InputError,
     LoadCase,
     Model,
     Verdict,
@@ -21,9 +20,8 @@ from drystone import (
     read,
     write,
 )
-from drystone.assembly import replace_block
-from drystone.detection import DetectionOptions, contacts_from_mesh
-from drystone.models import box, concave, cube_curve, curve_three_blocks, tower
+from drystone.detection import DetectionOptions
+from drystone.models import concave, cube_curve, curve_three_blocks, tower
 
 AREA = 2.460
 ALL = DetectionOptions(curve=0.0)
@@ -125,48 +123,3 @@ def test_more_angle_means_fewer_pieces() -> None:
     ]
     assert counts == sorted(counts, reverse=True)
     assert len(set(counts)) == len(counts)
-
-
-def test_given_mesh_becomes_the_joint() -> None:
-    model = curve_three_blocks(8)
-    found = find_contacts(model).contacts.select(find_contacts(model).contacts.block_b == 1)
-    faces = [list(range(found.start[i], found.start[i + 1])) for i in range(found.count)]
-    turned = [face[::-1] if i % 2 else face for i, face in enumerate(faces)]
-    given = contacts_from_mesh(model, "base", "cradle", found.point, turned, friction=0.3)
-    np.testing.assert_allclose(given.area, found.area, rtol=1e-9)
-    np.testing.assert_allclose(given.frame[:, 0], found.frame[:, 0], atol=1e-9)
-    np.testing.assert_allclose(given.friction, 0.3)
-
-
-def test_mesh_normals_follow_the_order_of_the_blocks() -> None:
-    square = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    for model, up in ((tower(2), 1.0), (Assembly(tower(2).blocks[::-1]), -1.0)):
-        contacts = contacts_from_mesh(model, "block-1", "block-0", square, [(0, 1, 2, 3)])  # type: ignore[arg-type]
-        assert contacts.block_a.tolist() == [0]
-        np.testing.assert_allclose(contacts.frame[0, 0], [0.0, 0.0, up])
-
-
-@pytest.mark.parametrize("faces", [[(0, 1, 9)], [(0, 1)], [(0, 1, 1)]])
-def test_broken_mesh_is_refused(faces: list[tuple[int, ...]]) -> None:
-    square = np.array([(0.0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-    with pytest.raises(InputError, match="joint of"):
-        contacts_from_mesh(tower(2), 0, 1, square, faces)
-
-
-def test_joint_of_a_block_with_itself_is_refused() -> None:
-    with pytest.raises(InputError, match="two blocks"):
-        contacts_from_mesh(tower(2), 0, 0, np.zeros((3, 3)), [(0, 1, 2)])
-
-
-def test_mesh_away_from_its_blocks_is_refused_with_the_distance() -> None:
-    far = np.array([(0.0, 0, 8), (1, 0, 8), (1, 1, 8)])
-    with pytest.raises(InputError, match="face 0 is 7 m away from block 'block-0'"):
-        contacts_from_mesh(tower(2), 0, 1, far, [(0, 1, 2)])
-
-
-def test_strongly_warped_face_of_a_mesh_is_refused() -> None:
-    cube = box((1.0, 1.0, 1.0))
-    warped = np.array([(0.0, 0, 0), (1, 0, 1), (1, 1, 0), (0, 1, 1)])
-    model = Assembly((replace_block(cube, name="a"), replace_block(cube, name="b")))
-    with pytest.raises(InputError, match=r"a corner lies 0\.5 m from its plane"):
-        contacts_from_mesh(model, 0, 1, warped, [(0, 1, 2, 3)])
