@@ -38,6 +38,16 @@ def test_fill_presses_both_haunches_inwards_and_its_sum_is_that_of_the_vertical_
     assert push[:5].sum() == pytest.approx(0.5 * 2e4 * 0.5 * high**2, rel=1e-9)
 
 
+def test_a_road_that_rises_adds_fill_at_one_end_and_takes_it_at_the_other() -> None:
+    bridge = segmental_bridge(voussoirs=10)
+    level, rising = (Fill(0.5, 2e4, grade=rise).on(bridge).wrench[1:-1, 2] for rise in (0.0, 0.02))
+    assert rising.sum() == pytest.approx(level.sum())
+    more = level - rising
+    assert more == pytest.approx(-more[::-1])
+    width = (6.0 + 2.0 * 0.45 * 0.8) / 2.0
+    assert more[5:].sum() == pytest.approx(0.02 * 2e4 * width**2 / 2.0)
+
+
 def test_fill_lies_on_the_outer_ring_only() -> None:
     bridge = segmental_bridge(voussoirs=6, rings=2, ring=0.3)
     loaded = np.flatnonzero(Fill(0.2, 2e4).on(bridge).wrench[:, 2])
@@ -104,6 +114,7 @@ def test_a_wall_overturns_where_earth_turns_it_more_than_its_weight_holds() -> N
     ("words", "told"),
     [
         ("fill:cover=-0.1m,weight=20kN/m3", "the road would be 0.1 m below the crown"),
+        ("fill:cover=0.1m,weight=20kN/m3,grade=90%", "m below the top of 'voussoir-"),
         ("fill:cover=0.1m,weight=20", "'20' has no unit"),
         ("fill:cover=0.1m", "fill has no weight"),
         ("fill:cover=0.1m,weight=20kN/m3,k=-0.3", "is -0.3"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 from scipy import sparse
@@ -42,6 +42,14 @@ _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
 
 
+class Placed(NamedTuple):
+    """A train with its middle at a place [m], and the largest factor of it by equilibrium."""
+
+    place: float
+    train: Train
+    found: FactorSolution
+
+
 @dataclass(frozen=True, eq=False)
 class Crossing:
     """A bridge under a train, wherever it is.
@@ -72,20 +80,23 @@ class Crossing:
         free = ~self.problem.model.assembly.fixed
         return np.flatnonzero(free & self.resisting.any(axis=1))
 
-    def live(self, place: float) -> LoadCase:
-        """The train with its middle at a place."""
-        where = f"{self.train.name} at x = {place:.4g} m"
-        return LoadCase(self.train.on(self.tops, place), where)
+    def live(self, place: float, train: Train) -> LoadCase:
+        """A train with its middle at a place."""
+        return LoadCase(train.on(self.tops, place), f"{train.name} at x = {place:.4g} m")
 
-    def __call__(self, place: float) -> FactorSolution:
-        """The largest factor of the train at a place, by equilibrium."""
+    def __call__(self, place: float) -> Placed:
+        """The largest factor of the train at a place: the lesser one of both ways it may move."""
+        both = [Placed(place, train, self._largest(place, train)) for train in self.train.ways]
+        return min(both, key=lambda one: np.nan_to_num(one.found.factor, nan=np.inf))
+
+    def _largest(self, place: float, train: Train) -> FactorSolution:
         statics = self.problem.statics
         count, each = len(self.problem.model.assembly), []
         for block in self.resisted.tolist():
             alone = np.zeros((count, 6))
             alone[block] = self.resisting[block]
             each.append(scaled_wrench(statics, LoadCase(alone)).ravel())
-        live = scaled_wrench(statics, self.live(place))
+        live = scaled_wrench(statics, self.live(place, train))
         if not live.any():
             raise InputError("no axle is on a free block", remedy="give fewer steps")
         return solve_load_factor(
@@ -95,12 +106,13 @@ class Crossing:
             reserve=sparse.csc_matrix(np.array(each).T) if each else None,
         )
 
-    def result(self, place: float, found: FactorSolution) -> Result | None:
+    def result(self, placed: Placed) -> Result | None:
         """The forces and the mechanism at the limit; None where they are not balanced."""
+        found = placed.found
         if not np.isfinite(found.factor):
             return None
         problem = self.problem
-        model = problem.model.with_load(self._loaded(place, found.factor, found.reserve))
+        model = problem.model.with_load(self._loaded(placed, found.factor, found.reserve))
         force = problem.force(found.state.force)
         residuals = check_forces(model, force)
         if max(residuals.equilibrium, residuals.tension) > _BALANCED:
@@ -118,28 +130,28 @@ class Crossing:
             iterations=found.state.raw.iterations,
         )
 
-    def falls(self, place: float, found: FactorSolution) -> bool:
+    def falls(self, placed: Placed) -> bool:
         """Whether the mechanism proves that no forces balance a thousandth more.
 
         Whatever share of its reserve the fill resists with: the whole where it is moved against.
         """
-        problem = self.problem
+        problem, found = self.problem, placed.found
         beyond = found.factor + _BEYOND * abs(found.factor)
         for state in (found.state, held_still(problem.statics, found.state)):
             motion = problem.mechanism(state.multiplier)
             against = (self.resisting[self.resisted] * motion[self.resisted]).sum(axis=1) < 0.0
-            load = self._loaded(place, beyond, against.astype(np.float64))
+            load = self._loaded(placed, beyond, against.astype(np.float64))
             violation, power = mechanism_defects(problem.model.with_load(load), motion)
             if violation <= MECHANISM_TOLERANCE and power > 0.0:
                 return True
         return False
 
-    def _loaded(self, place: float, factor: float, reserve: Floats) -> LoadCase:
+    def _loaded(self, placed: Placed, factor: float, reserve: Floats) -> LoadCase:
         dead = self.problem.model.load
         wrench = np.zeros_like(dead.wrench)
         wrench[self.resisted] = reserve[:, None] * self.resisting[self.resisted]
         acts = LoadCase(wrench, "what the fill resists") if reserve.any() else None
-        load = dead + factor * self.live(place)
+        load = dead + factor * self.live(placed.place, placed.train)
         return load if acts is None else load + acts
 
 
@@ -168,7 +180,7 @@ class TrainEnvelope(Answer):
     asked_for: int
     stopped: str
     _crossing: Crossing
-    _solutions: tuple[FactorSolution, ...]
+    _placed: tuple[Placed, ...]
     options: LimitOptions
 
     def _summary(self) -> str:
@@ -186,7 +198,7 @@ class TrainEnvelope(Answer):
 
     def live(self, place: float) -> LoadCase:
         """The train with its middle at a place [m], spread through the fill."""
-        return self._crossing.live(place)
+        return self._crossing.live(place, self.train)
 
     @property
     def worst(self) -> int:
@@ -211,9 +223,8 @@ class TrainEnvelope(Answer):
     @cached_property
     def proven(self) -> bool:
         """Whether forces at the worst place, and a mechanism just beyond, were checked."""
-        at, found = float(self.places[self.worst]), self._solutions[self.worst]
-        known = self._crossing.result(at, found) is not None
-        return known and self._crossing.falls(at, found)
+        one = self._placed[self.worst]
+        return self._crossing.result(one) is not None and self._crossing.falls(one)
 
     @property
     def _near(self) -> Floats:
@@ -307,12 +318,13 @@ class TrainEnvelope(Answer):
         return replace(scene, title=self.title, stages=tuple(stages), charts=charts, still=still)
 
     def _stage(self, i: int) -> list[SceneStage]:
-        at, found = float(self.places[i]), self._solutions[i]
-        result = self._crossing.result(at, found)
+        one = self._placed[i]
+        result = self._crossing.result(one)
         if result is None:
             return []
-        stage = result.stage(f"x = {at:.3g} m")
-        headline = f"Load factor {found.factor:.4g} at x = {at:.4g} m"
+        stage = result.stage(f"x = {one.place:.3g} m")
+        way = "" if one.train == self.train else ", turned round"
+        headline = f"Load factor {one.found.factor:.4g} at x = {one.place:.4g} m{way}"
         return [replace(stage, headline=headline)]
 
     def figure(self) -> Chart:
@@ -349,7 +361,7 @@ def limit_train(
 
     One conic program at each place gives the largest factor that forces balance; at the worst place
     the full verdict is searched as well. Fill is added to the load, spreads the axles, and resists
-    what moves into it.
+    what moves into it. A train that is not symmetric moves both ways, and the lesser factor counts.
 
     Parameters
     ----------
@@ -402,25 +414,25 @@ def limit_train(
     reach = 0.5 * carried.length
     places = low - reach + share * (high - low + 2.0 * reach)
     clock = Clock(time_limit_s, stop)
-    found: list[FactorSolution] = []
+    found: list[Placed] = []
     with WorkerPool(executor) as pool:
         for one in pool.answers(crossing, places.tolist(), clock.late):
             found.append(one)
             if progress is not None:
                 progress("places", len(found), steps)
-    factors = np.array([one.factor for one in found])
+    factors = np.array([one.found.factor for one in found])
     known = places[: len(found)]
     envelope = TrainEnvelope(
         known, factors, None, steps, clock.reason, crossing, tuple(found), chosen
     )
     if clock.late() or not found or tops.fill.passive > tops.fill.k:
         return envelope
-    worst, factor = float(places[envelope.worst]), float(factors[envelope.worst])
+    worst, factor = found[envelope.worst], float(factors[envelope.worst])
     if not np.isfinite(factor):
         return envelope
     limit = limit_load(
         model,
-        crossing.live(worst),
+        crossing.live(worst.place, worst.train),
         upper=max(2.0 * factor, 1e-3),
         options=chosen,
         stop=clock.late,

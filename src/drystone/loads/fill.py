@@ -13,18 +13,26 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.loads.case import LoadCase
-from drystone.loads.ground_words import Reader, length, pressure_ratio, read_words, spread, weight
+from drystone.loads.ground_words import (
+    Reader,
+    grade,
+    length,
+    pressure_ratio,
+    read_words,
+    spread,
+    weight,
+)
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 
 
 @dataclass(frozen=True)
 class Fill(Options):
-    """Fill between the tops of blocks and a level road along x.
+    """Fill between the tops of blocks and a road along x.
 
     Attributes
     ----------
     cover : [m] >= 0
-        Of the road above the highest block.
+        Of the road above the highest block, at the middle of the bridge.
     weight : [N/m3] >= 0
         By volume.
     k : >= 0
@@ -34,6 +42,8 @@ class Fill(Options):
         train`` uses it, and no verdict.
     spread : >= 0
         Of a load, horizontal by vertical, to each side.
+    grade
+        Rise of the road by length along x.
     law
         How a load spreads: ``even`` over that width, or ``boussinesq`` of an elastic half space.
 
@@ -53,6 +63,7 @@ class Fill(Options):
     k: float = 0.0
     passive: float = 0.0
     spread: float = 0.5
+    grade: float = 0.0
     law: Literal["even", "boussinesq"] = "even"
 
     def __post_init__(self) -> None:
@@ -71,7 +82,7 @@ class Fill(Options):
 
     @classmethod
     def named(cls, text: str) -> Self:
-        """From ``cover=0.3m,weight=20kN/m3``, and ``k``, ``passive``, ``spread``, ``law``.
+        """From ``cover=0.3m,weight=20kN/m3``, and the other attributes.
 
         Raises
         ------
@@ -85,6 +96,7 @@ class Fill(Options):
             "law": str,
             "passive": pressure_ratio,
             "spread": spread,
+            "grade": grade,
         }
         example = "cover=0.3m,weight=20kN/m3"
         found = read_words(text, known, example)
@@ -112,13 +124,16 @@ class Tops:
     strips
         Seen from above, t along x.
     road : [m]
-        Level of the road.
+        Level of the road at ``middle``.
+    middle : [m]
+        Of the bridge, along x.
     """
 
     assembly: Assembly
     fill: Fill
     strips: SeenStrips
     road: float
+    middle: float
 
     @classmethod
     def of(cls, assembly: Assembly, fill: Fill) -> Self:
@@ -128,7 +143,23 @@ class Tops:
         if not free.any():
             raise InputError("no free block has a top", where="fill", remedy="free some blocks")
         road = float(strips.r[free].max()) + fill.cover
-        return cls(assembly, fill, strips, road)
+        made = cls(
+            assembly, fill, strips, road, 0.5 * float(strips.t[free].min() + strips.t[free].max())
+        )
+        over = strips.r[free] - made.level(strips.t[free])
+        if over.max() > 1e-9 * made.breadth:
+            at = int(over.max(axis=1).argmax())
+            name = assembly.names[strips.block[free][at]]
+            raise InputError(
+                f"the road would be {over.max():.3g} m below the top of '{name}'",
+                where="fill",
+                remedy="give more cover",
+            )
+        return made
+
+    def level(self, x: Floats) -> Floats:
+        """Of the road [m] at places."""
+        return np.asarray(self.road + self.fill.grade * (x - self.middle))
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -149,14 +180,14 @@ class Tops:
         here = away <= away.min() + 1e-9 * self.breadth
         share = np.clip((x - t[here, 0]) / np.diff(t[here])[:, 0], 0.0, 1.0)
         top = r[here, 0] + share * np.diff(r[here])[:, 0]
-        return max(self.road - float(top.max()), 0.0)
+        return max(float(self.level(np.array(x))) - float(top.max()), 0.0)
 
     def pressed(self, vertical: float, horizontal: float) -> Floats:
         """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
-        weight, road = self.fill.weight, self.road
+        weight = self.fill.weight
 
         def traction(at: Spots) -> Floats:
-            down = weight * np.maximum(road - at.r, 0.0)
+            down = weight * np.maximum(self.level(at.t) - at.r, 0.0)
             part = np.column_stack([horizontal * at.slope, np.full(len(down), -vertical)])
             return np.asarray(down[:, None] * part)
 

@@ -82,6 +82,18 @@ def spread(text: str) -> float:
         raise InputError(f"'{text}' is no slope", remedy="write 2:1 or 30deg") from error
 
 
+def grade(text: str) -> float:
+    """A rise by length: ``3%``, or a number.
+
+    Examples
+    --------
+    >>> grade("3%"), grade("-0.02")
+    (0.03, -0.02)
+    """
+    number = units.measured(text.removesuffix("%"), {}, 1.0, "grade")
+    return number / 100.0 if text.endswith("%") else number
+
+
 def pressure_ratio(text: str) -> float:
     """Horizontal by vertical pressure: a number, or ``active:``, ``rest:``, ``passive:30deg``.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -60,6 +60,8 @@ class Train(Options):
                 remedy="list axles from the first one on",
             )  # fmt: skip
         self._refuse_below(0.0, "contact", "across")
+        if self.places[0] != 0.0:
+            raise InputError("its first axle is not at 0 m", where=where, remedy="count from it")
 
     def _summary(self) -> str:
         return f"'{self.name}', {counted(len(self.places), 'axle')}, {sum(self.loads):.4g} N"
@@ -67,7 +69,21 @@ class Train(Options):
     @property
     def length(self) -> float:
         """[m], from the first axle to the last one."""
-        return self.places[-1] - self.places[0]
+        return self.places[-1]
+
+    @property
+    def turned(self) -> Train:
+        """The same train that moves the other way."""
+        places = tuple(self.places[-1] - one for one in reversed(self.places))
+        return replace(self, places=places, loads=self.loads[::-1])
+
+    @property
+    def ways(self) -> tuple[Train, ...]:
+        """Itself and what it is turned round; one where both are alike."""
+        other = self.turned
+        pairs = zip((*self.places, *self.loads), (*other.places, *other.loads), strict=True)
+        alike = all(abs(a - b) <= 1e-9 * max(abs(a), abs(b)) for a, b in pairs)
+        return (self,) if alike else (self, other)
 
     @classmethod
     def named(cls, text: str) -> Self:
@@ -116,7 +132,7 @@ class Train(Options):
 
     def on(self, tops: Tops, middle: float) -> Floats:
         """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along x."""
-        first = middle - 0.5 * (self.places[0] + self.places[-1])
+        first = middle - 0.5 * self.length
         each = zip(self.places, self.loads, strict=True)
         wrenches: Sequence[Floats] = [
             tops.spread(load, first + place, self.contact, self.across) for place, load in each

@@ -61,6 +61,16 @@ def test_no_verdict_counts_what_fill_resists(bridge: Model) -> None:
     assert "limit train" in fill.on(bridge.assembly).notes[0]
 
 
+def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    cart = Train("cart", (0.0, 2.0), (1e3, 5e3))
+    assert cart.turned.loads == (5e3, 1e3)
+    found = limit_train(bridge, train=cart, fill=FILL, steps=4, options=quick)
+    other = limit_train(bridge, train=cart.turned, fill=FILL, steps=4, options=quick)
+    assert found.factors == pytest.approx(other.factors)
+    assert found.factors == pytest.approx(found.factors[::-1], rel=1e-6)
+
+
 def test_workers_find_the_same(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     with ThreadPoolExecutor(2) as executor:
