@@ -250,9 +250,14 @@ class ContactResponse:
     @property
     def tangent(self) -> Floats:
         """(k, 3, 3) minus the derivative of the force by the displacement of b over a."""
-        bearing = np.where(self.pressed, self._press, self._pull)
+        return self.tangent_where(self.pressed)
+
+    def tangent_where(self, pressed: Floats | Bools) -> Floats:
+        """The same with the stiffness of corners that are pressed to some share (k,)."""
+        apart = 1.0 - pressed
+        bearing = pressed * self._press + apart * self._pull
         out = np.empty((*bearing.shape, 3, 3))
-        out[..., 0, 0] = np.where(self.pressed, self._press, self._glue + self._pull)
+        out[..., 0, 0] = bearing + apart * self._glue
         out[..., 0, 1:] = 0.0
         out[..., 1:, 0] = -self._friction.by_normal * bearing[..., None]
         out[..., 1:, 1:] = self._friction.by_slide

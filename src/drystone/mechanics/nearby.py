@@ -3,9 +3,11 @@
 Between similar rest states few corners change between closed and open, or between sticking and
 sliding. Newton steps then need about five iterations, a third of those with the relaxed law.
 A step that does not lessen what is left is halved; where many corners change this leads nowhere,
-and the method stops.
+and the method stops. A corner about to open or close has part of its stiffness in the step, so that
+no block is left without joints for one step, and far away after it.
 
-Source: the semismooth Newton method, Qi and Sun 1993.
+Sources: the semismooth Newton method, Qi and Sun 1993; tangents of a smoothed law for what the law
+itself leaves, Chen, Qi and Sun 1998.
 """
 
 from __future__ import annotations
@@ -34,6 +36,12 @@ tilted curved joint is not found by way of smooth friction."""
 SHORTEST = 0.25
 """Share of a step that is taken whatever it leaves. Measured: full steps take 1,302 in
 place of 1,252 on 85 models."""
+
+BLURRED = 0.1
+"""How near, by the overlap under its load and the largest unbalanced share of a block, a corner is
+about to open or close. Measured on samples of eight walls and two vaults of 2,000 to 4,500 blocks:
+from 0 three of 16 samples are given up and begun anew, from 0.05 one, from 0.03, 0.1 and 0.15 none;
+with 0.1 they take 126 factorisations, and 141 with 0, which do not end."""
 
 CHORDS = 2
 """Steps with the same factors in which what is left must become small enough: they
@@ -70,7 +78,7 @@ def find_rest_nearby(
         Converged; None if the method does not converge, which proves nothing.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return descend(statics, compliance, options, start.motion, stop)[0]
+        return descend(statics, compliance, options, start.motion, stop, blurred=BLURRED)[0]
 
 
 def with_forces(
@@ -106,11 +114,17 @@ def descend(
     options: RestOptions,
     motion: Floats,
     stop: Callable[[], bool] | None = None,
+    blurred: float = 0.0,
 ) -> tuple[RestState | None, int]:
-    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
-    law = _Law(statics, compliance, options, stop)
+    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps.
+
+    With ``blurred``, corners about to open or close have part of their stiffness, and what is left
+    may grow for one step.
+    """
+    law = _Law(statics, compliance, options, stop, blurred)
     begin = law.at(motion, statics.displacement(motion))
-    point, solved, steps = newton(law, begin, Steps(LIMIT, SHORTEST, memory=1, chords=CHORDS))
+    limits = Steps(LIMIT, SHORTEST, memory=2 if blurred else 1, chords=CHORDS)
+    point, solved, steps = newton(law, begin, limits)
     if not solved:
         return None, steps
     normal = compliance.normal * np.maximum(0.0, -point.moved[:, 0] - compliance.overlap)
@@ -143,9 +157,11 @@ class _Law(Equation[_Point, Floats]):
         compliance: Compliance,
         options: RestOptions,
         stop: Callable[[], bool] | None,
+        blurred: float,
     ) -> None:
         self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance
+        self.blur = blurred * statics.corner_load / compliance.normal
         self.weight = options.ground * statics.mass_matrix
         self.solve: Solve | None = None
 
@@ -175,8 +191,16 @@ class _Law(Equation[_Point, Floats]):
     def step(self, point: _Point, renew: bool) -> Floats:
         if renew or self.solve is None:
             self.solve = None  # one set of factors at a time
-            self.solve = self.statics.maps.factorise(point.response.tangent, self.weight)
+            self.solve = self.statics.maps.factorise(self.tangent(point), self.weight)
         return self.solve(point.left)
+
+    def tangent(self, point: _Point) -> Floats:
+        """(k, 3, 3) with part of the stiffness of corners about to open or close."""
+        if not self.blur.any():
+            return point.response.tangent
+        gap = point.moved[:, 0] + self.compliance.overlap
+        share = 0.5 - 0.5 * gap / np.hypot(gap, self.blur * point.largest)
+        return point.response.tangent_where(share)
 
     def after(self, point: _Point, step: Floats, length: float) -> _Point:
         moved = point.moved + length * self.statics.displacement(step)

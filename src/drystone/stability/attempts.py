@@ -18,7 +18,7 @@ from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_f
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
-from drystone.stability.screening import AT_REST, PATIENT, Screening
+from drystone.stability.screening import AT_REST, PATIENT, PROVED, Screening
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
@@ -125,7 +125,7 @@ class Attempt:
     def _near(self, start: Start) -> Candidate | None:
         """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
         statics = self.problem.statics
-        state = find_rest_nearby(statics, self.springs, AT_REST, start, self.late)
+        state = find_rest_nearby(statics, self.springs, PROVED, start, self.late)
         if state is None:
             return None
         self.steps += state.iterations
