@@ -8,7 +8,16 @@ from collections.abc import Callable
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
-from drystone.loads import LoadCase
+from drystone.loads import Earth, Fill, LoadCase
+
+
+def _fill(assembly: Assembly, words: str) -> LoadCase:
+    return Fill.named(words).on(assembly)
+
+
+def _earth(assembly: Assembly, words: str) -> LoadCase:
+    return Earth.named(words).on(assembly)
+
 
 _KINDS: dict[str, Callable[..., LoadCase]] = {
     "gravity": LoadCase.gravity,
@@ -19,6 +28,8 @@ _KINDS: dict[str, Callable[..., LoadCase]] = {
     "moment": LoadCase.moment,
     "mass": LoadCase.extra_mass,
     "settlement": LoadCase.settlement,
+    "fill": _fill,
+    "earth": _earth,
 }
 """Kinds of parts. The keys of each are what its constructor takes, in SI units, and its factor."""
 

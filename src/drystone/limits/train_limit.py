@@ -330,8 +330,15 @@ class TrainEnvelope(Answer):
     def figure(self) -> Chart:
         """The factor by the place of the train."""
         factor, told = self._near, ""
-        marks = [Marks(MarkKind.LINE, self.places, factor, "accent", "forces balance it")]
-        if np.isfinite(factor).any():
+        known = np.isfinite(factor)
+        ends = np.flatnonzero(np.diff(known)) + 1  # pages draw no gaps in lines
+        runs = [run for run in np.split(np.arange(len(known)), ends) if known[run].any()]
+        marks = [
+            Marks(MarkKind.LINE, self.places[run], factor[run], "accent",
+                  "forces balance it" if i == 0 else "")
+            for i, run in enumerate(runs)
+        ]  # fmt: skip
+        if runs:
             at = self.worst
             spot = self.places[at : at + 1], factor[at : at + 1]
             marks.append(Marks(MarkKind.DIAMOND, *spot, "bad", "the worst place"))

@@ -88,6 +88,15 @@ def test_parts_that_cannot_be_used_are_refused_with_their_place(
         read(tmp_path, {"parts": [part]})
 
 
+def test_fill_and_earth_are_parts_in_words(tmp_path: Path) -> None:
+    earth = {"kind": "earth", "words": "side=-x,weight=18kN/m3,k=0.5", "factor": 2.0}
+    fill = {"kind": "fill", "words": "cover=0.5m,weight=20kN/m3"}
+    (load,) = read(tmp_path, {"name": "ground", "parts": [earth, fill]})
+    assert load.wrench[1, :3] == pytest.approx([2.0 * 0.5 * 18e3 * 0.5, 0.0, -20e3 * 0.5])
+    with pytest.raises(FormatError, match="fill has no weight"):
+        read(tmp_path, {"name": "x", "parts": [{"kind": "fill", "words": "cover=1m"}]})
+
+
 def test_settlements_are_parts_too_and_are_written_and_read_back(tmp_path: Path) -> None:
     part = {"kind": "settlement", "block": "block-0", "motion": [0, 0, -0.01], "factor": 2}
     load = read(tmp_path, {"name": "pier", "parts": [{"kind": "gravity"}, part]})[0]

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drystone import InputError, Model, check
@@ -69,6 +70,16 @@ def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
     other = limit_train(bridge, train=cart.turned, fill=FILL, steps=4, options=quick)
     assert found.factors == pytest.approx(other.factors)
     assert found.factors == pytest.approx(found.factors[::-1], rel=1e-6)
+
+
+def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Model) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge, fill=FILL, steps=9, options=quick)
+    marks = found.figure().marks
+    drawn = np.concatenate([one.y for one in marks])
+    assert np.isfinite(drawn).all()
+    assert 0.0 < drawn.max() <= 4.0 * found.factors.min()
+    assert sum(len(one.x) for one in marks[:-1]) < 9
 
 
 def test_workers_find_the_same(bridge: Model) -> None:
