@@ -22,7 +22,8 @@ PathLike: TypeAlias = str | os.PathLike[str]
 Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
 """A file to be written, and what writes it to the path it is given."""
 
-LARGEST_FILE = 2**26
+MIB = 2**20
+LARGEST_FILE = 64 * MIB
 """[bytes], chosen: 64 MiB holds about a million faces in any of the formats; any content is read or
 refused within some ten seconds."""
 
@@ -60,7 +61,7 @@ def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
         size = file.stat().st_size
         if size > largest:
             raise FormatError(
-                f"holds {size / 2**20:.3g} MiB, more than the {largest / 2**20:.3g} MiB allowed",
+                f"holds {size / MIB:.3g} MiB, more than the {largest / MIB:.3g} MiB allowed",
                 where=str(file),
                 remedy="split the model, thin out its meshes, or allow more (--max-size)",
             )

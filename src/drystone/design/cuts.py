@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drystone.answer.question import UP
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
@@ -31,7 +32,6 @@ from drystone.geometry.frames import unit
 from drystone.model import Model
 from drystone.sequence import Plan, PlanOptions, check_both, plan
 
-UP = np.array([0.0, 0.0, 1.0])
 UPRIGHT = 1e-3
 """Lean, as a share of the height, below which the edge of turned cuts lies along y."""
 

@@ -6,13 +6,10 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.ragged import Ragged, sum_by_owner
-from drystone.geometry.halfedge import HalfEdges, joined_faces, outlines
+from drystone.geometry.halfedge import NOISE, HalfEdges, joined_faces, outlines
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
 
-_FLAT = np.deg2rad(0.1)
-"""[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the
-noise of coordinates stored in single precision."""
 PLANAR = 1e-4
 """They are one polygon when no corner lies farther from its plane than this share of the block
 size. Chosen: a finely meshed curve is not flattened."""
@@ -23,7 +20,7 @@ removed."""
 
 def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
     """Group (f,) of each face, numbered by first face: coplanar neighbours share one."""
-    flat = (edges.twin >= 0) & (np.abs(turn) < _FLAT)
+    flat = (edges.twin >= 0) & (np.abs(turn) < NOISE)
     if not flat.any():
         return np.arange(faces.count, dtype=np.intp)
     group = joined_faces(edges, flat, faces.count)

@@ -6,18 +6,12 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import sum_by_owner
-from drystone.geometry.halfedge import HalfEdges
+from drystone.geometry.halfedge import NOISE, SMOOTH, HalfEdges
 from drystone.geometry.polyhedron import Faces
 
-SMOOTH = np.deg2rad(35.0)
-"""[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of
-eleven strips or more."""
 _FACETED = np.deg2rad(50.0)
 """[rad] The same for triangles, whose edges cross the curve in any direction. Chosen: above the 42
 degrees between the faces of an icosahedron."""
-_TURNS = np.deg2rad(0.1)
-"""[rad] A smaller angle does not show whether a surface is convex or concave. Chosen: above the
-noise of coordinates stored in single precision."""
 
 
 def curvature(
@@ -65,7 +59,7 @@ def curvature(
     if triangle[here].any():
         _turn_to_corners(bend, faces, edges, curved, group, triangle)
     for turned, sign in ((bulges, 1.0), (hollow, -1.0)):
-        turns = sign * turn[smooth] > _TURNS
+        turns = sign * turn[smooth] > NOISE
         turned[here[turns]] = True
         turned[here[turned[there]]] = True  # extended to the neighbours
     return sag, bend, bulges, hollow

@@ -26,9 +26,6 @@ SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
 PARALLEL = 0.05
 """Edges cross when the sine of their angle is larger, about 3 degrees; chosen."""
-_MANY = 4096
-"""Edges of one block times faces or edges of another above which a tree finds the near ones."""
-
 _NEIGHBOURS = BATCH // 8
 """Neighbours of vertices that are compared at once. Chosen: 10 MB."""
 
@@ -430,7 +427,7 @@ def near_items(one: _Side, other: _Side, margin: Floats) -> Iterator[tuple[Ints,
     several = np.diff(begin)
     product = several[first]
     low, high, below, above = one[2], one[3], other[2], other[3]
-    large = np.bincount(first, product, minlength=count) > _MANY
+    large = np.bincount(first, product, minlength=count) > boxes.FEW
     small = np.flatnonzero(~large[first])
     for batch in Ragged.from_counts(product[small]).batches(BATCH):
         chosen = small[batch]

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.ragged import Ragged, expand
+from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.patches import Patches
 from drystone.detection.planes import Pieces, Planes, merged, tidy
 from drystone.geometry import clip, planar
@@ -16,8 +16,6 @@ from drystone.geometry import clip, planar
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise. Chosen:
 areas are kept to 2 %."""
-_BATCH = 400_000
-"""Corners of padded polygons in one batch. Chosen: bounds the memory to some 100 MB."""
 
 _Rings: TypeAlias = tuple[Floats, Ints, Ints]
 """Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""
@@ -80,7 +78,7 @@ def _size_classes(one: _Rings, other: _Rings, convex: Bools) -> list[Ints]:
     classes = []
     for each in np.unique(grade):
         mine = rows[grade == each]
-        step = max(_BATCH // 2 ** int(each), 1)
+        step = max(BATCH // 2 ** (1 + int(each)), 1)
         classes += [mine[i : i + step] for i in range(0, len(mine), step)]
     return classes
 

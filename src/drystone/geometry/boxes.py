@@ -13,7 +13,7 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import BATCH
 
-_FEW = 4096
+FEW = 4096
 """Up to so many pairs all are compared: faster than a tree, measured."""
 
 _PAIRS = BATCH // 4
@@ -107,7 +107,7 @@ class BoxTree:
         """Pairs of one of some boxes (a, 3) and one in the tree, in batches of bounded size."""
         if len(low) == 0 or len(self.low) == 0:
             return
-        if len(low) * len(self.low) <= _FEW:
+        if len(low) * len(self.low) <= FEW:
             apart = (low[:, None] > self.high).any(axis=2) | (self.low > high[:, None]).any(axis=2)
             first, second = np.nonzero(~apart)
             yield first, second

@@ -9,19 +9,15 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import Ragged, expand, sum_by_owner
+from drystone.base.ragged import BATCH, Ragged, expand, sum_by_owner
 from drystone.geometry import boxes, clip, planar
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.halfedge import NOISE, SMOOTH
 from drystone.geometry.polygon import area_vectors
 
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of their areas by less
 than this share."""
-_CREASE = np.cos(np.deg2rad(35.0))
-"""Facets with a larger angle between them are a corner of the joint, not a curve."""
-_FLAT = np.deg2rad(0.1)
-"""[rad] Runs that turn by less are plane: their facets are meant so. Chosen: above the noise of
-coordinates stored in single precision."""
 _CLOSE = 0.02
 """Distance between the edges of neighbouring facets, relative to the root of the larger area.
 Chosen: the search drops overlaps narrower than this share of another."""
@@ -35,8 +31,6 @@ exact as the surface."""
 _SLIVER = 0.2
 """Facets narrower than this share of a neighbour belong to it, however they are turned. They occur
 where the two sides of a joint are meshed differently. Chosen."""
-_BATCH = 200_000
-"""Pairs of a corner and an edge in one batch. Chosen: bounds the memory to some 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +112,7 @@ def joined(point: Floats, start: Ints, pair: Ints, angle: float) -> JoinedFacets
     one, other = _neighbours(point, loops, pair)
     run = _first_connected(len(area), one, other)
     turn = _turns(normal, vector, run)[0]
-    curved = turn > _FLAT
+    curved = turn > NOISE
     if not curved.any():
         return None
     band = np.where(curved, run, len(run) + np.arange(len(run)))
@@ -141,11 +135,11 @@ def _neighbours(point: Floats, loops: Ragged, pair: Ints) -> tuple[Ints, Ints]:
     low = loops.min(point) - reach[:, None]
     high = loops.max(point) + reach[:, None]
     one, other = boxes.overlapping(low, high)
-    near = (pair[one] == pair[other]) & (dot(normal[one], normal[other]) >= _CREASE)
+    near = (pair[one] == pair[other]) & (dot(normal[one], normal[other]) >= np.cos(SMOOTH))
     one, other = one[near], other[near]
     meets = np.zeros(len(one), dtype=bool)
     work = Ragged.from_counts(2 * loops.counts[one] * loops.counts[other])
-    for batch in work.batches(_BATCH):
+    for batch in work.batches(BATCH // 4):
         meets[batch] = _share_an_edge(point, loops, one[batch], other[batch], reach)
     return one[meets], other[meets]
 

@@ -100,6 +100,12 @@ def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     return faces.loop[picked], begin, of_edge[picked[begin[:-1]]]
 
 
+SMOOTH = np.deg2rad(35.0)
+"""[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of
+eleven strips or more."""
+NOISE = np.deg2rad(0.1)
+"""[rad] Neighbouring faces with a smaller angle are meant to be plane. Chosen: above the noise of
+coordinates stored in single precision."""
 CREASE = np.deg2rad(15.0)
 """[rad] Faces of one block with a smaller angle are drawn as one surface, without the edge between
 them. Chosen: the facets of a curve of 24 or more around, and cuts of a flat face."""

@@ -7,7 +7,8 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-MIB = 2**20
+from drystone.base.files import MIB
+
 WISH = 2**18
 """[bytes] of a wish at most, chosen: 1,000 cases of pushes on a dozen blocks."""
 LOOPBACK = "127.0.0.1"

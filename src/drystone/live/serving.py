@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
+from drystone.base.files import MIB
 from drystone.live.desk import Desk
-from drystone.live.guard import MIB
 from drystone.live.helper import ToolCalls
 from drystone.live.web import WebServer
 from drystone.view.page import Addition, page_of_data

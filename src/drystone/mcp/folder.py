@@ -13,7 +13,7 @@ from typing import Any
 
 from drystone.base.declared import Declared, declared, refuse_unknown
 from drystone.base.errors import InputError
-from drystone.base.files import write_text
+from drystone.base.files import MIB, write_text
 from drystone.io import FORMATS, read
 from drystone.io.capacity_words import law_of
 from drystone.model import Model
@@ -22,7 +22,6 @@ from drystone.supports import require_supports
 _SUFFIXES = frozenset(
     suffix for known in FORMATS if known.reader for suffix in known.suffixes if suffix != ".txt"
 )
-MIB = 2**20
 
 
 @dataclass(frozen=True)
