@@ -14,7 +14,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import shortened
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, require
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.triangulate import triangulate
 from drystone.repair import mended_block
@@ -77,10 +77,9 @@ def to_trimesh(assembly: Assembly) -> trimesh.Scene:
     MissingDependency
         trimesh is not installed.
     """
-    try:
-        import trimesh  # optional: only for those who ask for it
-    except ImportError as error:
-        raise MissingDependency("trimesh", extra="meshes", purpose="a scene of trimesh") from error
+    require("trimesh", "meshes", "a scene of trimesh")
+    import trimesh  # optional: only for those who ask for it
+
     scene = trimesh.Scene()
     for block, triangle in _triangles(assembly):
         mesh = trimesh.Trimesh(block.vertices, triangle, process=False)
@@ -96,10 +95,9 @@ def to_pyvista(assembly: Assembly) -> pyvista.MultiBlock:
     MissingDependency
         pyvista is not installed.
     """
-    try:
-        import pyvista  # as above
-    except ImportError as error:
-        raise MissingDependency("pyvista", extra="meshes", purpose="meshes of pyvista") from error
+    require("pyvista", "meshes", "meshes of pyvista")
+    import pyvista  # as above
+
     meshes = pyvista.MultiBlock()
     for block, triangle in _triangles(assembly):
         loops: Any = triangle  # one of the types of its own arrays

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
 from drystone.base.display import Card, OneLine, shortened
-from drystone.base.errors import InputError, MissingDependency, counted
+from drystone.base.errors import InputError, counted, require
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.block_overlaps import overlap_lines
@@ -205,10 +205,9 @@ class Model(Card):
         -----
         Source: Frick et al. 2016, the assembly as a directed graph; Kao 2023, section 4.5.
         """
-        try:
-            import networkx  # optional: only for those who ask for the graph
-        except ImportError as error:
-            raise MissingDependency("networkx", extra="graph", purpose="the graph") from error
+        require("networkx", "graph", "the graph")
+        import networkx  # optional: only for those who ask for the graph
+
         graph = networkx.MultiDiGraph()
         for i, block in enumerate(self.assembly.blocks):
             fixed = bool(self.assembly.fixed[i])

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import enum
 import functools
+import importlib.util
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -167,6 +168,17 @@ class MissingDependency(DrystoneError, ImportError):
 
     def __str__(self) -> str:
         return f"{self.purpose} needs {self.package}; pip install 'drystone[{self.extra}]'"
+
+
+def require(package: str, extra: str, purpose: str) -> None:
+    """Refuse where an optional package is not installed.
+
+    Raises
+    ------
+    MissingDependency
+    """
+    if importlib.util.find_spec(package) is None:
+        raise MissingDependency(package, extra=extra, purpose=purpose)
 
 
 class SolverError(DrystoneError, RuntimeError):

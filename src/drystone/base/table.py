@@ -16,7 +16,7 @@ import numpy as np
 from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
 from drystone.base.display import OneLine, shortened
-from drystone.base.errors import InputError, MissingDependency, counted
+from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
 if TYPE_CHECKING:
@@ -166,10 +166,9 @@ class Table(OneLine):
         MissingDependency
             pandas is not installed.
         """
-        try:
-            import pandas  # optional: only for those who work with data frames
-        except ImportError as error:
-            raise MissingDependency("pandas", extra="pandas", purpose="a data frame") from error
+        require("pandas", "pandas", "a data frame")
+        import pandas  # optional: only for those who work with data frames
+
         named = {name.partition(" [")[0]: values for name, values in self._flat().items()}
         frame = pandas.DataFrame({name: values.copy() for name, values in named.items()})
         frame.attrs.update(title=self.title, units=dict(self.units))
@@ -183,10 +182,9 @@ class Table(OneLine):
         MissingDependency
             pyarrow is not installed.
         """
-        try:
-            import pyarrow  # optional, as above
-        except ImportError as error:
-            raise MissingDependency("pyarrow", extra="arrow", purpose="Arrow tables") from error
+        require("pyarrow", "arrow", "Arrow tables")
+        import pyarrow  # optional, as above
+
         flat = {name: values.tolist() for name, values in self._flat().items()}
         return pyarrow.table(flat).__arrow_c_stream__(requested_schema)
 

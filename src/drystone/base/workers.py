@@ -22,7 +22,7 @@ from itertools import chain, islice
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
 
-from drystone.base.errors import DrystoneError, InputError, MissingDependency
+from drystone.base.errors import DrystoneError, InputError, require
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
@@ -307,10 +307,9 @@ class DaskWorkers:
         InputError
             There is no scheduler at the address.
         """
-        try:
-            from distributed import Client  # optional: a cluster
-        except ImportError as error:
-            raise MissingDependency("distributed", extra="cluster", purpose="Dask") from error
+        require("distributed", "cluster", "Dask")
+        from distributed import Client  # optional: a cluster
+
         connect: Any = Client
         try:
             client = connect(self.address, timeout=self.timeout_s, set_as_default=False)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, require
 from drystone.base.files import same_place, write_text
 from drystone.cli import kinds, options
 from drystone.cli.offered import OUTPUT, Option
@@ -44,9 +44,7 @@ class Pictures:
 
             require_pdf()
         if self.cad is not None and self.cad.suffix.lower() == ".3dm":
-            from drystone.io.rhino import require  # before any work
-
-            require("writing 3dm")
+            require("rhino3dm", "cad", "writing 3dm")  # before any work
 
     def require_through(self, assembly: Assembly) -> None:
         """Refuse a section beside the model, before any work.

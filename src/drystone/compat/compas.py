@@ -17,7 +17,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Bools, Floats
-from drystone.base.errors import DefectKind, InputError, MissingDependency
+from drystone.base.errors import DefectKind, InputError, require
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -223,10 +223,6 @@ def _packages(content: Any) -> set[str]:
 
 def _compas(packages: set[str]) -> Any:
     for package in sorted({"compas", *packages}):
-        try:
-            importlib.import_module(package)
-        except ImportError as error:
-            raise MissingDependency(
-                package, extra="compas", purpose="making COMPAS objects"
-            ) from error
+        require(package, "compas", "making COMPAS objects")
+        importlib.import_module(package)
     return importlib.import_module("compas")

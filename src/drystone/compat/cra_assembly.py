@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools
-from drystone.base.errors import MissingDependency
+from drystone.base.errors import require
 from drystone.checks import corner_motion
 from drystone.compat.compas import blocks_of, interfaces_of, joined_interfaces
 from drystone.contacts import Contacts
@@ -102,11 +102,8 @@ def assembly_class() -> type[Any]:
 
 def _of_compas(name: str) -> Any:
     """A module of COMPAS."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        package = name.partition(".")[0]
-        raise MissingDependency(package, extra="compas", purpose="CRA_Assembly") from error
+    require(name.partition(".")[0], "compas", "CRA_Assembly")
+    return importlib.import_module(name)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.declared import refuse_unknown
-from drystone.base.errors import FormatError, MissingDependency
+from drystone.base.errors import FormatError, require
 from drystone.base.journal import Journal
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -134,12 +134,9 @@ class _ValueSearch:
         pool: WorkerPool,
         clock: Clock,
     ) -> None:
-        try:
-            import optuna
-        except ImportError as error:
-            raise MissingDependency(
-                "optuna", extra="tune", purpose="the search for parameters"
-            ) from error
+        require("optuna", "tune", "the search for parameters")
+        import optuna
+
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, frozen, frozen_floats
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, require
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.fall.film import MOVED, FallOptions, Film
@@ -153,10 +153,9 @@ def require_mujoco() -> Any:
     ------
     MissingDependency
     """
-    try:
-        import mujoco  # only for those who want a film
-    except ImportError as error:
-        raise MissingDependency("mujoco", extra="fall", purpose="a simulated fall") from error
+    require("mujoco", "fall", "a simulated fall")
+    import mujoco  # only for those who want a film
+
     return mujoco
 
 

@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from drystone.base.arrays import FARTHEST, Floats
-from drystone.base.errors import FormatError, counted
+from drystone.base.errors import FormatError, counted, require
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import Draft
 from drystone.io.face_soup import EXACT, FaceSoup, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
-from drystone.io.outside import content_of, require
+from drystone.io.outside import content_of
 
 PROGRAM = Path(__file__).with_name("ifc_extract.py")
 WALL_S = 20.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -10,24 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from drystone.base.errors import FormatError, MissingDependency
+from drystone.base.errors import FormatError
 
 _RUNNER = Path(__file__).with_name("extract.py")
 _CPU_SHARE = 0.75
 """Of the elapsed time, processor time that may be used."""
 _WALL_S_PER_MIB = 60.0
 """[s] A large file has more time, also for busy machines. Chosen."""
-
-
-def require(package: str, extra: str, purpose: str) -> None:
-    """Refuse where a package is not installed.
-
-    Raises
-    ------
-    MissingDependency
-    """
-    if importlib.util.find_spec(package) is None:
-        raise MissingDependency(package, extra=extra, purpose=purpose)
 
 
 def content_of(

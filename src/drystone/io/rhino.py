@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
-from drystone.base.errors import FormatError, InputError
+from drystone.base.errors import FormatError, InputError, require
 from drystone.geometry.planar import faces_with_holes
 from drystone.geometry.polyhedron import Loop
 from drystone.io import outside
@@ -36,7 +36,7 @@ WALL_S = 4.0
 
 def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:
     """Blocks of a 3dm file: visible objects, objects on ``layers``, or hidden objects too."""
-    require("reading 3dm")
+    require("rhino3dm", "cad", "reading 3dm")
     wanted = {"layers": list(layers), "hidden": hidden}
     top = parse(outside.content_of(data, path, PROGRAM, wanted, WALL_S), path)
     if top.has("error"):
@@ -56,11 +56,6 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     require_blocks(shapes, layers, known, unread, path)
     shapes, renamed = named_apart(shapes)
     return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
-
-
-def require(purpose: str) -> None:
-    """Refuse where rhino3dm is not installed."""
-    outside.require("rhino3dm", "cad", purpose)
 
 
 def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], list[str]]:

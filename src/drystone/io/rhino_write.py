@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.base.errors import FormatError
+from drystone.base.errors import FormatError, require
 from drystone.base.files import write_through
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Contents
-from drystone.io.rhino import TEXT, require
+from drystone.io.rhino import TEXT
 
 
 def write(model: Contents, path: Path) -> None:
@@ -42,7 +42,7 @@ def empty_file(purpose: str) -> Any:
     MissingDependency
         rhino3dm is not installed.
     """
-    require(purpose)
+    require("rhino3dm", "cad", purpose)
     rhino3dm: Any = importlib.import_module("rhino3dm")
     file = rhino3dm.File3dm()
     file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters

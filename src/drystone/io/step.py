@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.base.errors import FormatError, counted
+from drystone.base.errors import FormatError, counted, require
 from drystone.io import glb
 from drystone.io.draft import Draft
-from drystone.io.outside import content_of, require
+from drystone.io.outside import content_of
 
 PROGRAM = Path(__file__).with_name("step_extract.py")
 WALL_S = 20.0

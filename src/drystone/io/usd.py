@@ -17,10 +17,10 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import FARTHEST, Floats
-from drystone.base.errors import FormatError
+from drystone.base.errors import FormatError, require
 from drystone.io.draft import Draft
 from drystone.io.jsontext import Field, parse
-from drystone.io.outside import content_of, require
+from drystone.io.outside import content_of
 from drystone.io.placed_bodies import (
     Part,
     PlacedBody,

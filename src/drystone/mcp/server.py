@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from importlib.util import find_spec
 from pathlib import Path
 
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, require
 from drystone.mcp.folder import Folder
 
 
@@ -35,8 +34,7 @@ def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 1
         if not 0.0 < value < float("inf"):
             raise InputError(f"is {value}", where=name, remedy="give a number above zero")
     models = Folder.of(folder, size_limit)
-    if find_spec("mcp") is None:
-        raise MissingDependency("mcp", extra="mcp", purpose="the server")
+    require("mcp", "mcp", "the server")
     from drystone.mcp.tools import build  # needs the package
 
     with suppress(KeyboardInterrupt):

@@ -5,14 +5,13 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 from html import escape
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drystone.base.display import NAME, shortened
-from drystone.base.errors import MissingDependency
+from drystone.base.errors import require
 from drystone.base.table import Table
 from drystone.report.document import LISTED, Document, Heading, Part, Picture
 from drystone.view.joint_page import JointPlan
@@ -58,8 +57,7 @@ def require_pdf() -> None:
     ------
     MissingDependency
     """
-    if find_spec("reportlab") is None:
-        raise MissingDependency("reportlab", extra="report", purpose="a PDF report")
+    require("reportlab", "report", "a PDF report")
 
 
 def _numbered(document: Document) -> Any:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, require
 from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
 from drystone.view.subjects import Subject, scene_of
@@ -235,8 +235,7 @@ def _put(widget: Any, subject: Subject) -> None:
 
 def _widget_class() -> Any:
     """The class of the widget; it needs anywidget."""
-    if importlib.util.find_spec("anywidget") is None:
-        raise MissingDependency("anywidget", extra="notebook", purpose="a page that answers")
+    require("anywidget", "notebook", "a page that answers")
     anywidget: Any = importlib.import_module("anywidget")
     traitlets: Any = importlib.import_module("traitlets")
     static = resources.files("drystone.view").joinpath("static")
