@@ -76,7 +76,7 @@ class Waiting:
         if self._console.is_terminal:
             self._timer = threading.Timer(PATIENCE, self._show)
         elif sys.stderr is sys.__stderr__:  # not where a program keeps what is said
-            self._timer = threading.Timer(2.0 * PATIENCE, self._tell)
+            self._timer = threading.Timer(1.5 * PATIENCE, self._tell)
         if self._timer is not None:
             self._timer.daemon = True
             self._timer.start()

@@ -4,6 +4,7 @@ const NETWORK_WIDTH = 7; // [CSS pixels], of the largest force
 const HEAD = 9; // [CSS pixels], length of an arrow's head
 const HIDDEN = 0.45; // opacity of what lies behind opaque blocks
 const BEHIND = 0.16; // opacity of edges behind glassy blocks
+const UNSEEN = 0.06; // opacity of lines below which nobody sees them
 
 class Renderer extends BlockRenderer {
   layerBuffer(layer) {
@@ -96,7 +97,7 @@ class Renderer extends BlockRenderer {
     }
     gl.enable(gl.DEPTH_TEST);
     if (view.showBlocks) yield* this.drawBlocks(view);
-    if (view.showEdges) {
+    if (view.showEdges && (BEHIND * view.fine > UNSEEN || !view.showBlocks)) {
       gl.depthMask(false);
       yield* this.drawEdges(view, BEHIND * view.fine, false);
     }

@@ -4,7 +4,7 @@ const SMOOTH = 33; // [ms] that a whole picture takes: above it what moves is dr
 const SLOW = 100; // [ms] that a whole picture takes: in steps, and what moves with fewer pixels
 const VERY_SLOW = 300; // [ms] that coarse pictures take, of which three can be under way: without joints;
 // that a whole one takes: it does not follow the pointer
-const SETTLE = 250; // [ms] without a change: draw everything
+const SETTLE = 120; // [ms] without a change: draw everything
 const WAIT = 5; // [ms] between two looks at whether a picture is done
 const narrow = matchMedia("(max-width: 720px)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
