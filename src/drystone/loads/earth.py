@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.geometry.frames import AXES
@@ -73,7 +73,7 @@ class Earth(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.side not in ("x", "-x", "y", "-y"):
+        if of_type(self.side, str, "side") not in ("x", "-x", "y", "-y"):
             raise InputError(f"side is '{self.side}'", remedy="use one of x, -x, y, -y")
         self._refuse_below(0.0, "weight", "k", "surcharge", "wall_friction")
 

@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Self
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, frozen_floats, of_type
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import read_bytes
 from drystone.base.settings import Options
@@ -50,7 +50,11 @@ class Train(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        where = f"train '{self.name}'"
+        where = f"train '{of_type(self.name, str, 'name')}'"
+        of_type(self.source, str, "source")
+        for name in ("places", "loads"):
+            given = frozen_floats(getattr(self, name), (None,), name)
+            object.__setattr__(self, name, tuple(given.tolist()))
         if not self.places or len(self.places) != len(self.loads):
             axles = f"{len(self.places)} places and {counted(len(self.loads), 'load')}"
             raise InputError(axles, where=where, remedy="give a load for each axle")
