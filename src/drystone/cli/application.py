@@ -176,6 +176,7 @@ app.places = {
         "Make wedges of plane joints with tension, until a model stands",
     ),
     "shell": "shell_command",
+    "study": "study_command",
     "tune": "tune_command",
 }
 

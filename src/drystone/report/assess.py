@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Unpack
 
 from drystone.answer import Answer
-from drystone.base.declared import declared, declared_at, nested, refuse_unknown
-from drystone.base.errors import InputError, meant
 from drystone.base.files import PathLike
 from drystone.base.progress import Clock, Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.design import DiagnosisOptions, diagnose
-from drystone.io.load_options import grown
 from drystone.io.opening import Given, How, supported_model
-from drystone.limits import LIMITS
 from drystone.limits.bounds import tilt_margin
-from drystone.loads import LoadCase
-from drystone.model import Model
 from drystone.stability import CheckOptions, check
 from drystone.studies import combinations
+from drystone.studies.limit_words import limit_of_words
 
 SENSITIVITY = ("friction --scaled", "shrink")
 """Limits of what stands, if none are asked for: by which share friction and joints may shrink."""
@@ -65,7 +59,7 @@ def assess(
     ['Stands', 'Stands up to 30.9 degrees about x']
     """
     model = supported_model(given, **how)
-    asked = [_limit(words, model) for words in (SENSITIVITY if limits is None else limits)]
+    asked = [limit_of_words(words, model) for words in (SENSITIVITY if limits is None else limits)]
     clock = Clock(time_limit_s, stop)
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
     result = check(model, options=options, **late)
@@ -80,40 +74,3 @@ def assess(
     if cases is not None:
         answers.append(combinations(model, cases, **late))
     return answers
-
-
-def _limit(words: str, model: Model) -> Callable[[Model, dict[str, Any]], Answer]:
-    """What computes a limit in words."""
-    name, *rest = shlex.split(words) or [""]
-    if name not in LIMITS:
-        remedy = meant(name, LIMITS)
-        raise InputError(f"there is no limit '{name}'", where="limit", remedy=remedy)
-    offered = LIMITS[name]
-    paths = {path.rpartition(".")[2]: path for path in (*offered.arguments, *offered.options)}
-    takes = list(offered.arguments)
-    values: dict[str, Any] = {}
-    while rest:
-        word = rest.pop(0)
-        if word.startswith("--"):
-            key = word.removeprefix("--").replace("-", "_")
-            refuse_unknown([key], list(paths))
-            flag = bool in declared_at(offered.analysis, paths[key]).kinds
-            if not (flag or rest):
-                raise InputError(f"{word} needs a value", where="limit", remedy=f"limit {name}")
-            text: Any = True if flag else rest.pop(0)
-        elif takes:
-            key, text = takes.pop(0), word
-        else:
-            raise InputError(f"'{word}' is one word too many", where=f"limit {name}")
-        one = declared_at(offered.analysis, paths[key])
-        values[paths[key]] = grown(text, model) if LoadCase in one.kinds else one.value(text)
-    if takes:
-        raise InputError(f"{takes[0]} is missing", where=f"limit {name}", remedy="give it")
-    known = declared(offered.analysis)
-
-    def computed(of: Model, late: dict[str, Any]) -> Answer:
-        common = {name: value for name, value in late.items() if name in known}
-        found: Answer = offered.analysis(of, **nested(offered.analysis, values), **common)
-        return found
-
-    return computed

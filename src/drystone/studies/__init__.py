@@ -1,7 +1,8 @@
-"""Many checks of one structure: combinations of loads with partial factors."""
+"""Many checks of one structure: combinations with partial factors, tables of parameters."""
 
 from drystone.studies.combination_file import Action, Combination, Situation, read_combinations
 from drystone.studies.combinations import Combinations, combinations
+from drystone.studies.study import study, study_chart
 
 __all__ = [
     "Action",
@@ -10,4 +11,6 @@ __all__ = [
     "Situation",
     "combinations",
     "read_combinations",
+    "study",
+    "study_chart",
 ]

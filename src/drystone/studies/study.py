@@ -1,0 +1,284 @@
+"""Verdicts or limits over a table of parameters, into a file that can be continued."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice, product
+from typing import Any, TypeAlias, Unpack
+
+import numpy as np
+
+from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.base.arrays import of_type
+from drystone.base.declared import refuse_unknown
+from drystone.base.display import OneLine, shortened
+from drystone.base.errors import DrystoneError, InputError
+from drystone.base.files import PathLike
+from drystone.base.journal import Journal
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.base.version import version
+from drystone.base.workers import WorkerPool
+from drystone.io.opening import Given, How, supported_model
+from drystone.limits import Limit
+from drystone.limits.bounds import tilt_margin
+from drystone.model import Model
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability import CheckOptions, check
+from drystone.studies.limit_words import limit_of_words
+
+Parameters: TypeAlias = Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]]
+"""Values of each parameter, in all their combinations; or rows."""
+_FOUND = {
+    "": ("verdict", "margin", "mechanism", "message", "time_s"),
+    "limit": ("verdict", "stands", "falls", "mechanism", "message", "time_s"),
+}
+"""Columns behind the inputs, of checks and of limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Task(OneLine):
+    """One row: its number and inputs, and what is asked."""
+
+    number: int
+    inputs: Mapping[str, Any]
+    build: Any
+    limit: str
+    options: CheckOptions
+    each_s: float
+    how: Mapping[str, Any]
+
+    @property
+    def model(self) -> Model:
+        """The model of the row."""
+        own = {name: value for name, value in self.inputs.items() if name not in _READING}
+        given = self.build(**own) if callable(self.build) else self.build
+        reading = {name: value for name, value in self.inputs.items() if name in _READING}
+        return supported_model(given, **{**self.how, **reading})
+
+    def row(self, *found: Any) -> list[Any]:
+        """The row of what was found."""
+        return [self.number, *self.inputs.values(), *found]
+
+
+_READING = frozenset(How.__annotations__)
+
+
+@checked_call
+@one_blas_thread()
+def study(
+    build: Callable[..., Given] | Given,
+    parameters: Parameters,
+    *,
+    limit: str = "",
+    out: PathLike | None = None,
+    options: CheckOptions | None = None,
+    each_s: float = float("inf"),
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Table:
+    """The verdict, or a limit, for each row of a table of parameters.
+
+    Parameters
+    ----------
+    build
+        Function from parameters to an assembly, a model or a file, such as a family of
+        :mod:`drystone.models`; or one model for all rows.
+    parameters
+        Values of each by name, computed in all their combinations; or rows, such as a
+        ``Table``. What :func:`drystone.read` knows (``friction``, ``load``, ``seismic`` and
+        others) is an option of reading, everything else an argument of ``build``.
+    limit
+        As behind ``drystone limit``, such as ``tilt --axis y``; when left out, models are checked.
+    out
+        A file that keeps each row as soon as it is known. Rows that it has are not computed again.
+    options
+        Of every check.
+    each_s : [s]
+        Time limit of every row.
+
+    Returns
+    -------
+    Table
+        A row for each: number and inputs; of a check the verdict and the margin, the tilt [deg] up
+        to which forces balance the loads; of a limit the last value at which it stands and the
+        first one at which it falls; the blocks that move, a message, and the time [s].
+        ``refused`` stands where there is no model, ``failed`` where a worker ended twice.
+
+    Raises
+    ------
+    InputError
+        No row, rows with other parameters, a parameter that is called like another column, or a
+        file of another study.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = study(arch, {"thickness_ratio": [0.15, 0.2]}, limit="tilt --axis y", friction=0.7)
+    >>> found["stands"].round(1).tolist()
+    [8.2, 15.8]
+    """
+    rows = _rows(parameters)
+    refuse_unknown(how, [*_READING])
+    kind = "limit" if limit else ""
+    for name in rows[0]:
+        if name in ("number", *_FOUND[kind]):
+            raise InputError("is a column of the answer", where=name, remedy="rename it")
+        if name not in _READING and not callable(build):
+            remedy = "give a function of it in place of the model"
+            raise InputError("is no option of reading", where=name, remedy=remedy)
+    chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
+    about = {
+        "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
+        "options": repr(chosen), "parameters": sorted(rows[0]),
+        "build": getattr(build, "__qualname__", None) or shortened(repr(build), 120),
+        **{name: repr(value) for name, value in sorted(how.items())},
+    }  # fmt: skip
+    journal = None if out is None else Journal(out, about, _listed)
+    done: list[list[Any]] = [] if journal is None else list(journal.records)
+    for row, inputs in zip(done, rows, strict=False):
+        if row[1 : 1 + len(inputs)] != [_plain(one) for one in inputs.values()]:
+            remedy = "give the same rows in the same order, or another file"
+            raise InputError(f"row {row[0]} has other inputs", where=str(out), remedy=remedy)
+    tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
+             for number, inputs in enumerate(rows))  # fmt: skip
+    with WorkerPool(executor) as pool:
+        left = islice(tasks, len(done), None)
+        for found in pool.answers(_answered, left, clock.late, failed=_failed):
+            row = [_plain(one) for one in found]
+            done.append(row)
+            if journal is not None:
+                journal.add([row])
+            clock.tell("studying", len(done), len(rows))
+    names = ("number", *rows[0], *_FOUND[kind])
+    columns = {name: _column([row[i] for row in done], name) for i, name in enumerate(names)}
+    units = {"time_s": "s"} | ({} if limit else {"margin": "deg"})
+    return Table(limit or "verdicts", columns, units)
+
+
+def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> Chart:
+    """A study as curves over one parameter, one curve for each value of another.
+
+    Parameters
+    ----------
+    table
+        Of :func:`study`.
+    across, by
+        Parameters; when left out, the first one and the second one, if there is one.
+    up
+        Column; when left out, the limit or the margin.
+
+    Raises
+    ------
+    InputError
+        There is no such column, it has no numbers, or there are more than two parameters and
+        neither is named.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = study(arch, {"thickness_ratio": [0.15, 0.2]}, friction=0.7)
+    >>> study_chart(found).across
+    'thickness_ratio'
+    """
+    names = list(table.columns)
+    inputs = names[1 : names.index("verdict")]
+    if not across and len(inputs) > 2:
+        remedy = f"name two of {', '.join(inputs)}"
+        raise InputError(f"there are {len(inputs)} parameters", where="across", remedy=remedy)
+    across = across or next(one for one in inputs if one != by)
+    by = by or next((one for one in inputs if one != across and len(inputs) == 2), "")
+    up = up or ("stands" if "stands" in names else "margin")
+    x, y = (np.asarray(table[one]) for one in (across, up))
+    for name, values in ((across, x), (up, y)):
+        if values.dtype.kind not in "iuf":
+            raise InputError("has no numbers", where=name, remedy="choose another column")
+    groups = [""] if not by else list(dict.fromkeys(table[by].tolist()))
+    inks, marks = ("accent", "bad", "good", "unsure", "ink"), []
+    shapes = (MarkKind.DISC, MarkKind.RING, MarkKind.DIAMOND, MarkKind.CROSS)
+    for number, value in enumerate(groups):
+        mine = np.flatnonzero(np.isfinite(y) & ((table[by] == value) if by else True))
+        order = mine[np.argsort(x[mine], kind="stable")]
+        ink, label = inks[number % len(inks)], f"{by} {value}" if by else ""
+        marks.append(Marks(MarkKind.LINE, x[order].astype(float), y[order], ink, label))
+        shape = shapes[number % len(shapes)]
+        marks.append(Marks(shape, x[order].astype(float), y[order], ink))
+    unit = table.units.get(up, "")
+    return Chart(table.title, tuple(marks), across, up, ("", unit))
+
+
+def _rows(parameters: Any) -> list[dict[str, Any]]:
+    """The rows of parameters."""
+    if hasattr(parameters, "columns") and not isinstance(parameters, Table):  # a data frame
+        parameters = parameters.to_dict("records")
+    if isinstance(parameters, Mapping):
+        values = [list(of_type(one, Iterable, name, "give a list"))  # type: ignore[type-abstract]
+                  for name, one in parameters.items()]  # fmt: skip
+        rows = [dict(zip(parameters, each, strict=True)) for each in product(*values)]
+    else:
+        rows = [dict(one) for one in parameters]
+    if not rows or not rows[0]:
+        raise InputError("there is no row", where="parameters", remedy="give values of each")
+    for number, row in enumerate(rows):
+        if list(row) != list(rows[0]):
+            remedy = f"give {shortened(', '.join(map(str, rows[0])), 60)}"
+            raise InputError(f"row {number} has other parameters", remedy=remedy)
+    return rows
+
+
+@one_blas_thread()
+def _answered(task: _Task) -> list[Any]:
+    """The row of a task."""
+    clock = Clock(task.each_s)
+    nothing = (None,) if not task.limit else (None, None)
+    try:
+        model = task.model
+        if task.limit:
+            found = limit_of_words(task.limit, model)(model, {"stop": clock.late})
+            if not isinstance(found, Limit):
+                remedy = "ask for tilt, friction, load or shrink"
+                raise InputError(f"'{task.limit}' has no two sides", remedy=remedy)
+            falling, best = found.best.falling, found.best
+            moves = () if falling is None else falling.falling_names
+            word = "stopped" if found.stopped else "found"
+            numbers: tuple[Any, ...] = (best.stands, best.falls)
+            message = found.title
+        else:
+            result = check(model, options=task.options, stop=clock.late)
+            word, moves, message = result.verdict.value, result.falling_names, result.message
+            numbers = (tilt_margin(model, stop=clock.late) if result.stable else None,)
+    except DrystoneError as error:
+        return task.row("refused", *nothing, "", str(error), clock.elapsed_s)
+    return task.row(word, *numbers, " ".join(moves), message, clock.elapsed_s)
+
+
+def _failed(task: _Task) -> list[Any]:
+    """The row of a task that ended its worker twice."""
+    nothing = (None,) if not task.limit else (None, None)
+    return task.row("failed", *nothing, "", "its worker was ended twice", 0.0)
+
+
+def _listed(record: Any) -> list[Any]:
+    """The row of a record."""
+    if not isinstance(record, list) or not isinstance(record[0], int):
+        raise TypeError("it is no row")
+    return record
+
+
+def _plain(value: Any) -> Any:
+    """A value that JSON gives back as it was; others as text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    plain = value is None or isinstance(value, bool | int | float | str)
+    return value if plain else shortened(repr(value), 120)
+
+
+def _column(values: Sequence[Any], name: str) -> Any:
+    if name in ("margin", "stands", "falls"):
+        return np.array([np.nan if one is None else one for one in values], dtype=float)
+    return list(values)

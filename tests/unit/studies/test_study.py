@@ -1,0 +1,116 @@
+"""Tables of parameters: limits and verdicts of each row, kept in a file, and their charts."""
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import DrystoneError, InputError
+from drystone.answer.chart import MarkKind
+from drystone.cli import main
+from drystone.models import box, tower
+from drystone.studies import study, study_chart
+from drystone.view import save_chart
+
+
+def pier(width: float, height: float = 2.0) -> drystone.Assembly:
+    base = box((9.0, 9.0, 1.0), (-4.0, -4.0, -1.0), "base")
+    return drystone.Assembly((base, box((width, 1.0, height), (0.0, 0.0, 0.0), "pier"))).with_fixed(
+        ["base"]
+    )
+
+
+def refusing(width: float) -> drystone.Assembly:
+    if width > 0.6:
+        raise InputError("is too wide", where="width")
+    return pier(width)
+
+
+def test_the_limit_of_each_row_is_that_of_its_parameters() -> None:
+    """A pier slides at the angle of friction, or overturns at its width by its height."""
+    found = study(pier, {"width": [0.5, 1.0], "friction": [0.3, 0.9]}, limit="tilt --axis y")
+    assert list(found.columns)[:4] == ["number", "width", "friction", "verdict"]
+    rows = zip(found["width"], found["friction"], strict=True)
+    expected = [math.degrees(math.atan(min(friction, width / 2.0))) for width, friction in rows]
+    assert found["stands"] == pytest.approx(expected, abs=0.1)
+    assert (found["falls"] > found["stands"]).all()
+    assert set(found["mechanism"]) == {"pier"}
+
+
+def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
+    found = study(refusing, [{"width": 0.5}, {"width": 0.9}, {"width": 0.2}], seismic=(0.2, 0.0))
+    assert found["verdict"].tolist() == ["stable", "refused", "unstable"]
+    assert "is too wide" in found["message"][1]
+    assert found["mechanism"].tolist() == ["", "", "pier"]
+    margin = study(pier, {"width": [0.5]})["margin"]
+    assert margin == pytest.approx(math.degrees(math.atan(0.25)), abs=0.01)
+
+
+def test_a_study_goes_on_where_it_was_ended_and_does_not_depend_on_workers(tmp_path: Path) -> None:
+    few, all_of_it = {"width": [0.4, 0.5]}, {"width": [0.4, 0.5, 0.6]}
+    path = tmp_path / "found.jsonl"
+    first = study(pier, few, limit="tilt", out=path)
+    with ThreadPoolExecutor(1) as executor:
+        found = study(pier, all_of_it, limit="tilt", out=path, executor=executor)
+    assert found["time_s"][:2].tolist() == first["time_s"].tolist()
+    assert found["stands"].tolist() == study(pier, all_of_it, limit="tilt")["stands"].tolist()
+    for other, message in (
+        ({"parameters": {"width": [0.3]}, "limit": "tilt"}, "row 0 has other inputs"),
+        ({"parameters": few, "limit": "shrink"}, "of other work: limit"),
+    ):
+        with pytest.raises(DrystoneError, match=message):
+            study(pier, out=path, **other)  # type: ignore[arg-type]
+
+
+def test_a_data_frame_is_a_table_of_parameters_and_a_model_has_options_of_reading() -> None:
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"friction": [0.3, 0.9]})
+    found = study(pier(1.0), frame, limit="tilt --axis y")
+    assert found.to_pandas()["stands"].round(0).tolist() == [17.0, 27.0]
+
+
+@pytest.mark.parametrize(
+    ("build", "asked", "message"),
+    [
+        (pier, {"parameters": {}}, "there is no row"),
+        (pier, {"parameters": [{"width": 1.0}, {"height": 1.0}]}, "row 1 has other parameters"),
+        (pier, {"parameters": {"verdict": [1.0]}}, "is a column of the answer"),
+        (tower(2), {"parameters": {"width": [1.0]}}, "is no option of reading"),
+    ],
+)
+def test_what_is_no_study_is_refused(build: object, asked: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        study(build, **asked)  # type: ignore[arg-type]
+
+
+def test_one_and_two_parameters_are_drawn_as_curves(tmp_path: Path) -> None:
+    found = study(pier, {"width": [0.5, 0.4], "friction": [0.3, 0.9]}, limit="tilt --axis y")
+    chart = study_chart(found)
+    lines = [one for one in chart.marks if one.kind is MarkKind.LINE]
+    assert [one.label for one in lines] == ["friction 0.3", "friction 0.9"]
+    assert lines[0].x.tolist() == [0.4, 0.5]
+    assert chart.units == ("", "")
+    save_chart(chart, tmp_path / "study.svg")
+    assert (tmp_path / "study.svg").exists()
+    one = study_chart(found.take([0, 2]), across="width", by="friction", up="falls")
+    assert [mark.label for mark in one.marks] == ["friction 0.3", ""]
+    with pytest.raises(InputError, match="has no numbers"):
+        study_chart(found, up="message")
+
+
+def test_the_command_studies_a_family_and_writes_table_and_chart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = ["count=2", "edge=1:2:2", "friction=0.3", "friction=2"]
+    told = ["study", "tower", *(word for row in rows for word in ("--set", row))]
+    files = ["--csv", str(tmp_path / "study.csv"), "--out", str(tmp_path / "study.jsonl")]
+    assert main([*told, "--limit", "tilt", *files]) == 0
+    assert "4 rows, 0 refused" in capsys.readouterr().out
+    lines = (tmp_path / "study.csv").read_text("utf-8").splitlines()
+    assert lines[0].startswith("number,count,edge,friction,verdict,stands,falls")
+    assert len(lines) == 5
+    assert main(["study", "tower", "--set", "edge=1:2"]) == 2
+    assert main(["study", "tower"]) == 2
+    assert "--set: is missing" in capsys.readouterr().err
