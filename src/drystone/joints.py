@@ -277,7 +277,6 @@ def joint_table(
         "mean_pressure": mean,
         "peak_pressure": peak,
         "strength_use": strength_use,
-        "over_strength": np.zeros(len(mean), dtype=bool),
         **{f"force_{axis}": resultants.force[:, i] for i, axis in enumerate("xyz")},
         **{axis: position[:, i] for i, axis in enumerate("xyz")},
     }

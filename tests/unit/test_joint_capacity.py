@@ -114,6 +114,11 @@ def test_the_command_line_crushes(overhang, capsys):
     capsys.readouterr()
     assert main(["check", "tower.json", "--joint-capacity", "compression=70kPa"]) == 1
     assert "crushes" in capsys.readouterr().out
+    assert main(["check", "tower.json", "--joint-capacity", "compression=0.1MPa", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["strength_use"] == pytest.approx(0.70632, rel=1e-4)
+    assert told["crushing_factor"] == pytest.approx(1.0 / 0.70632, rel=1e-4)
+    assert any("strength: the joint of" in one for one in told["sentences"])
 
 
 def test_utilisation_counts_the_cohesion():

@@ -48,18 +48,9 @@ def test_a_force_outside_the_kern_presses_three_times_its_distance_to_the_edge()
 
 
 def test_a_force_on_the_edge_has_no_finite_pressure() -> None:
-    table = pressing((1.0, 0.5), 10.0).joints(strength=1e6)
+    table = pressing((1.0, 0.5), 10.0).joints()
     assert table["edge_ratio"][0] == pytest.approx(1.0)
     assert table["peak_pressure"][0] == float("inf")
-    assert table["over_strength"].tolist() == [True]
-
-
-def test_strength_marks_joints_by_their_peak() -> None:
-    result = pressing((0.5, 0.5), 10.0)
-    assert result.joints(strength=9.0)["over_strength"].tolist() == [True]
-    assert result.joints(strength=11.0)["over_strength"].tolist() == [False]
-    with pytest.raises(InputError, match="strength is 0"):
-        result.joints(strength=0.0)
 
 
 def test_friction_use_is_that_of_the_resultant() -> None:
@@ -70,7 +61,7 @@ def test_an_unloaded_joint_uses_nothing() -> None:
     table = answer(np.zeros((4, 3))).joints()
     for name in ("friction_use", "kern_ratio", "edge_ratio", "mean_pressure", "peak_pressure"):
         assert table[name][0] == 0.0
-    assert next(iter(table))["over_strength"] is False
+    assert next(iter(table))["strength_use"] == 0.0
 
 
 def test_rows_are_plain_values_and_the_worst_come_first() -> None:

@@ -9,6 +9,7 @@ from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, lim
 from drystone.checks import check_forces, mechanism_defects
 from drystone.limits import LimitOptions, limit_tilt, thrust_bounds
 from drystone.models import box
+from drystone.stability.strength import crushing_factor
 
 WIDTH, DEPTH, STRENGTH = 1.0, 0.5, 1e5
 
@@ -215,6 +216,17 @@ def test_a_bridge_carries_less_the_weaker_its_stone(strength, published):
     assert found.stands == pytest.approx(own, rel=1e-3)
     assert found.falls == pytest.approx(own, rel=1e-3)
     assert own == pytest.approx(published, rel=0.01)  # kN, of another program
+
+
+def test_the_last_joint_crushes_later_than_the_first():
+    """Of forces that grow with the loads; the last factor is that of the mechanism."""
+    model, axle = bridge(5e6)
+    loaded = model.with_load(model.load + 100.0 * axle)
+    first = 1.0 / check(loaded).strength_use.max()
+    last = crushing_factor(loaded)
+    assert 1.0 < first < last
+    assert solve_rbe(loaded.with_load(0.999 * last * loaded.load)).falls is False
+    assert solve_rbe(loaded.with_load(1.001 * last * loaded.load)).falls is True
 
 
 def test_the_verdict_of_a_bridge_is_that_of_its_strength():

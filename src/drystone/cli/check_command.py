@@ -77,10 +77,15 @@ def check(
     result = solve(model, waiting, time_limit, strict, ends)
     if result.stable and not result.stopped:
         from drystone.limits.bounds import tilt_margin
+        from drystone.stability.strength import crushing_factor
 
-        waiting.stage("margin", "looking for the margin of tilt")
+        waiting.stage("margin", "looking for the margin of tilt and strength")
         with waiting.stoppable() as stop:
-            result = replace(result, tilt_margin=tilt_margin(result.model, stop=stop))
+            result = replace(
+                result,
+                tilt_margin=tilt_margin(result.model, stop=stop),
+                crushing_factor=crushing_factor(result.model, stop=stop),
+            )
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,

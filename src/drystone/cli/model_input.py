@@ -31,6 +31,7 @@ HOW = partial(
         "case": "[FACTOR*]NAME",
         "seismic": "KX,KY",
         "joint_capacity": "WHAT|FILE.csv",
+        "strength": "PRESSURE",
         "gap": "LENGTH|SHARE",
         "only": "NAMES",
         "without": "NAMES",
@@ -42,7 +43,16 @@ HOW = partial(
     group=MODEL,
     groups={
         LOADS: ("gravity", "load", "case", "seismic"),
-        CONTACTS: ("joint_capacity", "gap", "angle", "edges", "anyway", "search", "crack"),
+        CONTACTS: (
+            "joint_capacity",
+            "strength",
+            "gap",
+            "angle",
+            "edges",
+            "anyway",
+            "search",
+            "crack",
+        ),
     },
 )
 """How a model is read: the options of :func:`drystone.read`."""

@@ -77,9 +77,7 @@ def settle(
             where="--time-limit",
             remedy="leave it out, or add --to",
         )
-    if (to is not None or model.load.motion is None) and (
-        wanted.joints or wanted.strength is not None
-    ):
+    if (to is not None or model.load.motion is None) and wanted.joints:
         raise InputError(
             "there is no table of joints without --move, nor with --to",
             remedy="ask for --html, --png or --json",

@@ -94,42 +94,27 @@ class Written(Pictures):
             kind=kinds.target(".csv", ".json", ".html"),
         ),
     ] = ()
-    strength: Annotated[
-        float | None,
-        Option(
-            "Pressure in MPa that the stone bears; joints above it are marked.",
-            OUTPUT,
-            kind=kinds.POSITIVE,
-            expert=True,
-        ),
-    ] = None
 
     def of(self, answer: Any) -> Files:
         """The files of an answer that is a result or has one, and remarks on them."""
         jobs, said = super().of(answer)
-        if not self.joints and self.strength is None:
+        if not self.joints:
             return jobs, said
         result: Result = getattr(answer, "result", answer)
         if result.force is None:
-            return jobs, ["no joint table: there are no forces"] if self.joints else []
+            return jobs, ["no joint table: there are no forces"]
         from drystone.view import save_report
 
-        strength = None if self.strength is None else 1e6 * self.strength
-        table = result.joints(strength=strength)
+        table = result.joints()
         for path in self.joints:
             if path.suffix.lower() == ".html":
-                jobs.append((path, partial(save_report, result, strength=strength)))
+                jobs.append((path, partial(save_report, result)))
             elif path.suffix.lower() == ".csv":
                 jobs.append((path, table.to_csv))
             else:
-                content = json.dumps({"strength": strength, **table.to_dict()})
+                content = json.dumps(table.to_dict())
                 jobs.append((path, partial(write_text, text=content)))
-        if strength is None:
-            return jobs, []
-        over = int(table["over_strength"].sum())
-        return jobs, [
-            f"the peak pressure exceeds {self.strength:g} MPa at {over} of {len(table)} joints"
-        ]
+        return jobs, []
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,25 @@ def with_joint_capacity(model: Model, text: str) -> Model:
     return model.with_capacity(replace(found, brittle=brittle))
 
 
+def with_strength(model: Model, text: str) -> Model:
+    """The model whose joints all crush under a pressure.
+
+    Raises
+    ------
+    InputError
+        It is none above zero.
+    """
+    where = "strength"
+    try:
+        pressure = units.measured(text, units.PRESSURES, what=where)
+    except InputError as error:
+        raise error.located(where) from error
+    if not 0.0 < pressure < np.inf:
+        raise InputError(f"is {text}", where=where, remedy="give more than zero, such as 5MPa")
+    before = model.contacts.capacity or JointCapacity.dry(model.contacts.count)
+    return model.with_capacity(replace(before, compression=pressure * model.contacts.area))
+
+
 def law_of(text: str) -> tuple[str, bool | None]:
     """The words without a last ``brittle`` or ``ductile``, and whether it is brittle, if told."""
     words, _, last = text.rpartition(",")

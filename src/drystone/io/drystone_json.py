@@ -40,7 +40,16 @@ ARRAYS = {
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("tilt_margin", "sensitive_to", "stopped", "options", "solver", "iterations", "time_s"),
+    *(
+        "tilt_margin",
+        "crushing_factor",
+        "sensitive_to",
+        "stopped",
+        "options",
+        "solver",
+        "iterations",
+        "time_s",
+    ),
 )
 _HEAVIEST = 1e9
 """[kg/m3], chosen: denser than any material; keeps products of masses finite."""
@@ -155,6 +164,11 @@ def _capacity(field: Field, count: int) -> JointCapacity | None:
     return JointCapacity(**given, brittle=brittle)
 
 
+def _number(field: Field, key: str) -> float | None:
+    """A number that may be missing."""
+    return field[key].number() if field.has(key) else None
+
+
 def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
     name = field.get("name", "load").text()
@@ -212,7 +226,8 @@ def _result(
         prop=array("prop"),
         sensitive_to=tuple(Sensitivity[name] for name in sensitive),
         eta=field["eta"].number() if field.has("eta") else None,
-        tilt_margin=field["tilt_margin"].number() if field.has("tilt_margin") else None,
+        tilt_margin=_number(field, "tilt_margin"),
+        crushing_factor=_number(field, "crushing_factor"),
         stopped=field.get("stopped", "").text(),
     )
 

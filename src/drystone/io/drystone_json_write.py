@@ -123,6 +123,7 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
         "eta": result.eta,
         "tilt_margin": result.tilt_margin,
+        "crushing_factor": result.crushing_factor,
         "sensitive_to": [one.name.lower() for one in result.sensitive_to],
         "stopped": result.stopped,
         "options": _plain(result.options),

@@ -20,7 +20,7 @@ from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_overlaps
 from drystone.detection.block_overlaps import overlap_lines, require_apart
 from drystone.detection.resample import FEW
-from drystone.io.capacity_words import with_joint_capacity
+from drystone.io.capacity_words import with_joint_capacity, with_strength
 from drystone.io.draft import Contents
 from drystone.io.load_options import Loads
 from drystone.io.registry import FileOptions, Unit, files_at, read_file
@@ -57,6 +57,7 @@ class How(FileOptions, total=False):
     case: str | Sequence[str]
     seismic: str | float | Sequence[float] | None
     joint_capacity: str | None
+    strength: str | None
     gap: float | str | None
     angle: float | None
     edges: EdgeContacts | str | None
@@ -89,6 +90,7 @@ def read(
     case: str | Sequence[str] = (),
     seismic: str | float | Sequence[float] | None = None,
     joint_capacity: str | None = None,
+    strength: str | None = None,
     gap: float | str | None = None,
     angle: float | None = None,
     edges: EdgeContacts | str | None = None,
@@ -148,6 +150,8 @@ def read(
         N, ``moment`` in Nm; ``compression=5MPa`` for joints that crush; with ``ductile`` at the end
         for joints that do not break; or a table block_a,block_b,tension,cohesion,shear,compression
         in N.
+    strength
+        Pressure under which all joints crush, such as ``5MPa``; left out, they bear any.
     gap
         Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
         block, such as ``5%`` (0.5%).
@@ -219,8 +223,8 @@ def read(
         progress("read", 0, 2)
     asked: How = {
         "supports": supports, "friction": friction, "density": density,
-        "joint_capacity": joint_capacity, "anyway": anyway, "only": only, "without": without,
-        "isolate": isolate, "crack": crack, "search": search,
+        "joint_capacity": joint_capacity, "strength": strength, "anyway": anyway,
+        "only": only, "without": without, "isolate": isolate, "crack": crack, "search": search,
     }  # fmt: skip
     of_file: FileOptions = {
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
@@ -372,8 +376,15 @@ def _coefficient(friction: float | str | None) -> float | None:
 
 def _with_capacity(model: Model, how: How) -> Model:
     """The model with the capacities of joints that are asked for."""
-    words = how.get("joint_capacity")
-    return model if words is None else with_joint_capacity(model, words)
+    words, strength = how.get("joint_capacity"), how.get("strength")
+    model = model if words is None else with_joint_capacity(model, words)
+    if strength is None:
+        return model
+    if words is not None and model.contacts.crushes.any():
+        raise InputError(
+            "the joints have a strength already", where="strength", remedy="leave one of both out"
+        )
+    return with_strength(model, strength)
 
 
 def _part_of(contents: Contents, how: How) -> tuple[Contents, list[str]]:

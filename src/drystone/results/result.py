@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
 from drystone.assembly import Blocks
-from drystone.base.arrays import lengths, number
+from drystone.base.arrays import lengths
 from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
 from drystone.geometry.quadrature import ACCURATE
@@ -73,6 +73,7 @@ class Result(Solution, Answer):
             bound = "of tilts about x and y: a bound, it may fall before"
             said.append(Sentence(f"safety: {self._safety}, {bound}"))
         if self.verdict is Verdict.STABLE and self.force is not None:
+            said += self._strength()
             said += self._without_margin() + self._on_corners()
         return [one for one in said if one.text]
 
@@ -80,6 +81,23 @@ class Result(Solution, Answer):
     def _safety(self) -> str:
         margin = self.tilt_margin
         return "" if margin is None else f"forces balance it up to a tilt of {margin:.3g} degrees"
+
+    def _strength(self) -> list[Sentence]:
+        """How much of its strength the most pressed joint uses, and the loads at which it crushes.
+
+        In proportion to the loads the forces that were found crush the first joint; the last ones
+        are those of the limit.
+        """
+        use = self.strength_use
+        if not use.max(initial=0.0) > 0.0:
+            return []
+        at, names = int(np.argmax(use)), self.assembly.names
+        a, b = self.contacts[at].blocks
+        words = f"strength: the joint of '{names[a]}' and '{names[b]}' uses {100.0 * use[at]:.3g} %"
+        words += f"; the first joint crushes at {1.0 / use[at]:.3g} times all loads"
+        if self.crushing_factor is not None:
+            words += f", and it falls at {self.crushing_factor:.3g} times"
+        return [Sentence(words)]
 
     def _without_margin(self) -> list[Sentence]:
         """What stands exactly above an edge."""
@@ -155,6 +173,8 @@ class Result(Solution, Answer):
                 for path in getattr(self.settlement, "paths", ())
             ],
             "tilt_margin": self.tilt_margin,
+            "strength_use": float(self.strength_use.max(initial=0.0)) or None,
+            "crushing_factor": self.crushing_factor,
             "stopped": self.stopped,
             "falling": self.falling_names,
             "samples": self.samples,
@@ -270,15 +290,10 @@ class Result(Solution, Answer):
         self._require_forces()
         return reaction_table(self)
 
-    def joints(self, *, strength: float | None = None) -> Table:
+    def joints(self) -> Table:
         """Forces, utilisation, eccentricity and pressure of every joint.
 
         All facets of a curved joint are one joint; see :attr:`drystone.Contacts.joint`.
-
-        Parameters
-        ----------
-        strength : [Pa], optional
-            Joints whose peak pressure exceeds it are marked.
 
         Returns
         -------
@@ -309,8 +324,6 @@ class Result(Solution, Answer):
         strength_use
             Normal force by what a stress block around the centre of pressure carries: 1 crushes.
             Of a joint of several facets that of the worst. 0 where joints have no strength.
-        over_strength
-            Whether the peak exceeds the strength, where one was given.
         force_x, force_y, force_z [N]
             Resultant on block b, world axes.
         x, y, z [m]
@@ -319,7 +332,7 @@ class Result(Solution, Answer):
         Raises
         ------
         InputError
-            There are no forces, or the strength is not above zero.
+            There are no forces.
 
         Examples
         --------
@@ -329,13 +342,7 @@ class Result(Solution, Answer):
         >>> table["mean_pressure"].round(1).tolist(), table["peak_pressure"].round(1).tolist()
         ([23544.0], [23544.0])
         """
-        if strength is None:
-            return self._joint_table
-        if not number(strength, "strength") > 0.0:
-            raise InputError(f"strength is {strength}", remedy="give a pressure in Pa above zero")
-        made = self._joint_table
-        over = {"over_strength": made["peak_pressure"] > strength}
-        return Table(made.title, {**made.columns, **over}, made.units)
+        return self._joint_table
 
     @cached_property
     def _joint_table(self) -> Table:

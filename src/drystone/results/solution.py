@@ -85,6 +85,9 @@ class Solution(OfModel, OneLine):
     tilt_margin : [degrees]
         Up to which forces balance the loads, however it is tilted about x and y, where that was
         asked. Necessary for standing, as a limit of tilt that is checked by rest may be less.
+    crushing_factor
+        Factor on all loads up to which forces within the strength of the joints balance them, where
+        joints crush and that was asked.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -106,6 +109,7 @@ class Solution(OfModel, OneLine):
     residuals: Residuals | None = None
     eta: float | None = None
     tilt_margin: float | None = None
+    crushing_factor: float | None = None
     stopped: str = ""
     settlement: Any = None
     options: Any = None

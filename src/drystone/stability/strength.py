@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Clock
+from drystone.base.progress import Clock, Stop
 from drystone.checks import Residuals, check_forces, crushed_most
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_load_factor
@@ -64,6 +64,29 @@ def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> C
         residuals = check_forces(problem.model, force, pull=pull)
         return Carried(1.0, force, residuals, None, steps)
     return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
+
+
+def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) -> float | None:
+    """The factor on all loads up to which forces within the strength of the joints balance them.
+
+    Parameters
+    ----------
+    model
+    most
+        Blocks of a model of which it is asked, as for the margin of tilt.
+    stop
+
+    Returns
+    -------
+    float or None
+        None where no joint crushes, of more blocks, and where it was not found.
+    """
+    if len(model) > most or not model.contacts.crushes.any():
+        return None
+    statics = Problem.build(model).statics
+    none = replace(statics, load=np.zeros_like(statics.load))
+    found = solve_load_factor(none, statics.load, cone=FrictionCone.exact(), stop=stop).factor
+    return found if 0.0 < found < np.inf else None
 
 
 def crushing_words(model: Model, found: Carried) -> str:

@@ -52,7 +52,6 @@ def save_report(
     result: Result,
     path: str | PathLike[str],
     *,
-    strength: float | None = None,
     worst: int = 12,
 ) -> None:
     """Write a self-contained HTML page about the joints nearest to sliding or to a hinge.
@@ -63,8 +62,6 @@ def save_report(
         With forces.
     path
         Written to a temporary name beside it and renamed.
-    strength : [Pa], optional
-        Joints whose peak pressure exceeds it are marked.
     worst
         How many joints are shown.
 
@@ -73,12 +70,12 @@ def save_report(
     InputError
         The result has no forces, or the file cannot be written.
     """
-    write_text(path, _report_text(result, strength, worst))
+    write_text(path, _report_text(result, worst))
 
 
-def _report_text(result: Result, strength: float | None, worst: int) -> str:
+def _report_text(result: Result, worst: int) -> str:
     """The page as text."""
-    table = result.joints(strength=strength)
+    table = result.joints()
     chosen = worst_joints(table, worst).tolist()
     light, dark = ROLE_COLOUR["light"], ROLE_COLOUR["dark"]
     style = STYLE
@@ -91,9 +88,6 @@ def _report_text(result: Result, strength: float | None, worst: int) -> str:
         f"{result.verdict.value}: {result.message}. {free} free blocks, {len(table)} joints, "
         f"of which {open_joints} open on one side. Load: {result.load.name}."
     )
-    if strength is not None:
-        over = int(table["over_strength"].sum())
-        summary += f" The peak pressure exceeds {_number(strength)}Pa at {over} joints."
     head = "".join(f"<th>{column}</th>" for column in _HEAD)
     rows = "".join(_row(row) for row in table.take(chosen))
     plans = "".join(plan_figure(joint_plan(result, table, i)) for i in chosen)
@@ -121,6 +115,7 @@ _HEAD = (
     "of the kern",
     "mean [Pa]",
     "peak [Pa]",
+    "strength used",
 )
 
 
@@ -139,7 +134,8 @@ def _row(row: dict[str, Any]) -> str:
         (_share(row["edge_ratio"]), row["edge_ratio"] > 0.99),
         (_share(row["kern_ratio"]), False),
         (_number(row["mean_pressure"]), False),
-        (_number(row["peak_pressure"]), row["over_strength"]),
+        (_number(row["peak_pressure"]), False),
+        (_share(row["strength_use"]), row["strength_use"] > 0.99),
     ]
     return (
         "<tr>"

@@ -186,12 +186,12 @@ def test_check_takes_loads_and_an_earthquake(model: str, capsys: Capsys) -> None
 def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -> None:
     names = [str(tmp_path / f"joints.{suffix}") for suffix in ("csv", "json", "html")]
     options = [part for name in names for part in ("--joints", name)]
-    code, told = answer(capsys, "check", model, *options, "--strength", "0.01")
+    code, told = answer(capsys, "check", model, *options, "--strength", "0.1MPa")
     assert code == 0
     assert told["files"] == names
-    assert told["notes"] == ["the peak pressure exceeds 0.01 MPa at 1 of 1 joints"]
     rows = list(csv.DictReader(Path(names[0]).read_text(encoding="utf-8").splitlines()))
     assert float(rows[0]["normal [N]"]) == pytest.approx(2400.0 * 9.81)
+    assert float(rows[0]["strength_use"]) == pytest.approx(0.024 * 9.81)
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,14 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
         (["check", "MODEL", "--load", "block-0:1,0,0"], "'block-0' is fixed"),
         (["check", "MODEL", "--seismic", "1,2,3"], "not KX,KY"),
         (["check", "MODEL", "--joints", "joints.xls"], "does not end in"),
-        (["check", "MODEL", "--strength", "-1"], "--strength: is -1"),
+        (["check", "MODEL", "--strength", "-1MPa"], "--strength: is -1MPa; give more than zero"),
+        (["check", "MODEL", "--strength", "0Pa"], "--strength: is 0Pa"),
+        (["check", "MODEL", "--strength", "5"], "strength '5' is not a number with a unit"),
+        (["limit", "tilt", "MODEL", "--strength", "5kN"], "--strength: "),
+        (
+            ["check", "MODEL", "--strength", "5MPa", "--joint-capacity", "compression=5MPa"],
+            "--strength: the joints have a strength already",
+        ),
     ],
 )
 def test_what_cannot_be_asked_is_refused_in_one_line(
