@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.arrays import Floats, lengths
 from drystone.base.display import OneLine
 from drystone.base.table import Table
 from drystone.loads.applied import common_acceleration
@@ -51,6 +51,8 @@ def balance(result: Result) -> Table:
         np.cross(at, one).sum(axis=0) + couple.sum(axis=0)
         for at, one, couple in zip(places, forces, couples, strict=True)
     ])  # fmt: skip
+    rounding = 1e-9 * float(np.abs(force).max()) * float(np.ptp(assembly.bounds))
+    moment[np.abs(moment) < rounding] = 0.0
     columns = {
         "sum_of": ["acceleration of the masses", "other loads", "reactions", "all (zero)"],
         "force": np.vstack([force, force.sum(axis=0)]),
@@ -105,59 +107,48 @@ class CrownThrust(OneLine):
 def crown_thrust(result: Result) -> CrownThrust | None:
     """The thrust at the crown of an arch or a vault on two sides; ``None`` where there is none.
 
-    The crown is the highest joint that carries thrust and is steeper than 45 degrees. A vertical
-    plane through it parts the structure. All joints across it carry the thrust.
+    The crown is the joint with the largest normal force of those that are steeper than 45 degrees,
+    in the uppermost tenth of the structure. A vertical plane through it parts the structure. All
+    joints across it carry the thrust.
     """
-    joints, assembly = result.contacts.joints, result.assembly
-    table = result.joints()
-    force = np.stack([table[f"force_{axis}"] for axis in "xyz"], axis=1)
-    point = np.stack([table[axis] for axis in "xyz"], axis=1)
+    joints, assembly, contacts = result.contacts.joints, result.assembly, result.contacts
+    normal = result.joints()["normal"]
     free = ~(assembly.fixed[joints.block_a] | assembly.fixed[joints.block_b])
-    level = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
-    carries = level & free & (table["normal"] > 1e-3 * table["normal"].max(initial=0.0))
+    height = float(np.ptp(assembly.bounds[..., 2]))
+    high = joints.centroid[:, 2] > assembly.bounds[:, 1, 2].max() - 0.1 * height
+    steep = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
+    carries = steep & high & free & (normal > 1e-3 * normal.max(initial=0.0))
     if not carries.any():
         return None
-    top = int(np.flatnonzero(carries)[np.argmax(point[carries, 2])])
+    top = int(np.flatnonzero(carries)[np.argmax(normal[carries])])
     way = joints.frame[top, 0] * np.array([1.0, 1.0, 0.0])
     way /= np.linalg.norm(way)
     beyond = (assembly.centroid - joints.centroid[top]) @ way > 0.0
-    sign = beyond[joints.block_b].astype(float) - beyond[joints.block_a]
-    cut = (sign != 0.0) & free
     half = ~assembly.fixed & ~beyond
-    pressed = np.maximum(np.abs(table["normal"][cut]), 1e-300)
-    crown = pressed @ point[cut] / pressed.sum()
-    # on the half before the plane acts the opposite of what it gives to the one beyond
-    given = -(sign[cut, None] * force[cut])
-    foot = _springing(result, half)
-    if foot is None:
+    # forces of corners on the half: of the blocks beyond, and of the supports
+    a, b = (one[contacts.interface] for one in (contacts.block_a, contacts.block_b))
+    onto = half[b].astype(float) - half[a]
+    other = np.where(half[b], a, b)
+    given = onto[:, None] * result.world_force()
+    cut, foot = ((onto != 0.0) & one for one in (~assembly.fixed[other], assembly.fixed[other]))
+    if not (cut.any() and foot.any()):
         return None
-    springing, reaction_moment = foot
+    crown, springing = (_middle(contacts.point[one], given[one]) for one in (cut, foot))
     rise = float(crown[2] - springing[2])
     wrench, arms = result.load.wrench[half], assembly.centroid[half] - springing
-    load, by_joints = float(-wrench[:, 2].sum()), float(-(given @ way).sum())
-    if rise <= 0.05 * float(np.ptp(assembly.bounds[..., 2])) or load <= 0.0:
+    load, by_joints = float(-wrench[:, 2].sum()), float(-(given[cut] @ way).sum())
+    if rise <= 0.05 * height or load <= 0.0 or by_joints <= 0.0:
         return None
     arm = float(-wrench[:, 2] @ (arms @ way)) / load
-    every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0) + reaction_moment
-    every = every + np.cross(point[cut] - springing, given).sum(axis=0)
-    every = every - (sign[cut] * table["torque"][cut]) @ joints.frame[cut, 0]
+    every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0)
+    every = every + np.cross(contacts.point - springing, given)[cut | foot].sum(axis=0)
     total = float(every @ np.cross(way, [0.0, 0.0, 1.0]))
     moment = by_joints * rise - load * arm - total
     return CrownThrust(load, arm, moment, rise, (load * arm + moment) / rise, by_joints)
 
 
-def _springing(result: Result, half: Bools) -> tuple[Floats, Floats] | None:
-    """Mean point of what supports give to some blocks, and its moment about it."""
-    joints, fixed = result.contacts.joints, result.assembly.fixed
-    table = result.joints()
-    force = np.stack([table[f"force_{axis}"] for axis in "xyz"], axis=1)
-    point = np.stack([table[axis] for axis in "xyz"], axis=1)
-    onto_b = fixed[joints.block_a] & half[joints.block_b]
-    onto_a = fixed[joints.block_b] & half[joints.block_a]
-    mine = onto_a | onto_b
-    if not mine.any():
-        return None
-    given = np.where(onto_b[mine, None], force[mine], -force[mine])
-    weight = np.maximum(lengths(given), 1e-300)
-    middle = weight @ point[mine] / weight.sum()
-    return middle, np.cross(point[mine] - middle, given).sum(axis=0)
+def _middle(points: Floats, forces: Floats) -> Floats:
+    """Mean of points (p, 3) by the size of their forces."""
+    weight = np.maximum(lengths(forces), 1e-300)
+    middle: Floats = weight @ points / weight.sum()
+    return middle

@@ -10,6 +10,7 @@ import numpy as np
 from drystone.answer import Answer, Role
 from drystone.base.table import Table
 from drystone.base.units import quantity
+from drystone.joint_capacity import DRY, NO_LIMIT
 from drystone.joints import worst_joints
 from drystone.loads.applied import applied_loads
 from drystone.model import Model
@@ -26,9 +27,9 @@ _METHOD = (
     "z points up. The normal force of a joint is positive in compression. Forces in joints act on "
     "block b; block a gets the opposite. Reactions act on the structure, loads on the block "
     "that is named. Moments turn by the right-hand rule.",
-    "Blocks are rigid and do not crack or crush. Joints press, and carry friction by Coulomb's law "
-    "with the coefficients under Materials; dry joints do not pull. Loads act once and slowly: "
-    "there is no inertia, no impact and no partial factor unless it is named here.",
+    "Blocks are rigid and do not crack. Joints press, and carry friction by Coulomb's law with the "
+    "coefficients under Materials; they pull and crush only where a capacity stands there. Loads "
+    "act once and slowly: there is no inertia, no impact and no partial factor unless it is named.",
     "STABLE: forces were found that balance every block within the friction cones, and they arise "
     "without prestress from a motion of the blocks on contact springs. UNSTABLE: a mechanism was "
     "found on which the loads do work against all joints, so that no forces can balance them. Both "
@@ -127,9 +128,14 @@ def _materials(model: Model) -> Iterator[Part]:
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
     capacity = joints.capacity
     if capacity is not None:
-        each = ((name, getattr(capacity, name)) for name in ("tension", "cohesion", "shear"))
-        told = (f"{name} {quantity(x.min(), 'N')} to {quantity(x.max(), 'N')}" for name, x in each)
-        yield f"Joints carry more than friction, each at most: {'; '.join(told)}."
+        each = {name: getattr(capacity, name) for name in DRY}
+        told = [
+            f"{name} {quantity(float(x.min()), 'N')} to {quantity(float(x.max()), 'N')}"
+            for name, x in each.items()
+            if x.max() < NO_LIMIT and x.any()
+        ]
+        law = f" Mortar is {capacity.law}." if capacity.law else ""
+        yield f"Capacity of a joint: {'; '.join(told)}.{law}"
 
 
 def _loads(model: Model) -> Iterator[Part]:
@@ -157,7 +163,7 @@ def _answer(answer: Answer) -> Iterator[Part]:
     residuals = getattr(answer, "residuals", None)
     if residuals is not None:
         yield Heading("Proof, computed again (forces by mean block weight, lengths by block size)")
-        yield {one.name: f"{getattr(residuals, one.name):.1e}" for one in fields(residuals)}
+        yield {one.name: f"{abs(getattr(residuals, one.name)):.1e}" for one in fields(residuals)}
 
 
 def _checks(result: Result) -> Iterator[Part]:

@@ -11,7 +11,7 @@ import drystone
 from drystone import InputError, LoadCase, Model, report
 from drystone.answer import Answer
 from drystone.cli import main
-from drystone.models import arch, tower
+from drystone.models import arch, tower, vault
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Picture
 from drystone.report.hand_checks import balance, crown_thrust, weights
@@ -88,6 +88,9 @@ def test_the_thrust_at_the_crown_by_hand_is_that_of_the_joints_and_of_the_reacti
     assert thrust.by_hand == pytest.approx(thrust.by_joints, rel=1e-6)
     assert thrust.by_hand == pytest.approx(abs(result.reactions()["force"][0, 0]), rel=1e-6)
     assert crown_thrust(drystone.check(tower(3))) is None
+    across = crown_thrust(drystone.check(vault(courses=7, blocks=2), friction=0.7))
+    assert across is not None
+    assert across.by_hand == pytest.approx(across.by_joints, rel=1e-6)
 
 
 def test_a_report_on_what_falls_has_the_mechanism_and_why(tmp_path: Path) -> None:

@@ -55,10 +55,11 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     for force, stands in ((6700, True), (6850, False)):
         path = written(tmp_path, firm, WEIGHT, PUSH.format(force))
         assert combinations(rough, path, margin="none").governing.stable == stands
-    glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1700.0))
+    glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1700.0, brittle=False))
     one = read_combinations(path, glued)[0].of(glued)
     assert one.contacts.capacity is not None
     assert one.contacts.capacity.tension.tolist() == pytest.approx([1000.0])
+    assert one.contacts.capacity.law == "ductile"
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
 
 
