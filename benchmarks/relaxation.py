@@ -27,10 +27,11 @@ from benchmarks.settlement import limit_of
 from benchmarks.tables import write_table
 from drystone import Assembly, LoadCase, Model, settle
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.geometry.frames import rotations
 from drystone.mechanics.bodies import Bodies, build_bodies
 from drystone.mechanics.corners import Ends
 from drystone.mechanics.law import respond
-from drystone.mechanics.positions import BlockPositions, place_corners, rotations
+from drystone.mechanics.positions import BlockPositions, place_corners
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 

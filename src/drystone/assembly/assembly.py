@@ -16,7 +16,7 @@ from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_
 from drystone.base.display import Card, shortened
 from drystone.base.errors import InputError, counted, meant
 from drystone.geometry import polyhedron
-from drystone.geometry.frames import rotation_about
+from drystone.geometry.frames import rotations
 
 Blocks: TypeAlias = int | str | Iterable[int | str] | Bools
 """Some blocks: names and positions, or one of them; or a mask (n,)."""
@@ -225,12 +225,12 @@ class Assembly(Card):
 
     def moved(self, motion: Floats) -> Assembly:
         """The blocks after a motion (n, 6) [m, rad]: translation, and rotation about centroids."""
-        blocks = []
-        for block, at, move in zip(self.blocks, self.centroid, motion, strict=True):
-            angle = float(np.linalg.norm(move[3:]))
-            turn = rotation_about(move[3:], float(np.rad2deg(angle))) if angle > 0.0 else np.eye(3)
-            blocks.append(block.transformed(turn, at + move[:3] - turn @ at))
-        return Assembly(tuple(blocks), self.fixed)
+        rows = zip(self.blocks, self.centroid, motion, rotations(motion[:, 3:]), strict=True)
+        moved = [
+            block.transformed(turn, at + move[:3] - turn @ at) if move.any() else block
+            for block, at, move, turn in rows
+        ]
+        return Assembly(tuple(moved), self.fixed)
 
     def transformed(self, rotation: Any = None, translation: Any = (0.0, 0.0, 0.0)) -> Assembly:
         """Every block moved by ``rotation @ x + translation``; see :meth:`Block.transformed`."""

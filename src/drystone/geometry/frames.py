@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drystone.base import arrays
 from drystone.base.arrays import Floats, cross, frozen_floats, lengths, number
 from drystone.base.errors import InputError
 
@@ -87,6 +88,15 @@ def rotation_about(axis: Floats, angle_deg: float) -> Floats:
     turn = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     rotation: Floats = np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)
     return rotation
+
+
+def rotations(vectors: Floats) -> Floats:
+    """Matrices (n, 3, 3) of rotation vectors (n, 3) [rad]. Source: Rodrigues 1840."""
+    axis, angle = arrays.unit(vectors)
+    turn = skew(axis)
+    sine, less = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
+    matrices: Floats = np.eye(3) + sine * turn + less * (turn @ turn)
+    return matrices
 
 
 def skew(vectors: Floats) -> Floats:

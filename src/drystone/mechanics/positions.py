@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.geometry.frames import rotations
 from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.corners import slid
 
@@ -110,21 +111,6 @@ def _sizes(vectors: Floats) -> Floats:
     x, y, z = vectors.T
     size: Floats = np.sqrt(x * x + y * y + z * z)
     return size
-
-
-def rotations(vectors: Floats) -> Floats:
-    """Matrices (n, 3, 3) of rotation vectors (n, 3). Source: Rodrigues 1840."""
-    angle = _sizes(vectors)
-    x, y, z = (vectors / np.where(angle > 0.0, angle, 1.0)[:, None]).T
-    skew = np.zeros((len(vectors), 3, 3))
-    skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0] = x, y, z
-    skew -= skew.transpose(0, 2, 1).copy()
-    result: Floats = (
-        np.eye(3)
-        + np.sin(angle)[:, None, None] * skew
-        + (1.0 - np.cos(angle))[:, None, None] * (skew @ skew)
-    )
-    return result
 
 
 def rotation_vectors(turn: Floats) -> Floats:

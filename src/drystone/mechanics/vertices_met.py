@@ -15,9 +15,8 @@ from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.edgecontacts import Wires
 from drystone.detection.patches import Patches, patches_of
 from drystone.geometry import planar
-from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.frames import frames_from_normals, rotations
 from drystone.mechanics.meeting import PARALLEL, Apart, least_friction
-from drystone.mechanics.positions import rotations
 from drystone.model import Model
 
 THROUGH = 1e-4

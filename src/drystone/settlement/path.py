@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
+from drystone.geometry.frames import rotations
 from drystone.loads import LoadCase
 from drystone.mechanics.bodies import (
     LIGHT,
@@ -24,7 +25,7 @@ from drystone.mechanics.corners import Carrier, flush_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
-from drystone.mechanics.positions import BlockPositions, rotation_vectors, rotations
+from drystone.mechanics.positions import BlockPositions, rotation_vectors
 from drystone.mechanics.soft_springs import STIFFEST
 from drystone.model import Model
 from drystone.settlement.loading_order import earlier_loads

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.checks import check_forces
 from drystone.contacts import Contacts
-from drystone.mechanics.positions import rotations
 from drystone.model import Model
 from drystone.results import Residuals
 
@@ -29,14 +27,6 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         Where the force of each corner acts.
     """
     assembly, contacts = model.assembly, model.contacts
-    turn = rotations(motion[:, 3:])
-    moved = assembly.centroid + motion[:, :3]
-    blocks = [
-        block.transformed(turn[i], moved[i] - turn[i] @ assembly.centroid[i])
-        if motion[i].any()
-        else block
-        for i, block in enumerate(assembly.blocks)
-    ]
     joint = contacts.interface
     corners = Contacts(
         contacts.block_a[joint],
@@ -47,7 +37,7 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         point,
         np.arange(len(joint)),
     )
-    return Model(Assembly(tuple(blocks), assembly.fixed), corners, model.load)
+    return Model(assembly.moved(motion), corners, model.load)
 
 
 def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:

@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.answer.scene import Layer, MarkerShape, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
-from drystone.geometry.frames import frames_from_normals, rotation_about
+from drystone.geometry.frames import frames_from_normals, rotations
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
 
 Triangles: TypeAlias = tuple[Floats, Ints]
@@ -158,10 +158,8 @@ def quaternions(rotation: Floats) -> Floats:
 
 def matrix_of(motion: Floats, centroid: Floats) -> Floats:
     """(4, 4) of a motion (6,) [m, rad]: translation of the centroid (3,) and rotation about it."""
-    angle = float(np.linalg.norm(motion[3:]))
     matrix = np.eye(4)
-    if angle > 0.0:
-        matrix[:3, :3] = rotation_about(motion[3:], float(np.rad2deg(angle)))
+    matrix[:3, :3] = rotations(motion[None, 3:])[0]
     matrix[:3, 3] = centroid + motion[:3] - matrix[:3, :3] @ centroid
     return matrix
 
