@@ -350,3 +350,10 @@ def test_a_long_line_is_cut_and_a_broken_one_joined() -> None:
     assert shortened("x" * 500, 20) == "x" * 17 + "..."
     long = repr(drystone.Result("check", drystone.Verdict.UNSTABLE, Model.of(tower(2)), "x" * 500))
     assert (len(long), long[-4:]) == (180, "...)")
+
+
+def test_a_list_without_entries_is_as_the_tuple_that_is_the_default() -> None:
+    given = sequence.Rules(before=[], reach=[], hands=1)
+    assert drystone.plan(tower(2), options=sequence.PlanOptions(rules=given)).asked.options == {
+        "hands": "1"
+    }

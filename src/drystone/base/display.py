@@ -106,7 +106,9 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
 
 
 def _plainly_equal(value: object, default: object) -> bool:
-    """Whether a value equals a default that is no array."""
+    """Whether a value equals a default that is no array; a list without entries is as a tuple."""
+    if isinstance(value, list | tuple) and isinstance(default, list | tuple) and not value:
+        return not default
     return type(value) is type(default) and not hasattr(value, "shape") and value == default
 
 
