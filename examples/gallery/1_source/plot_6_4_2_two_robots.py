@@ -1,10 +1,11 @@
 """
-Two robots in turn (section 6.4.2, figure 6.21)
-===============================================
+Two robots (section 6.4.2, figure 6.21)
+=======================================
 
-One robot holds the last block while the other places the next one. The source builds a shell in
-this way, a tri-dome. We have no dimensions of it: the tri-dome here has a shape of ours. With two
-robots and no props it falls at the second block. An arch of 11 voussoirs is built without props.
+The source builds a shell, a tri-dome, with two robots and no props: one holds a block while the
+other one places its neighbours. We have no dimensions of it: the tri-dome here has a shape of ours.
+A robot in place of each prop of its plan, and in place of each partner, makes two. An arch of 11
+voussoirs is built by two that hold the last block in turn.
 """
 
 from drystone.reproduce import reproduce
@@ -14,7 +15,7 @@ case = reproduce("6.4.2")
 case.table()
 
 # %%
-# The tri-dome when it is complete: it stands.
+# The tri-dome, block by block.
 
 Frame(case.pictures["tri-dome"])
 

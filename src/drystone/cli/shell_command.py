@@ -47,7 +47,7 @@ def shell(
         bool,
         Option(
             "Search courses, width and stagger, where they are not given, and a wedge for each "
-            "course, so that the fewest blocks are propped, then held, while it is built."
+            "course, so that the fewest blocks need help, propped or held, while it is built."
         ),
     ] = False,
     search: Annotated[SearchRequest, Experts(but=("vary",))],

@@ -225,8 +225,7 @@ def find_buildable(
     from drystone.design.buildable import WEDGES
 
     least = WEDGES[0] if pattern.wedge is None else pattern.wedge[0]
-    sign = -1.0 if least < 0.0 else 1.0
-    wedges = (least, *(sign * one for one in WEDGES if one > abs(least)))
+    wedges = (least, *(one for one in WEDGES if abs(one) > abs(least)))
     given: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("build", "searching what can be built")
     with waiting.keywords(time_limit) as common:

@@ -11,6 +11,7 @@ needs help, as shallow as they can be, since sharp corners break.
 from __future__ import annotations
 
 import contextlib
+import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -36,16 +37,16 @@ from drystone.sequence.stages import check_both
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 
-WEDGES = (0.02, 0.2, 0.4)
-"""Wedges that are tried, the shallowest first. Chosen: a layout takes as many shells as there are
-pairs of them."""
+WEDGES = (0.02, -0.2, 0.4)
+"""Wedges that are tried, the shallowest first. Half blocks at open ends lie on one below zero: without
+it 9 blocks of a tri-dome of 40 need help. A layout takes as many shells as there are pairs."""
 
 _DEEPENED = 3
-"""Of several layouts this many are looked at with unlike wedges, those that need least help.
-Chosen."""
+"""This many layouts, those that need least help, are looked at with unlike wedges, and of each this
+many ways are planned as a whole: with one 8 blocks of a tri-dome of 40 need help, and not 4."""
 
 _Cost: TypeAlias = tuple[int, int, int, float]
-"""Blocks that cannot be placed, propped, held; and the sum of the wedges."""
+"""Blocks that cannot be placed, that need help, of them propped; and the sum of the wedges."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class BuildableOptions(Options):
     Attributes
     ----------
     wedges
-        The wedges that a bed line may have, the shallowest first, all of one sign. See
+        The wedges that a bed line may have, the shallowest first, to either side. See
         :class:`drystone.shells.Layout`.
     friction
         Coefficient of every joint.
@@ -72,12 +73,12 @@ class BuildableOptions(Options):
         wedges = frozen_floats(self.wedges, (None,), "wedges")
         object.__setattr__(self, "wedges", tuple(wedges.tolist()))
         sizes = np.abs(wedges)
-        rising = len(sizes) > 0 and bool((np.diff(sizes) > 0.0).all())
-        if not rising or abs(wedges.sum()) < sizes.sum() or sizes[-1] > LARGEST_WEDGE:
+        rising = len(sizes) > 0 and bool((np.diff(sizes) >= 0.0).all())
+        if not rising or len(set(self.wedges)) < len(sizes) or sizes[-1] > LARGEST_WEDGE:
             raise InputError(
                 f"the wedges are {', '.join(f'{one:g}' for one in self.wedges) or 'none'}",
-                remedy="give them of one sign, the shallowest first, each deeper than the last, "
-                f"up to {LARGEST_WEDGE}",
+                remedy="give different ones, the shallowest first, "
+                f"from -{LARGEST_WEDGE} to {LARGEST_WEDGE}",
             )
         self._refuse_below(1, "hands")
 
@@ -94,7 +95,7 @@ def make_buildable(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> Buildable:
-    """Search the layout and the wedges with which the fewest blocks are propped, then held.
+    """Search the layout and the wedges with which the fewest blocks need help, propped or held.
 
     Each course of each layout is planned alone, on those below it, which are held: with one wedge
     at all bed lines, and for the layouts that need least help with every pair of wedges below and
@@ -154,13 +155,20 @@ class _Wedged(OneLine):
         """As of courses that are planned alone."""
         needed = Help.of(self.plan)
         impossible = needed.unplanned + needed.impossible
-        return impossible, needed.propped, needed.held, float(np.abs(self.wedges).sum())
+        wedge = float(np.abs(self.wedges).sum())
+        return impossible, needed.propped + needed.held, needed.propped, wedge
 
     @property
-    def rank(self) -> tuple[bool, Help, float]:
-        """Every stage stands, then least help, then the shallowest wedges."""
-        stands = self.plan.verdict is Verdict.STABLE
-        return not stands, Help.of(self.plan), float(np.abs(self.wedges).sum())
+    def help(self) -> Help:
+        """What its plan needs."""
+        return Help.of(self.plan)
+
+    @property
+    def rank(self) -> tuple[bool, bool, int, Help, float]:
+        """Every stage stands, then fewest blocks with help, then the shallowest wedges."""
+        stands, needed = self.plan.verdict is Verdict.STABLE, self.help
+        wedge = float(np.abs(self.wedges).sum())
+        return not stands, needed.unplanned, needed.blocks, needed, wedge
 
 
 class _WedgeSearch:
@@ -220,12 +228,12 @@ class _WedgeSearch:
     @property
     def so_far(self) -> str:
         """What the best shell so far needs."""
-        return "" if self.best is None else f", so far {self.best.rank[1]}"
+        return "" if self.best is None else f", so far {self.best.help}"
 
     @property
     def free(self) -> bool:
         """Whether the best shell needs no help."""
-        return self.best is not None and not any(self.best.rank[1])
+        return self.best is not None and not any(self.best.help)
 
     def look(self, layout: Layout, even: float, odd: float) -> None:
         """Plan each course alone, with one wedge at even bed lines and another at odd ones."""
@@ -271,46 +279,50 @@ class _WedgeSearch:
         )
         self.tried += 1
         needed = Help.of(found)
-        return needed.unplanned + needed.impossible, needed.propped, needed.held, 0.0
+        impossible = needed.unplanned + needed.impossible
+        return impossible, needed.propped + needed.held, needed.propped, 0.0
 
-    def promise(self, layout: Layout) -> tuple[_Cost, tuple[float, ...]] | None:
-        """The least help of all courses alone, and the wedges with it; ``None`` if not known."""
+    def promises(self, layout: Layout) -> list[tuple[_Cost, tuple[float, ...]]]:
+        """The wedges with the least help of all courses alone, and that help; the least first."""
         known = self.alone[layout]
         lines = max((course for course, *_ in known), default=0)
-        ways: dict[float, tuple[_Cost, tuple[float, ...]]] = {0.0: ((0, 0, 0, 0.0), ())}
+        ways: dict[float, list[tuple[_Cost, tuple[float, ...]]]] = {0.0: [((0, 0, 0, 0.0), ())]}
         for course in range(lines + 1):
-            further: dict[float, tuple[_Cost, tuple[float, ...]]] = {}
+            further: dict[float, list[tuple[_Cost, tuple[float, ...]]]] = {}
             for high in self.options.wedges if course < lines else (0.0,):
                 some = [
                     (_sum(cost, known[course, low, high], abs(high)), (*wedges, high))
-                    for low, (cost, wedges) in ways.items()
+                    for low, several in ways.items()
                     if (course, low, high) in known
+                    for cost, wedges in several
                 ]
-                if some:
-                    further[high] = min(some)
+                further[high] = heapq.nsmallest(_DEEPENED, some)
             ways = further
-        if 0.0 not in ways:
-            return None
-        cost, wedges = ways[0.0]
-        return cost, wedges[:-1]
+        return [(cost, wedges[:-1]) for cost, wedges in ways[0.0]]
 
     def tell(self, layout: Layout) -> None:
         """Note what a layout promises; plan it where that is less, or shallower, than the best."""
-        found = self.promise(layout)
-        if found is None or self.late():
+        found = self.promises(layout)
+        if not found or self.late():
             return
-        cost, wedges = found
-        if self.promised.get(layout) == cost:  # unlike wedges promise no less
+        (least, _), *_ = found
+        if self.promised.get(layout) == least:  # unlike wedges promise no less
             return
-        self.promised[layout] = cost
-        _, propped, held, _ = cost
-        told = f"{_told(layout)}: {propped} propped, {held} held where each course is planned alone"
-        if self.best is None or cost < self.best.cost:
-            one = self.planned(replace(layout, wedge=wedges))
-            if one is not None:
-                told += f", {one.rank[1]} as a whole"
+        self.promised[layout] = least
+        _, helped, propped, _ = least
+        told = f"{_told(layout)}: {propped} propped, {helped - propped} held where each course is "
+        told += "planned alone"
+        whole: list[_Wedged] = []
+        for cost, wedges in found:
+            if self.best is None or cost < self.best.cost:
+                one = self.planned(replace(layout, wedge=wedges))
+                if one is None:
+                    break
+                whole.append(one)
                 if self.best is None or one.rank < self.best.rank:
                     self.best = one
+        if whole:
+            told += f", {min(whole, key=lambda one: one.rank).help} as a whole"
         self.log.append(told)
 
     def planned(self, layout: Layout) -> _Wedged | None:
@@ -333,16 +345,16 @@ class _WedgeSearch:
         kept = [Kept("wedge", (), f"a wedge of {x:g} below course {i}", x)
                 for i, x in deeper.items()]  # fmt: skip
         first = best if not deeper else self.before(best)
-        words = str(best.rank[1])
+        words = str(best.help)
         if deeper:
             below = ", ".join(map(str, deeper))
             words += f", with deeper wedges below course{'s' * (len(deeper) > 1)} {below}"
-        words += "" if first is None else f"; {first.rank[1]} with the shallowest wedges"
+        words += "" if first is None else f"; {first.help} with the shallowest wedges"
         words += "; it was stopped before all was tried" if self.late() else ""
         told = f"wedges from the springing: {', '.join(f'{x:g}' for x in wedges)}"
         return Buildable(
             best.plan.model.model, best.plan, tuple(kept), (*self.log, told, words), self.tried,
-            None if first is None else first.rank[1], best.layout,
+            None if first is None else first.help, best.layout,
         )  # fmt: skip
 
     def before(self, best: _Wedged) -> _Wedged | None:

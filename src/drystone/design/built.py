@@ -16,7 +16,7 @@ from drystone.shells import Layout
 
 
 class Help(NamedTuple):
-    """The help that a plan needs; fewer props are less.
+    """The help that a plan needs, in order of what is less: fewer props, then fewer held blocks.
 
     Attributes
     ----------
@@ -33,6 +33,11 @@ class Help(NamedTuple):
     propped: int
     held: int
     together: int
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks that need help: propped, held or not to be put in."""
+        return self.impossible + self.propped + self.held
 
     @classmethod
     def of(cls, found: Plan) -> Help:

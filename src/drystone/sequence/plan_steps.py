@@ -168,6 +168,24 @@ class PlannedSteps:
         held = sum(one is Status.HELD for one in self.status)
         return len(self.props), held, sum(len(step.blocks) - 1 for step in self.steps)
 
+    @property
+    def hands(self) -> int:
+        """Number of hands, or robots, that build it without props, one in place of each prop.
+
+        Examples
+        --------
+        >>> from drystone.models import arch
+        >>> from drystone.sequence import plan
+        >>> found = plan(arch(0.3, 7), friction=0.7)
+        >>> found.counts["propped"], found.hands
+        (1, 2)
+        """
+        in_place = [(), *(step.props for step in self.steps)]
+        return max(
+            (len({*before, *step.blocks, *step.props})
+             for before, step in zip(in_place, self.steps, strict=False)), default=0,
+        )  # fmt: skip
+
     def partners(self, block: int) -> tuple[int, ...]:
         """Blocks that are placed together with this one."""
         step = self.step_of.get(block)

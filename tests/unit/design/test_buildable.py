@@ -24,6 +24,7 @@ from drystone.shells import (
     ShellBody,
     barrel_vault,
     build_shell,
+    dome,
     find_form,
     three_vault_plan,
 )
@@ -45,6 +46,20 @@ def test_the_published_vault_needs_no_help_with_deep_wedges_below_two_of_four_co
     model = drystone.read(path)
     assert drystone.check(model).stable
     assert not any(Help.of(plan(model, options=BY_COURSE)))
+
+
+def test_wedges_are_searched_course_by_course_until_no_block_needs_help() -> None:
+    shape, layout = dome(3.0, 1.5), Layout(courses=3, blocks=5)
+    body = ShellBody(thickness=0.5, ground=Ground.SPRINGERS)
+    found = make_buildable(shape, layout, body, options=BuildableOptions(wedges=(0.02, 0.4)))
+    assert found.before is not None
+    assert found.before.blocks == 2
+    assert found.free
+    assert found.layout is not None
+    assert found.layout.wedge == (0.02, 0.4)
+    made = plan(build_shell(shape, found.layout, body).model(friction=0.6), options=BY_COURSE)
+    assert made.stable
+    assert made.counts["free"] == 10
 
 
 def test_courses_that_close_between_two_springings_are_gone_through_from_both() -> None:
@@ -98,7 +113,7 @@ def test_blocks_that_are_placed_already_are_not_planned() -> None:
 
 @pytest.mark.parametrize(
     "given",
-    [{"wedges": ()}, {"wedges": (0.2, 0.1)}, {"wedges": (0.1, 0.6)}, {"wedges": (-0.1, 0.2)},
+    [{"wedges": ()}, {"wedges": (0.2, 0.1)}, {"wedges": (0.1, 0.6)}, {"wedges": (0.1, 0.1)},
      {"hands": 0}],
 )  # fmt: skip
 def test_options_that_make_no_sense_are_refused(given: dict[str, object]) -> None:
