@@ -164,7 +164,8 @@ def two_robots() -> Case:
 def vault() -> Case:
     """Figures 7.11 to 7.13: a vault held along three edges, arch by arch."""
     shallow, deep = (
-        plan(free_edge_vault(wedge).model(friction=0.6), options=BY_COURSE) for wedge in (0.02, 0.4)
+        plan(free_edge_vault(wedge).model(friction=0.6), options=BY_COURSE)
+        for wedge in (0.02, (0.4, 0.4, 0.4, 0.02, 0.02))
     )
     lines = (
         _counted("first iteration, shallow wedges (7.12a)", "", shallow, None, ASSUMED),
@@ -264,7 +265,7 @@ def niche_shape() -> Shape:
     return Shape((Patch(point, name="niche"),), supports=supports, name="niche")
 
 
-def free_edge_vault(wedge: float) -> Shell:
+def free_edge_vault(wedge: float | tuple[float, ...]) -> Shell:
     """A form-found vault of 37 voussoirs in six arches, 15 of them supports, with a free edge."""
     layout = Layout(courses=6, width=1.2, wedge=wedge)
     return build_shell(shape_by_name("free-edge")[0], layout, ShellBody(ground=Ground.SPRINGERS))
