@@ -38,8 +38,9 @@ from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 
 WEDGES = (0.02, -0.2, 0.4)
-"""Wedges that are tried, the shallowest first. Half blocks at open ends lie on one below zero: without
-it 9 blocks of a tri-dome of 40 need help. A layout takes as many shells as there are pairs."""
+"""Wedges that are tried, the shallowest first. Half blocks at open ends lie on one below zero:
+without it 9 blocks of a tri-dome of 40 need help. A layout takes as many shells as there are
+pairs."""
 
 _DEEPENED = 3
 """This many layouts, those that need least help, are looked at with unlike wedges, and of each this
