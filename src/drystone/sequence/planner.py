@@ -162,7 +162,7 @@ def plan(
                     return _no_plan(evaluator, complete, message)
         if not complete.stands and not chosen.anyway:
             return _no_plan(evaluator, complete, _refusal(complete, model.assembly.names))
-        planner = _Planner(evaluator, bound, chosen, progress)
+        planner = _Planner(evaluator, bound, chosen, progress, clock)
         try:
             return planner.run(complete)
         except Stopped:
@@ -187,8 +187,11 @@ class _Planner:
         bound: BoundRules,
         options: PlanOptions,
         progress: Progress | None,
+        clock: Clock,
     ) -> None:
         self.evaluator = evaluator
+        self.clock = clock
+        self.cut = ""  # why less help was not searched for to the end
         self.model = evaluator.model
         self.bound = bound
         self.options = options
@@ -227,7 +230,12 @@ class _Planner:
         known = best.cost == NO_HELP or best.proved or math.isinf(self.patience)
         if known or not search.few or not isinstance(self.bound.rules.order, Order):
             return best
-        less = search.below(root, best.cost)
+        try:
+            less = search.below(root, best.cost)
+        except Stopped:
+            self.evaluator.late = bool  # what was found is told in full
+            self.cut = f"{self.clock.reason} before less help was searched for to the end"
+            return best
         if less is None:
             return best
         if not less[0]:
@@ -310,6 +318,8 @@ class _Planner:
         words = self.flaws(complete, steps, len(impossible))
         if not words:
             words = [f"every stage stands{' with uniform contact stiffness' if screened else ''}"]
+        if self.cut:
+            words.append(self.cut)
         if settled:
             words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
         if screened:

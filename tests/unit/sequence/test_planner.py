@@ -349,6 +349,20 @@ def test_a_plan_that_is_stopped_keeps_the_verdict_of_the_complete_structure():
     assert (late.complete.stands, late.stopped) == (True, "the time was up")
 
 
+def test_a_plan_that_is_stopped_while_less_help_is_searched_for_is_kept():
+    told = []
+    found = plan(
+        arch(0.3, 7), friction=0.4, options=PlanOptions(patience=4.0),
+        progress=lambda what, *_: told.append(what),
+        stop=lambda: "searching for less help" in told,
+    )  # fmt: skip
+    assert "searching for less help" in told
+    assert len(found.order) == 7
+    assert found.stable
+    assert not found.proved
+    assert found.message.endswith("interrupted before less help was searched for to the end")
+
+
 def test_a_plan_is_its_steps():
     found = plan(tower(4))
     assert len(found) == 3
