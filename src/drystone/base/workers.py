@@ -18,6 +18,7 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
@@ -334,8 +335,6 @@ class _DaskExecutor(Executor):
 
     def __init__(self, client: Any) -> None:
         self._client = client
-        # with its futures: a wait for one of Dask that is given up cancels what comes meanwhile
-        self._executor = client.get_executor(pure=False, retries=3)
         self._function: tuple[Callable[..., Any], Any] | None = None
         self._max_workers = max(1, len(client.scheduler_info()["workers"]))
 
@@ -345,12 +344,31 @@ class _DaskExecutor(Executor):
         """Submit one task; a function, with what is bound to it, is sent once."""
         if self._function is None or self._function[0] is not function:
             self._function = (function, self._client.scatter(function, broadcast=True, hash=False))
-        future: Future[Any] = self._executor.submit(_called, self._function[1], *arguments)
+        found = self._client.submit(_called, self._function[1], *arguments, pure=False, retries=3)
+        # a wait for a future of Dask that is given up cancels what comes meanwhile
+        future: Future[Any] = Future()
+        future.add_done_callback(lambda one: found.cancel() if one.cancelled() else None)
+        found.add_done_callback(partial(_pass_on, future))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
         """Disconnect; the scheduler keeps running."""
-        self._client.close()
+        of_client = logging.getLogger("distributed.client")
+        before, of_client.disabled = of_client.disabled, True  # of a dead one it shows a traceback
+        try:
+            self._client.close()
+        finally:
+            of_client.disabled = before
+
+
+def _pass_on(future: Future[Any], found: Any) -> None:
+    """Give the answer, or the error, of a future of Dask to one of Python."""
+    if not future.set_running_or_notify_cancel():
+        return
+    try:
+        future.set_result(found.result())
+    except Exception as error:  # whatever the task, the worker or the network raises
+        future.set_exception(error)
 
 
 def _called(function: Callable[..., Any], *arguments: Any) -> Any:
