@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone report arch.json --out report.pdf --project 'Old bridge' --author 'N. N.'",
-    "drystone report arch.json --load voussoir-05:1kN --limit 'tilt --axis y' --out report.html",
+    "drystone report arch.json --out report.pdf --project 'Old bridge'",
+    "drystone report arch.json --limit 'tilt --axis y' --author 'N. N.' --out report.html",
 )
 def report(
     *,

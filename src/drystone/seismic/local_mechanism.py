@@ -447,7 +447,7 @@ def _tie(text: str, model: Model, along: Floats, part: Ints) -> tuple[Floats, Fl
 
 OFFERED = Offered(
     local_mechanism,
-    "arch.json --direction x",
+    "arch.json --part 'voussoir-*'",
     ("direction", "part", "site"),
     names=("direction", "part", "line", "ties", "shaken", "site", "time_limit_s"),
 )

@@ -126,12 +126,7 @@ def study(
     rows = _rows(parameters)
     refuse_unknown(how, [*_READING])
     kind = "limit" if limit else ""
-    for name in rows[0]:
-        if name in ("number", *_FOUND[kind]):
-            raise InputError("is a column of the answer", where=name, remedy="rename it")
-        if name not in _READING and not callable(build):
-            remedy = "give a function of it in place of the model"
-            raise InputError("is no option of reading", where=name, remedy=remedy)
+    _require(rows[0], _FOUND[kind], build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
     about = {
         "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
@@ -141,10 +136,7 @@ def study(
     }  # fmt: skip
     journal = None if out is None else Journal(out, about, _listed)
     done: list[list[Any]] = [] if journal is None else list(journal.records)
-    for row, inputs in zip(done, rows, strict=False):
-        if row[1 : 1 + len(inputs)] != [_plain(one) for one in inputs.values()]:
-            remedy = "give the same rows in the same order, or another file"
-            raise InputError(f"row {row[0]} has other inputs", where=str(out), remedy=remedy)
+    _require_same(done, rows, out)
     tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
              for number, inputs in enumerate(rows))  # fmt: skip
     with WorkerPool(executor) as pool:
@@ -210,6 +202,26 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
         marks.append(Marks(shape, x[order].astype(float), y[order], ink))
     unit = table.units.get(up, "")
     return Chart(table.title, tuple(marks), across, up, ("", unit))
+
+
+def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:
+    """Refuse parameters that are columns of the answer, or that nothing takes."""
+    for name in names:
+        if name in ("number", *taken):
+            raise InputError("is a column of the answer", where=name, remedy="rename it")
+        if name not in _READING and not callable(build):
+            remedy = "give a function of it in place of the model"
+            raise InputError("is no option of reading", where=name, remedy=remedy)
+
+
+def _require_same(
+    done: Sequence[Sequence[Any]], rows: Sequence[Mapping[str, Any]], out: PathLike | None
+) -> None:
+    """Refuse rows of a file that are others than those that are asked for."""
+    for row, inputs in zip(done, rows, strict=False):
+        if row[1 : 1 + len(inputs)] != [_plain(one) for one in inputs.values()]:
+            remedy = "give the same rows in the same order, or another file"
+            raise InputError(f"row {row[0]} has other inputs", where=str(out), remedy=remedy)
 
 
 def _rows(parameters: Any) -> list[dict[str, Any]]:

@@ -13,8 +13,9 @@ from drystone.answer import Answer
 from drystone.cli import main
 from drystone.models import arch, tower, vault
 from drystone.report import TitleBlock, assess, write_report
-from drystone.report.document import Picture
+from drystone.report.document import Document, Picture
 from drystone.report.hand_checks import balance, crown_thrust, weights
+from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
 from drystone.report.sketches import dimensions_picture
@@ -33,15 +34,15 @@ def answers(bridge: Path) -> list[Answer]:
 
 
 @pytest.fixture(scope="module")
-def page(answers: list[Answer], bridge: Path) -> str:
-    path = bridge.with_suffix(".html")
-    write_report(answers, path, about=TitleBlock(project="<Old> bridge", author="N. N."))
-    return path.read_text(encoding="utf-8")
+def document(answers: list[Answer]) -> Document:
+    about = TitleBlock(project="<Old> bridge", author="N. N.", date="2026-01-02")
+    return document_of(answers, about)
 
 
 def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
-    page: str, answers: list[Answer]
+    document: Document, answers: list[Answer]
 ) -> None:
+    page = html_of(document)
     text = re.sub(r"<[^>]+>", " ", page)
     asked = answers[0].asked
     for expected in (
@@ -56,10 +57,9 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
 
 
 def test_the_same_answers_give_the_same_bytes_and_text_that_can_be_searched(
-    answers: list[Answer],
+    document: Document, answers: list[Answer]
 ) -> None:
     pytest.importorskip("reportlab")
-    document = document_of(answers[:1], TitleBlock(date="2026-01-02"))
     one = pdf_of(document)
     assert one.startswith(b"%PDF")
     assert b"/ToUnicode" in one
@@ -132,14 +132,8 @@ def test_the_title_block_is_read_from_toml_and_options_come_first(tmp_path: Path
             TitleBlock.read(path)
 
 
-def test_the_command_writes_a_report_and_refuses_other_suffixes(
-    bridge: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = bridge.with_name("by-hand.html")
-    told = ["report", str(bridge), "--limit", "none", "--out"]
-    assert main([*told, str(out), "--project", "Bridge"]) == 0
-    assert "Stability of Bridge" in out.read_text(encoding="utf-8")
-    assert main([*told, str(bridge.with_suffix(".doc"))]) == 2
+def test_other_suffixes_are_refused(bridge: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", str(bridge), "--out", str(bridge.with_suffix(".doc"))]) == 2
     assert "does not end in .pdf or .html" in capsys.readouterr().err
     with pytest.raises(drystone.FormatError, match="PDF or HTML"):
         report.write_report(drystone.check(tower(2)), bridge.with_suffix(".doc"))
