@@ -132,7 +132,7 @@ def commands(folder: Path) -> None:
         context = click.Context(command, info_name=words)
         context.meta["drystone.everything"] = True
         told = textwrap.indent(command.get_help(context), "   ")
-        text += f"{titled(words, '-')}::\n\n{told}\n\n"
+        text += f"{titled(words, '-')}.. code-block:: text\n\n{told}\n\n"
     (folder / "commands.rst").write_text(text, "utf-8")
 
 
