@@ -23,12 +23,14 @@ from drystone.models import tower
 
 BESIDE: dict[str, tuple[Any, ...]] = {
     "assembly_envs": (1,),
+    "combinations": ("actions.toml",),
     "dataset": ("data",),
     "imperfections": (Imperfections(offset=0.01),),
     "limit_load": (1.0,),
     "move_supports": ({0: (0.0, 0.0, -1.0)},),
     "shape": (list,),
     "settle": ({0: (0.0, 0.0, -0.01)},),
+    "study": ({"friction": (0.6,)},),
     "thrust_bounds": (0,),
 }
 """What a function is given by position behind a model."""
