@@ -27,8 +27,6 @@ _BALANCED = 1e-6
 """Largest residual of forces that count, dimensionless."""
 _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
-_BEYOND = 1e-3
-"""Share of the factor beyond it at which the mechanism is checked."""
 
 
 class PlacedTrain(NamedTuple):
