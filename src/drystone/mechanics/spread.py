@@ -35,13 +35,13 @@ def turned_faces(contacts: Contacts, resultants: Resultants) -> Bools:
     resisted = bearable(contacts, resultants.normal) * np.trace(made.inertia, axis1=1, axis2=2)
     sliding = sliding_use(contacts, resultants)
 
-    def turning(faces: Bools, least: float) -> Bools:
-        used = utilisation_of(contacts, resultants, faces)
+    def turning(least: float) -> Bools:
+        may = np.abs(resultants.torque) * far > np.maximum(least - sliding, TWISTED) * resisted
+        used = utilisation_of(contacts, resultants, may)
         return (used > least) & (used > sliding + TWISTED)
 
-    may = np.abs(resultants.torque) * far > (MUCH - sliding) * resisted
-    found = turning(may, MUCH)
-    return turning(np.ones_like(may), 0.0) if found.any() else found
+    found = turning(MUCH)
+    return turning(0.0) if found.any() else found
 
 
 def spread(contacts: Contacts, faces: Bools) -> Contacts:
