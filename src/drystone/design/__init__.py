@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drystone.design.allowance import joint_allowance as joint_allowance
     from drystone.design.bench import Tried as Tried
     from drystone.design.block_surgery import Cut as Cut
     from drystone.design.block_surgery import cut_block as cut_block
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from drystone.design.free_moves import free_vertices as free_vertices
     from drystone.design.free_moves import joint_moves as joint_moves
     from drystone.design.free_moves import thickening as thickening
-    from drystone.design.joint_allowance import joint_allowance as joint_allowance
     from drystone.design.joint_motion import JointMotion as JointMotion
     from drystone.design.joint_motion import JointState as JointState
     from drystone.design.joint_surgery import hook_joint as hook_joint
@@ -77,7 +77,7 @@ _NAMES = {
     "recuts": "RecutOptions recut_joints",
     "diagnosed": "Diagnosis Region",
     "diagnosis": "DiagnosisOptions diagnose",
-    "joint_allowance": "joint_allowance",
+    "allowance": "joint_allowance",
     "joint_motion": "JointMotion JointState",
     "needs": "Need Needs Pull",
     "props": "PropForce",
