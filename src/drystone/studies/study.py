@@ -88,7 +88,7 @@ def study(
     ----------
     build
         Function from parameters to an assembly, a model or a file, such as a family of
-        :mod:`drystone.models`; or one model for all rows.
+        ``drystone.models``; or one model for all rows.
     parameters
         Values of each by name, computed in all their combinations; or rows, such as a
         ``Table``. What :func:`drystone.read` knows (``friction``, ``load``, ``seismic`` and
