@@ -46,6 +46,7 @@ from drystone.models import arch, tower, wall
 
 GIVEN = {
     "check": "tower.json",
+    "combine": "tower.json cases.toml",
     "convert": "tower.json",
     "cut": "tower.json --block block-1 --blocks 2",
     "demo": "",
@@ -103,7 +104,8 @@ TIMES = {"checks", "made"}
 """What an answer says of its work, not of the model, beside times."""
 LIST = {("mend", "pages")}
 """Files of the list of mends, which is not there where one is made."""
-JOURNALS = {"checkpoint", "store"}
+JOURNALS = {"checkpoint", "store", "dataset out", "study out"}
+"""Options, or commands and options, of files that grow."""
 SERVERS = {"live", "mcp"}
 SLOW = {"png", "client"}
 """Files that are left out when commands are killed: drawing takes longer than the work."""
@@ -138,7 +140,7 @@ class Case:
     @property
     def is_journal(self) -> bool:
         """Whether its file grows, record by record."""
-        return self.option in JOURNALS
+        return not JOURNALS.isdisjoint((self.option, f"{self.command} {self.option}"))
 
 
 def commands(group: click.Group = app, before: tuple[str, ...] = ()) -> dict[str, Command]:
@@ -201,6 +203,8 @@ def models_in(folder: Path) -> None:
     made = {"pair": tower(2), "tower": tower(3), "wall": wall(4, 6), "arch": arch(voussoirs=8)}
     for name, assembly in made.items():
         drystone.write(drystone.Model.of(assembly), folder / f"{name}.json")
+    cases = '[case.weight]\nkind = "permanent"\nload = "gravity"\n'
+    (folder / "cases.toml").write_text(cases, encoding="utf-8")
 
 
 def left_by(case: Case, code: int, told: str, before: dict[str, bytes], disk: Path) -> str:
@@ -219,8 +223,8 @@ def left_by(case: Case, code: int, told: str, before: dict[str, bytes], disk: Pa
     ):
         return f"does not name the file, or the disk: {told}"
     if case.is_journal:
-        kept = after.pop(case.name, b"")
-        if kept and not kept.endswith(b"\n"):
+        kept = [one for one in after.values() if one not in (b"", b"folder")]
+        if not all(one.endswith(b"\n") for one in kept):
             return "left half a record"
     elif after != before:
         return f"left {sorted(name for name in after if after[name] != before.get(name))}"
@@ -432,7 +436,7 @@ def kill_cases(only: str = "") -> list[Case]:
             target = "disk" if option == "folder" else f"disk/{option}{suffixes[0]}"
             flag = [] if isinstance(param, click.Argument) else [max(param.opts, key=len)]
             words += [*flag, target]
-            journal = option if option in JOURNALS else journal
+            journal = option if Case(name, option, (), "").is_journal else journal
         found.append(
             Case(name, journal, (*words, *([] if name in SERVERS else ["--json"])), journal)
         )
