@@ -119,7 +119,7 @@ class _Paper:
 
     def part(self, part: Part) -> list[Any]:
         """What is printed of a part."""
-        from reportlab.platypus import Image, KeepTogether, Spacer
+        from reportlab.platypus import Image, Spacer
 
         match part:
             case str():
@@ -131,7 +131,8 @@ class _Paper:
             case Picture():
                 width = _WIDTH - 2.0 * _MARGIN
                 image = Image(io.BytesIO(part.png), width, width * part.size[1] / part.size[0])
-                return [KeepTogether([image, self.text(part.caption)])]
+                image.keepWithNext = 1
+                return [image, self.text(part.caption)]
             case Mapping():
                 return [self.entries(part), Spacer(1, 6)]
         return [self.plans(part), Spacer(1, 6)]

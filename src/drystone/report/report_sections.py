@@ -19,6 +19,7 @@ from drystone.report.document import Document, Heading, Part, Picture, Section
 from drystone.report.hand_checks import balance, crown_thrust, weights
 from drystone.report.title_block import TitleBlock
 from drystone.results import Result
+from drystone.sequence import StagedModel
 from drystone.view.joint_page import joint_plan
 
 _PLANS = 8
@@ -42,7 +43,8 @@ _METHOD = (
 def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     """The report on answers about one model; the first one has the verdict."""
     first = answers[0]
-    model, asked = first.model, first.asked
+    model = first.model.model if isinstance(first.model, StagedModel) else first.model
+    asked = first.asked
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
     sections = (
         Section("Summary", tuple(_summary(answers))),

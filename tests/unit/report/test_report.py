@@ -3,6 +3,7 @@
 import html
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +14,13 @@ from drystone.answer import Answer
 from drystone.cli import main
 from drystone.models import arch, tower, vault
 from drystone.report import TitleBlock, assess, write_report
-from drystone.report.document import Document, Picture
+from drystone.report.document import Document, Picture, Section
 from drystone.report.hand_checks import balance, crown_thrust, weights
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
 from drystone.report.sketches import dimensions_picture
+from drystone.sequence import plan
 
 
 @pytest.fixture(scope="module")
@@ -137,3 +139,34 @@ def test_other_suffixes_are_refused(bridge: Path, capsys: pytest.CaptureFixture[
     assert "does not end in .pdf or .html" in capsys.readouterr().err
     with pytest.raises(drystone.FormatError, match="PDF or HTML"):
         report.write_report(drystone.check(tower(2)), bridge.with_suffix(".doc"))
+
+
+def test_a_heading_stays_with_the_picture_below_it(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    platypus = pytest.importorskip("reportlab.platypus")
+    picture = next(
+        one for section in document.sections for one in section.parts if isinstance(one, Picture)
+    )
+    drawn: list[tuple[str, int]] = []
+    for kind in (platypus.Image, platypus.Paragraph):
+
+        def draw(self: Any, before: Any = kind.draw) -> None:
+            shown = isinstance(self, platypus.Image)
+            text = "a picture" if shown else " ".join(self.getPlainText().split())
+            drawn.append((text, self.canv.getPageNumber()))
+            before(self)
+
+        monkeypatch.setattr(kind, "draw", draw)
+    for lines in range(38, 44):
+        filled = Section("Before", ("line",) * lines)
+        entries = {"Author": "N. N."}
+        pdf_of(Document("A wall", entries, "foot", (filled, Section("Signs", (picture,)))))
+    pages = [[page for text, page in drawn if text == one] for one in ("2 Signs", "a picture")]
+    assert pages[0] == pages[1]
+    assert len(pages[0]) == 6
+
+
+def test_a_plan_can_be_reported(tmp_path: Path) -> None:
+    write_report(plan(Model.of(tower(2), friction=0.6)), tmp_path / "plan.html")
+    assert "Loads" in (tmp_path / "plan.html").read_text(encoding="utf-8")
