@@ -184,6 +184,29 @@ class JointCapacity(OneLine):
         )
         return made if strength is None else replace(made, compression=strength * area)
 
+    def stress_on(self, area: Floats) -> dict[str, float]:
+        """What is one stress [Pa] on all faces of areas (m,) [m2]; edges carry none of it.
+
+        Of what pulls or slides only where it is not one force as well.
+
+        Examples
+        --------
+        >>> area = np.array([2.0, 1.0, 0.0])
+        >>> JointCapacity(np.zeros(3), np.zeros(3), compression=1e6 * area).stress_on(area)
+        {'compression': 1000000.0}
+        """
+        found = {}
+        for name in DRY:
+            force = getattr(self, name)
+            if (force >= NO_LIMIT).any():
+                continue
+            each = np.divide(force, area, out=np.zeros(len(area)), where=area > 0.0)
+            most = float(each.max(initial=0.0))
+            even = most > 0.0 and np.allclose(force, most * area, rtol=1e-9, atol=0.0)
+            if even and (name == "compression" or np.ptp(force) > 1e-9 * force.max()):
+                found[name] = most
+        return found
+
     @classmethod
     def dry(cls, count: int) -> JointCapacity:
         """Of so many dry joints."""

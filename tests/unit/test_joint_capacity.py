@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, JointCapacity, Model, plan
+from drystone import Assembly, InputError, JointCapacity, Model, plan
 from drystone.cli.application import main
 from drystone.joint_capacity import NO_LIMIT
-from drystone.models import arch, h_model, tower
+from drystone.models import arch, box, h_model, tower
 
 MODEL = Model.of(tower(4), friction=0.6)
 
@@ -214,3 +214,18 @@ def test_glue_that_is_strong_enough_holds_for_every_contact_stiffness(strength):
         options=drystone.CheckOptions.robust(),
     )
     assert found.samples.standing == found.samples.tried == 5
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ({"strength": "0.1MPa"}, "compression 0.1 MPa"),
+        ({"joint_capacity": "tension=3kN,ductile"}, "tension 3000 N, cohesion 1800 N (ductile)"),
+        ({"joint_capacity": "cohesion=0.2MPa"}, "cohesion 0.2 MPa (brittle)"),
+    ],
+)
+def test_what_is_asked_tells_a_stress_where_it_is_one(how, told):
+    sizes = enumerate((1.0, 0.5) if "tension" in str(how) else (1.0, 0.5, 0.25))
+    blocks = [box((1.0, y, 1.0), (0.0, 0.0, z), f"{z}") for z, y in sizes]
+    found = drystone.check(Assembly(tuple(blocks)).with_fixed(["0"]), friction=0.6, **how)
+    assert found.asked.facts()["Joint capacity"] == told

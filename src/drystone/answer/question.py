@@ -58,6 +58,8 @@ class Question(OneLine):
         :class:`drystone.loads.applied.AppliedLoads`.
     joint_capacity
         Least and largest tension, cohesion, shear and compression of the joints [N].
+    joint_stress
+        Those of them that are one stress on all faces [Pa].
     mortar
         ``brittle`` or ``ductile`` where joints pull or cohere.
     notes
@@ -85,6 +87,7 @@ class Question(OneLine):
     acceleration: tuple[float, ...] = ()
     loads: tuple[Mapping[str, Any], ...] = ()
     joint_capacity: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    joint_stress: Mapping[str, float] = field(default_factory=dict)
     mortar: str = ""
     notes: tuple[str, ...] = ()
     options: Mapping[str, str] = field(default_factory=dict)
@@ -131,9 +134,10 @@ class Question(OneLine):
         density = np.array([block.density for block in assembly.blocks])
         bounds = assembly.bounds
         common, others = ((), ()) if load is None else _loads(assembly, load)
-        capacity = {}
+        capacity, stress = {}, {}
         if contacts.capacity is not None:
             capacity = {name: _ends(getattr(contacts.capacity, name)) for name in DRY}
+            stress = contacts.capacity.stress_on(contacts.area)
         return cls(
             blocks=len(assembly),
             interfaces=contacts.count,
@@ -151,6 +155,7 @@ class Question(OneLine):
                 for name, ends in capacity.items()
                 if ends not in (None, (DRY[name],) * 2)
             },
+            joint_stress=stress,
             mortar="" if contacts.capacity is None else contacts.capacity.law,
             version=version(),
             commit=commit(),
@@ -170,7 +175,10 @@ class Question(OneLine):
             "Density": _range(self.density, " kg/m³"),
             "Friction": _range(self.friction, ""),
             "Joint capacity": ", ".join(
-                f"{name} {_range(ends, ' N')}" for name, ends in self.joint_capacity.items()
+                f"{name} {self.joint_stress[name] / 1e6:.4g} MPa"
+                if name in self.joint_stress
+                else f"{name} {_range(ends, ' N')}"
+                for name, ends in self.joint_capacity.items()
             )
             + (f" ({self.mortar})" if self.mortar else ""),
             "Load": self.load,

@@ -7,10 +7,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from drystone.answer import Answer, Role
+from drystone.answer import Answer, Question, Role
 from drystone.base.table import Table
-from drystone.base.units import quantity
-from drystone.joint_capacity import DRY, NO_LIMIT
 from drystone.joints import worst_joints
 from drystone.loads.applied import applied_loads
 from drystone.model import Model
@@ -128,16 +126,9 @@ def _materials(model: Model) -> Iterator[Part]:
         "area": [float(row[3].sum()) for row in rows],
     }
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
-    capacity = joints.capacity
-    if capacity is not None:
-        each = {name: getattr(capacity, name) for name in DRY}
-        told = [
-            f"{name} {quantity(float(x.min()), 'N')} to {quantity(float(x.max()), 'N')}"
-            for name, x in each.items()
-            if x.max() < NO_LIMIT and x.any()
-        ]
-        law = f" Mortar is {capacity.law}." if capacity.law else ""
-        yield f"Capacity of a joint: {'; '.join(told)}.{law}"
+    carried = Question.of(model).facts().get("Joint capacity")
+    if carried:
+        yield f"Joints carry {carried}."
 
 
 def _loads(model: Model) -> Iterator[Part]:
