@@ -154,6 +154,7 @@ def plan(
                kind=kinds.OptionKind("MU,MU,...", _numbers), expert=True),
     ] = None,
     workers: options.Workers = 1,
+    time_limit: options.TimeLimit = None,
     checkpoint: Annotated[
         Path | None,
         Option("File with which an interrupted search continues.", kind=kinds.target(),
@@ -165,7 +166,8 @@ def plan(
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
-    or the complete model does not stand. 2: bad input.
+    or the complete model does not stand. 2: bad input. 130: stopped by Ctrl-C, with the blocks that
+    are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
     chosen = _with_rules(chosen, order, before, reach, robot)
@@ -176,29 +178,32 @@ def plan(
 
     waiting.stage("plan", "planning")
     check = sequence.check_thoroughly if thorough else None
+    limit = float("inf") if time_limit is None else time_limit
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(
             model, options=chosen, check=check, executor=executor_of(workers), checkpoint=saved,
-            progress=waiting, stop=lambda: waiting.interrupted,
+            progress=waiting, stop=lambda: waiting.interrupted, time_limit_s=limit,
         )  # fmt: skip
 
-    found = plan_at(model, checkpoint)
-    measured = swept = None
+    measured = swept = made = None
     with waiting.stoppable() as stop:
+        found = plan_at(model, checkpoint)
         if margins and found.steps:
             waiting.stage("margins", "margins")
             measured = sequence.margins(found, progress=waiting, stop=stop)
         if sweep:
             waiting.stage("sweep", "sweep over friction")
             swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
-    made = None
-    if chosen.scaffold is not None and found.steps:
-        made = sequence.scaffolding(found, chosen.scaffold, options=chosen.scaffold_options)
+        if chosen.scaffold is not None and found.steps:
+            made = sequence.scaffolding(
+                found, chosen.scaffold, options=chosen.scaffold_options, stop=stop
+            )
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
+    kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=model.notes, files=partial(wanted.all_of, found, made, measured, robot),
+        notes=[*model.notes, *kept], files=partial(wanted.all_of, found, made, measured, robot),
     )  # fmt: skip
 
 

@@ -78,6 +78,7 @@ class OrderSearch(StageTree):
         self.closed: dict[tuple[int, int, frozenset[int], bool], Cost] = {}
         self.pushed = 0
         self.rounds = 0
+        self.reached: Node | None = None  # the stage that stands with the fewest blocks so far
 
     def likely(self) -> Sequence[Node]:
         """The next nodes of the queue."""
@@ -215,7 +216,9 @@ class OrderSearch(StageTree):
         return stands, self.removals(node) if stands else self.cures(node, answer)
 
     def report(self, node: Node) -> None:
-        """Report the progress of the best stage."""
+        """Keep the best stage, and report its progress."""
+        if self.reached is None or node.placed.bit_count() < self.reached.placed.bit_count():
+            self.reached = node
         if self.progress is not None:
             total = (self.model.everything & ~self.bound.core).bit_count()
             left = (node.placed & ~self.bound.core).bit_count()

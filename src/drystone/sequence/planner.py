@@ -166,14 +166,13 @@ def plan(
         try:
             return planner.run(complete)
         except Stopped:
-            message = f"{clock.reason} before an order was found"
-            return _no_plan(evaluator, complete, message, clock.reason)
+            return planner.stopped(complete)
 
 
-def _no_plan(evaluator: Evaluator, complete: StageAnswer, message: str, stopped: str = "") -> Plan:
+def _no_plan(evaluator: Evaluator, complete: StageAnswer, message: str) -> Plan:
     """A plan without steps."""
     return Plan(
-        evaluator.model, (), {}, complete=complete, message=message, stopped=stopped,
+        evaluator.model, (), {}, complete=complete, message=message,
         solved=evaluator.solved, solve_s=evaluator.solve_s,
     )  # fmt: skip
 
@@ -196,6 +195,7 @@ class _Planner:
         self.bound = bound
         self.options = options
         self.progress = progress
+        self.last_search: OrderSearch | None = None
         self.scaffold: ScaffoldedStages | None = None
         if options.scaffold is not None:
             kind, bearing = options.scaffold, options.scaffold_options
@@ -244,9 +244,25 @@ class _Planner:
 
     def new_search(self, bound: BoundRules) -> OrderSearch:
         """A search that knows what is known of stages."""
-        return OrderSearch(
+        self.last_search = OrderSearch(
             self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
             scaffold=self.scaffold,
+        )  # fmt: skip
+        return self.last_search
+
+    def stopped(self, complete: StageAnswer) -> Plan:
+        """What is known when the search is stopped: which blocks are placed last."""
+        reached = None if self.last_search is None else self.last_search.reached
+        total = (self.model.everything & ~self.bound.core).bit_count()
+        last = 0 if reached is None else (self.model.everything & ~reached.placed).bit_count()
+        before = "an order was found" if last < total else "help was spared in the order found"
+        message = f"{self.clock.reason} before {before}"
+        if reached is not None and last:
+            message += f"; the last {last} of {counted(total, 'block')} are known"
+            message += f", {reached.cost[0]} propped" if reached.cost[0] else ""
+        return replace(
+            _no_plan(self.evaluator, complete, message),
+            stopped=self.clock.reason, reached=reached, rules=self.bound.rules,
         )  # fmt: skip
 
     def imposed_order(self, complete: StageAnswer, order: Trimmed) -> list[str]:

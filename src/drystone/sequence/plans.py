@@ -17,7 +17,8 @@ from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage
 from drystone.sequence.plan_steps import PlannedSteps, Status, Step
 from drystone.sequence.rules import Rules
-from drystone.sequence.stages import StageAnswer
+from drystone.sequence.stage_tree import Node
+from drystone.sequence.stages import StageAnswer, members
 
 _REASONS = 3
 """PlannedSteps whose need of help is explained in sentences; the numbers have all."""
@@ -43,6 +44,9 @@ class Plan(PlannedSteps, Answer):
         Number of checks of connected parts; ``solve_s`` is their total time.
     stopped
         Why the search stopped before an order was found; else empty.
+    reached
+        Where it stopped: the stage with the fewest blocks that it knew to stand. ``ends_with`` is
+        the way from there.
     rules
         Of the search.
     """
@@ -53,6 +57,7 @@ class Plan(PlannedSteps, Answer):
     solved: int = 0
     solve_s: float = 0.0
     stopped: str = ""
+    reached: Node | None = None
     rules: Rules = field(default_factory=Rules)
 
     def _summary(self) -> str:
@@ -85,6 +90,24 @@ class Plan(PlannedSteps, Answer):
     def stable(self) -> bool:
         """Whether every stage stands, with the props of the plan."""
         return self.verdict is Verdict.STABLE
+
+    @property
+    def ends_with(self) -> list[dict[str, list[str]]]:
+        """The last steps, where the search was stopped before it knew the first ones.
+
+        Of each step its ``blocks``, and those ``propped`` when it begins. The stages stand; less
+        help was not looked for.
+        """
+        if self.reached is None:
+            return []
+        names = self.model.assembly.names
+        return [
+            {
+                "blocks": [names[b] for b in node.group[::-1]],
+                "propped": [names[b] for b in members(node.props)],
+            }
+            for node in self.reached.path()[:0:-1]
+        ]
 
     @cached_property
     def asked(self) -> Question:
@@ -129,8 +152,12 @@ class Plan(PlannedSteps, Answer):
         return [*said, *lost]
 
     def tables(self) -> Sequence[Table]:
-        """The blocks in the order of assembly."""
-        return [self.table()] if self.steps else []
+        """The blocks in the order of assembly, or those that are known to be placed last."""
+        if self.steps or not self.ends_with:
+            return [self.table()] if self.steps else []
+        last = self.ends_with
+        columns = {key: [" ".join(one[key]) for one in last] for key in ("blocks", "propped")}
+        return [Table("placed last", columns)]
 
     def numbers(self) -> Mapping[str, Any]:
         """Plain values: counts, order, steps, blocks, props."""
@@ -169,6 +196,7 @@ class Plan(PlannedSteps, Answer):
                 for prop in self.props
             ],
             "stopped": self.stopped,
+            "ends_with": self.ends_with,
             "rules": differing(self.rules),
             "checks": self.solved,
             "solve_s": self.solve_s,

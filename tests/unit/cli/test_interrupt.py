@@ -185,24 +185,29 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     model, kept, page = (tmp_path / name for name in ("stack.json", "kept", "plan.html"))
     io.write(tower(5), model)
     code = (
+        "from drystone.cli.waiting import UNDER_WAY\n"
         "from drystone.sequence import solving\n"
         "asked, once = [], solving.PartSolver.solve\n"
         "@functools.wraps(once)\n"
         "def slow(*model, **more):\n"
         "    asked.append(1)\n"
         "    if len(asked) == 3:\n"
-        "        tell('third'); wait()\n"
+        "        tell('third'); wait(lambda: UNDER_WAY.get().interrupted)\n"
         "    return once(*model, **more)\n"
         "solving.PartSolver.solve = slow"
     )
     arguments = ["plan", str(model), "--checkpoint", str(kept)]
-    exit_code, out, err = interrupt(child(code, *arguments, "--html", str(page)), "third")
-    assert (exit_code, out) == (130, "")
-    assert err == (
-        f"drystone: interrupted; '{kept}' keeps what was found, the same command goes on from "
-        "there; nothing else was written\n"
-    )
-    assert len(kept.read_text().splitlines()) == 1 + 2
+    run = child(code, *arguments, "--json", "--html", str(page))
+    exit_code, out, _ = interrupt(run, "third")
+    told = json.loads(out)
+    assert (exit_code, told["stopped"]) == (130, "it was interrupted")
+    assert told["ends_with"][-1] == {"blocks": ["block-4"], "propped": []}
+    assert told["notes"] == [
+        f"'{kept}' keeps what was found, the same command goes on from there; nothing else was "
+        "written",
+        f"not written: {page}",
+    ]
+    assert len(kept.read_text().splitlines()) == 1 + 3
     assert not page.exists()
     assert main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"]["free"] == 4

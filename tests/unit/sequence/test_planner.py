@@ -24,6 +24,7 @@ from drystone.sequence import (
     PlanOptions,
     Rules,
     Status,
+    Structure,
     check_both,
     margins,
     plan,
@@ -347,6 +348,26 @@ def test_a_plan_that_is_stopped_keeps_the_verdict_of_the_complete_structure():
     assert found.verdict.value == "undecided"
     late = plan(Model.of(tower(4)), time_limit_s=0.0)
     assert (late.complete.stands, late.stopped) == (True, "the time was up")
+
+
+@pytest.mark.parametrize("order", [Order.TOP, Order.COURSE])
+def test_a_plan_with_scaffolding_that_is_stopped_keeps_the_blocks_placed_last(order):
+    model, done = Model.of(arch(0.3, 9), friction=0.4), []
+    found = plan(
+        model, options=PlanOptions(rules=Rules(hands=1, order=order), scaffold="strut"),
+        progress=lambda _stage, blocks, _all: done.append(blocks), stop=lambda: bool(done),
+    )  # fmt: skip
+    assert (found.steps, found.stopped) == ((), "it was interrupted")
+    *_, key = found.ends_with
+    propped = [name for name in key["propped"] if name not in key["blocks"]]
+    left = [name for step in found.ends_with for name in step["blocks"]]
+    assert key["blocks"] == ["voussoir-04"]
+    assert 0 < len(left) < 9
+    assert f"the last {len(left)} of 9 blocks are known" in found.message
+    others = [name for name in model.assembly.names if name != "voussoir-04"]
+    assert Structure(model).stands(others, held=propped).verdict is Verdict.STABLE
+    assert found.to_dict()["ends_with"] == found.ends_with
+    assert [len(table) for table in found.tables()] == [len(found.ends_with)]
 
 
 def test_a_plan_that_is_stopped_while_less_help_is_searched_for_is_kept():
