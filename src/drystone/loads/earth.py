@@ -95,12 +95,7 @@ class Earth(Options):
             "water": length,
             "wall_friction": pressure_ratio,
         }
-        example = "side=-x,weight=18kN/m3,k=0.33"
-        found = read_words(text, known, example)
-        for name in ("side", "weight", "k"):
-            if name not in found:
-                raise InputError(f"earth has no {name}", remedy=f"write {example}")
-        return cls(**found)
+        return cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its pressure on the free blocks."""

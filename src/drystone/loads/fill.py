@@ -98,12 +98,7 @@ class Fill(Options):
             "spread": spread,
             "grade": grade,
         }
-        example = "cover=0.3m,weight=20kN/m3"
-        found = read_words(text, known, example)
-        for name in ("cover", "weight"):
-            if name not in found:
-                raise InputError(f"fill has no {name}", remedy=f"write {example}")
-        return cls(**found)
+        return cls(**read_words(text, "fill", known, "cover=0.3m,weight=20kN/m3"))
 
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""

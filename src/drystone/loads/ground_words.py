@@ -14,13 +14,23 @@ Reader = Callable[[str], Any]
 _MASSES = {name: STANDARD_GRAVITY * kg for name, kg in units.MASSES.items()}
 
 
-def read_words(text: str, known: Mapping[str, Reader], example: str) -> dict[str, Any]:
+def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) -> dict[str, Any]:
     """The values of ``name=value,name=value``.
+
+    Parameters
+    ----------
+    text
+    what
+        Is described.
+    known
+        Names, and what reads the value of each.
+    example
+        Its names must be given.
 
     Raises
     ------
     InputError
-        A name is unknown or given twice, or its value cannot be read.
+        A name is unknown, given twice or missing, or its value cannot be read.
     """
     found: dict[str, Any] = {}
     for part in text.split(","):
@@ -32,6 +42,10 @@ def read_words(text: str, known: Mapping[str, Reader], example: str) -> dict[str
             found[name] = known[name](value)
         except InputError as error:
             raise error.located(error.where or name) from error
+    for part in example.split(","):
+        name = part.partition("=")[0]
+        if name not in found:
+            raise InputError(f"{what} has no {name}", remedy=f"write {example}")
     return found
 
 

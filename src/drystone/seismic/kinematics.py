@@ -114,6 +114,12 @@ class Turning(OneLine):
         end = int(after[0])
         return float(brentq(self.multiplier, steps[end - 1], steps[end], xtol=1e-12))
 
+    def curve(self) -> tuple[Floats, Floats]:
+        """Mean displacements [m] and multipliers, both (s,), until it overturns."""
+        angles = np.linspace(0.0, np.nan_to_num(self.overturned()), 21)
+        moved = np.array([self.moved(one) for one in angles])
+        return moved, np.array([self.multiplier(one) for one in angles])
+
     def oscillator(self) -> Oscillator:
         """The mechanism as one oscillator."""
         end = self.overturned()

@@ -15,6 +15,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, seen, state_of
+from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints
 from drystone.base.declared import Offered
@@ -306,25 +307,24 @@ def local_mechanism(
         raise InputError("is vertical", where="direction", remedy="give x, y or another level one")
     along /= np.linalg.norm(along)
     clock = Clock(time_limit_s, stop)
+    ties = [ties] if isinstance(ties, str) else ties
     asked = _Asked(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
         part=part if isinstance(part, str) else ", ".join(part),
-        line="" if line is None else ", ".join(f"{x:g}" for x in line),
-        ties=", ".join([ties] if isinstance(ties, str) else ties),
+        line=", ".join(f"{x:g}" for x in (() if line is None else line)),
+        ties=", ".join(ties),
         shaken=shaken,
         site="" if site is None else repr(site),
     )
     if part:
         turning, motion = _turning(model, along, part, line, ties, shaken)
         found = turning.oscillator()
-        angles = np.linspace(0.0, np.nan_to_num(turning.overturned()), 21)
-        moved = np.array([turning.moved(one) for one in angles])
-        load = np.array([turning.multiplier(one) for one in angles])
+        moved, load = turning.curve()
         told = "a rigid part that turns about a line"
         return LocalMechanism(model, motion, found, moved, load, told, site, asked)
-    for name, one in (("line", line is not None), ("ties", bool(ties))):
-        if one:
-            raise InputError("is for a part", where=name, remedy="name its blocks: --part")
+    if line is not None or ties:
+        where = "ties" if line is None else "line"
+        raise InputError("is for a part", where=where, remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
     return replace(_found(model, along, shaken, site, late), options=asked)
 
@@ -392,31 +392,15 @@ def _turning(
     chosen = chosen[~assembly.fixed[chosen]]
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")
-    level = np.cross(_UP, along)
-    if line is None:
-        corners = np.vstack([assembly.blocks[i].vertices for i in chosen])
-        low = corners[corners[:, 2] <= corners[:, 2].min() + 1e-9 * assembly.size.max()]
-        origin, axis = low[np.argmax(low @ along)], level
-    else:
-        ends = np.reshape(np.asarray(line, dtype=np.float64), (-1,))
-        if len(ends) != 6:
-            raise InputError(f"has {len(ends)} numbers", where="line", remedy="give X,Y,Z,X,Y,Z")
-        origin, axis = ends[:3], ends[3:] - ends[:3]
-        size = float(np.linalg.norm(axis))
-        if abs(float(axis @ level)) <= 1e-6 * size:
-            what = "is vertical or along the direction: nothing overturns"
-            raise InputError(what, where="line", remedy="give a level line across the direction")
-        axis = axis / size * np.sign(axis @ level)
+    origin, axis = _lowest_edge(assembly, chosen, along) if line is None else _line(line, along)
     applied = applied_loads(assembly, model.load)
     mine = np.isin(applied.block, chosen)
-    each = [ties] if isinstance(ties, str) else ties
-    hold = [_tie(text, model, along, chosen) for text in each]
-    place = [assembly.centroid[chosen], applied.point[mine], *[at[None] for at, _ in hold]]
-    force = [
-        assembly.mass[chosen, None] * applied.acceleration,
-        applied.force[mine],
-        *[pull[None] for _, pull in hold],
-    ]
+    place = [assembly.centroid[chosen], applied.point[mine]]
+    force = [assembly.mass[chosen, None] * applied.acceleration, applied.force[mine]]
+    for text in ties:
+        at, pull = _tie(text, model, along, chosen)
+        place.append(at[None])
+        force.append(pull[None])
     couple = applied.moment[mine].sum(axis=0)
     _, mass_place, weight, _ = _shaken(model, along, chosen, shaken)
     turning = Turning(
@@ -426,6 +410,27 @@ def _turning(
     motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
     motion[chosen, 3:] = axis
     return turning, motion
+
+
+def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:
+    """A point of the lowest edge of a part on the side to which it falls, and its direction."""
+    corners = np.vstack([assembly.blocks[i].vertices for i in part])
+    low = corners[corners[:, 2] <= corners[:, 2].min() + 1e-9 * assembly.size.max()]
+    return low[np.argmax(low @ along)], np.cross(_UP, along)
+
+
+def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
+    """A point of the line that was asked for, and its direction: the part falls along."""
+    ends = np.reshape(np.asarray(line, dtype=np.float64), (-1,))
+    if len(ends) != 6:
+        raise InputError(f"has {len(ends)} numbers", where="line", remedy="give X,Y,Z,X,Y,Z")
+    axis = ends[3:] - ends[:3]
+    size = float(np.linalg.norm(axis))
+    forward = float(axis @ np.cross(_UP, along))
+    if abs(forward) <= 1e-6 * size:
+        what = "is vertical or along the direction: nothing overturns"
+        raise InputError(what, where="line", remedy="give a level line across the direction")
+    return ends[:3], axis / size * np.sign(forward)
 
 
 def _tie(text: str, model: Model, along: Floats, part: Ints) -> tuple[Floats, Floats]:
