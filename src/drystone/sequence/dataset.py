@@ -115,10 +115,7 @@ class BuiltOrder(NamedTuple):
 
     def masks(self, model: Model) -> Bools:
         """The blocks in place (s, n) after each step, in a model of the structure."""
-        out = np.zeros((len(self.order), len(model)), dtype=bool)
-        for step, blocks in enumerate(self.order):
-            out[step:, list(blocks)] = True
-        return out | model.assembly.fixed
+        return _in_place(self.order, model)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,23 +166,25 @@ class Dataset(Answer):
 
     @cached_property
     def _table(self) -> Table:
-        columns: dict[str, list[Any]] = {"structure": [*self.names]}
-        for number, model in enumerate(self.structures):
-            mine = [one for one in self.orders if one.structure == number]
-            said = [verdict for one in mine for verdict in one.verdict]
-            margin = np.concatenate([one.margin for one in mine] or [np.zeros(0)])
-            stood = np.array([one is Verdict.STABLE for one in said], dtype=bool)
-            row = {
-                "blocks": len(model),
-                "orders": len(mine),
-                "subsets": len(said),
-                "distinct": len({stage for one in mine for stage in _stages(one)}),
-                **{verdict.value: said.count(verdict) for verdict in Verdict},
-                "margin": float(margin[stood].mean()) if stood.any() else float("nan"),
-            }
-            for key, value in row.items():
-                columns.setdefault(key, []).append(value)
+        rows = [self._row(number) for number in range(len(self.structures))]
+        columns = {key: [row[key] for row in rows] for key in rows[0]}
         return Table("structures", columns)
+
+    def _row(self, number: int) -> dict[str, Any]:
+        """What there is of a structure."""
+        mine = [one for one in self.orders if one.structure == number]
+        said = [verdict for one in mine for verdict in one.verdict]
+        margin = np.concatenate([np.zeros(0), *(one.margin for one in mine)])
+        stood = np.array([one is Verdict.STABLE for one in said], dtype=bool)
+        return {
+            "structure": self.names[number],
+            "blocks": len(self.structures[number]),
+            "orders": len(mine),
+            "subsets": len(said),
+            "distinct": len({stage for one in mine for stage in _stages(one)}),
+            **{verdict.value: said.count(verdict) for verdict in Verdict},
+            "margin": float(margin[stood].mean()) if stood.any() else float("nan"),
+        }
 
     def tables(self) -> Sequence[Table]:
         """A row for each structure; the margin is the mean of what stands."""
@@ -285,27 +284,14 @@ def dataset(
         The folder has other data, is damaged before its end, or cannot be written.
     """
     chosen = DatasetOptions.of(options)
-    if isinstance(models, str | bytes) or not isinstance(models, Iterable):
-        raise InputError("the structures are no list", remedy="give a list, such as [model]")
-    given = [supported_model(one, **how) for one in models]
-    if not given:
-        raise InputError("there is no structure", remedy="give one or more models")
-    names = [Path(one.origin.file).stem or "structure" for one in given]
-    names = [f"{number:04}-{name}" for number, name in enumerate(names)]
+    given = _models(models, how)
+    names = [_name(number, one) for number, one in enumerate(given)]
     tasks = [task for number, model in enumerate(given) for task in _tasks(number, model, chosen)]
     total = sum(len(task.orders) for task in tasks)
     clock, folder = Clock(time_limit_s, stop), as_path(out)
     shards = _Shards(folder, _about(given, chosen, total))
-    for part in ("structures", "orders"):
-        (folder / part).mkdir(parents=True, exist_ok=True)
-    for name, model in zip(names, given, strict=True):
-        if not (place := folder / "structures" / f"{name}.json").exists():
-            write(model, place)
-    done, left = len(shards.found), []
-    for task in tasks:
-        if done < len(task.orders):
-            left.append((done, task))
-        done = max(0, done - len(task.orders))
+    _write_structures(folder, dict(zip(names, given, strict=True)))
+    left = _left(tasks, len(shards.found))
     with WorkerPool(executor) as pool:
         answers = pool.answers(_answered, [task for _, task in left], clock.late)
         for (known, _), records in zip(left, answers, strict=False):
@@ -392,6 +378,40 @@ def _about(models: Sequence[Model], options: DatasetOptions, orders: int) -> dic
     return {**made, "structures": digest.hexdigest(), "options": kept, "orders": orders}
 
 
+def _models(models: Iterable[Given], how: How) -> list[Model]:
+    """The structures as models."""
+    if isinstance(models, str | bytes) or not isinstance(models, Iterable):
+        raise InputError("the structures are no list", remedy="give a list, such as [model]")
+    given = [supported_model(one, **how) for one in models]
+    if not given:
+        raise InputError("there is no structure", remedy="give one or more models")
+    return given
+
+
+def _name(number: int, model: Model) -> str:
+    return f"{number:04}-{Path(model.origin.file).stem or 'structure'}"
+
+
+def _write_structures(folder: Path, models: Mapping[str, Model]) -> None:
+    """Make the folders, and write the structures that are not there."""
+    for part in ("structures", "orders"):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+    for name, model in models.items():
+        place = folder / "structures" / f"{name}.json"
+        if not place.exists():
+            write(model, place)
+
+
+def _left(tasks: Sequence[_Task], done: int) -> list[tuple[int, _Task]]:
+    """Tasks that are not answered whole, each after so many of its orders that are known."""
+    left = []
+    for task in tasks:
+        if done < len(task.orders):
+            left.append((done, task))
+        done = max(0, done - len(task.orders))
+    return left
+
+
 def _tasks(number: int, model: Model, options: DatasetOptions) -> Iterator[_Task]:
     """The orders of a structure, a few at a time."""
     staged, orders, rows = StagedModel(model), list[Stages](), 0
@@ -428,24 +448,18 @@ def _answered(task: _Task) -> list[dict[str, Any]]:
     options = task.options
     structure = Structure(task.model, robust=options.robust, each_s=options.each_s)
     records = []
-    for stages in task.orders:
+    for drawn in task.orders:
         planned = _planned(task.model) if task.planned else None
-        stages = stages if planned is None else planned
-        placed = np.zeros(len(task.model), dtype=bool)
-        masks = []
-        for blocks, _ in stages:
-            placed[blocks] = True
-            masks.append(placed.copy())
-        answers = [
-            structure.stands(mask, held=held)
-            for mask, (_, held) in zip(masks[::-1], stages[::-1], strict=True)
-        ][::-1]
+        order, helds = zip(*(drawn if planned is None else planned), strict=True)
+        masks = _in_place(order, task.model)
+        largest_first = zip(masks[::-1], helds[::-1], strict=True)
+        answers = [structure.stands(mask, held=held) for mask, held in largest_first][::-1]
         records.append(
             {
                 "structure": task.number,
                 "planned": planned is not None,
-                "order": [blocks for blocks, _ in stages],
-                "held": [held for _, held in stages],
+                "order": list(order),
+                "held": list(helds),
                 "verdict": [one.verdict.value for one in answers],
                 "margin": [
                     None if one.verdict is Verdict.UNDECIDED else round(one.margin, 6)
@@ -463,6 +477,14 @@ def _planned(model: Model) -> Stages | None:
     if not found.steps:
         return None
     return [([*map(int, step.blocks)], [*map(int, step.props)]) for step in found.steps]
+
+
+def _in_place(order: Sequence[Sequence[int]], model: Model) -> Bools:
+    """The blocks in place (s, n) after each step of an order, and the supports."""
+    out = np.zeros((len(order), len(model)), dtype=bool)
+    for step, blocks in enumerate(order):
+        out[step:, list(blocks)] = True
+    return out | model.assembly.fixed
 
 
 def _read(record: Any) -> BuiltOrder:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
-from itertools import product
+from itertools import chain, compress, product
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +56,11 @@ class Action(OneLine):
 
     def _summary(self) -> str:
         return f"'{self.name}', {self.kind}"
+
+    @property
+    def signs(self) -> tuple[float, ...]:
+        """Directions in which it acts."""
+        return (1.0, -1.0) if self.reversible else (1.0,)
 
 
 @dataclass(frozen=True)
@@ -163,19 +168,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     top.only(("standard", "situations", "situation", "material", "case"))
     standard = _standard(top)
     actions = [_action(name, one, model, standard) for name, one in top["case"].items()]
-    material = {name: _gamma(one) for name, one in top.get("material", {}).items()}
-    top.get("material", {}).only(("friction", "strength"))
-    own = top.has("situation")
-    given = top["situation"] if own else standard["situation"]
-    known = {one.name: one for one in (_situation(each, material) for each in given.elements())}
-    chosen = list(known.values())
-    if top.has("situations"):
-        names = [(one, one.text()) for one in top["situations"].elements()]
-        for one, name in names:
-            if name not in known:
-                raise one.error(f"there is no situation '{name}'", meant(name, known))
-        chosen = [known[name] for _, name in names]
-    made = [one for each in chosen for one in _combined(each, actions)]
+    made = [one for each in _situations(top, standard) for one in _combined(each, actions)]
     if not made:
         raise top.error("gives no combination", "add cases, or situations that they belong to")
     if len(made) > _MOST:
@@ -215,6 +208,24 @@ def _gamma(one: Field) -> float:
     if one.number() < 1.0:
         raise one.error(f"is {one.number():g}", "resistance is divided by 1 or more")
     return one.number()
+
+
+def _situations(top: Field, standard: Field) -> list[Situation]:
+    """The situations of a file, or of a standard, that are asked for."""
+    divided = top.get("material", {})
+    divided.only(("friction", "strength"))
+    material = {name: _gamma(one) for name, one in divided.items()}
+    given = (top if top.has("situation") else standard)["situation"]
+    every = [_situation(one, material) for one in given.elements()]
+    known = {one.name: one for one in every}
+    if not top.has("situations"):
+        return list(known.values())
+    chosen = []
+    for one in top["situations"].elements():
+        if one.text() not in known:
+            raise one.error(f"there is no situation '{one.text()}'", meant(one.text(), known))
+        chosen.append(known[one.text()])
+    return chosen
 
 
 def _situation(one: Field, material: Mapping[str, float]) -> Situation:
@@ -266,12 +277,7 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     factors = _factors(one["factors"]) if one.has("factors") else None
     psi = (1.0, 1.0, 1.0)
     if kind.text() == "variable":
-        if one.has("psi") == one.has("category"):
-            both = "has psi and a category" if one.has("psi") else "has neither psi nor a category"
-            raise one.error(
-                both, f"give one; categories are {', '.join(standard['category'].value)}"
-            )
-        known = one if one.has("psi") else _category(one["category"], standard)
+        known = _with_psi(one, standard)
         psi = _psi(known["psi"])
         if known is not one and factors is None and known.has("factor"):
             factors = (known["factor"].number(), 0.0)
@@ -281,11 +287,19 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     return Action(name, kind.text(), load, psi, factors, group, reversible)
 
 
-def _category(one: Field, standard: Field) -> Field:
+def _with_psi(one: Field, standard: Field) -> Field:
+    """What has the combination factors of a variable action: itself, or its category."""
     known = standard["category"]
-    if one.text() not in known.value:
-        raise one.error(f"there is no category '{one.text()}'", meant(one.text(), known.value))
-    return known[one.text()]
+    if one.has("psi") == one.has("category"):
+        both = "has psi and a category" if one.has("psi") else "has neither psi nor a category"
+        raise one.error(both, f"give one; categories are {', '.join(known.value)}")
+    if one.has("psi"):
+        return one
+    category = one["category"]
+    if category.text() not in known.value:
+        what = f"there is no category '{category.text()}'"
+        raise category.error(what, meant(category.text(), known.value))
+    return known[category.text()]
 
 
 def _psi(one: Field) -> tuple[float, float, float]:
@@ -302,23 +316,24 @@ def _load(name: str, one: Field, model: Model) -> LoadCase:
     """The load of a case, at its characteristic value."""
     given = one.get("load", name)
     each = list(given.elements()) if isinstance(given.value, list) else [given]
-    parts = []
-    for word in each:
-        text = word.text()
-        if text == "gravity":
-            parts.append(_weight(one, model))
-        elif text == "model":
-            parts.append(model.load)
-        else:
-            try:
-                parts.append(chosen_case(text, model.assembly, model.cases))
-            except InputError as error:
-                raise word.error(error.what, error.remedy) from error
+    parts = [_acting(word, one, model) for word in each]
     if one.has("blocks") and "gravity" not in [word.text() for word in each]:
         raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
     if not parts:
         raise given.error("is empty", "name a load")
     return LoadCase.combine([(1.0, part) for part in parts], name)
+
+
+def _acting(word: Field, one: Field, model: Model) -> LoadCase:
+    """What one word of the load of a case means."""
+    if word.text() == "gravity":
+        return _weight(one, model)
+    if word.text() == "model":
+        return model.load
+    try:
+        return chosen_case(word.text(), model.assembly, model.cases)
+    except InputError as error:
+        raise word.error(error.what, error.remedy) from error
 
 
 def _weight(one: Field, model: Model) -> LoadCase:
@@ -337,23 +352,11 @@ def _weight(one: Field, model: Model) -> LoadCase:
 
 def _combined(by: Situation, actions: Sequence[Action]) -> Iterator[Combination]:
     """All combinations of a situation; those that are equal are given once."""
-    kinds = {kind: [one for one in actions if one.kind == kind] for kind in _KINDS}
-    events: list[dict[str, float]] = [{}]
-    if by.event:
-        events = [
-            {one.name: sign}
-            for one in kinds[by.event]
-            for sign in ((1.0, -1.0) if one.reversible else (1.0,))
-        ]
-    lasting = [
-        [{one.name: factor} for factor in dict.fromkeys(one.factors or by.permanent)]
-        for one in kinds["permanent"]
-    ]
     load = {one.name: one.load for one in actions}
     known: set[tuple[tuple[str, float], ...]] = set()
-    for *weights, moving, event in product(*lasting, _variable(by, kinds["variable"]), events):
-        every = {**{k: v for one in weights for k, v in one.items()}, **moving, **event}
-        factors = {name: factor for name, factor in every.items() if factor != 0.0}
+    for acting in product(*_lasting(by, actions), _variable(by, actions), _events(by, actions)):
+        every = chain.from_iterable(one.items() for one in acting)
+        factors = {name: factor for name, factor in every if factor != 0.0}
         key = tuple((name, round(factor, 9)) for name, factor in factors.items())
         if factors and key not in known:
             known.add(key)
@@ -361,32 +364,42 @@ def _combined(by: Situation, actions: Sequence[Action]) -> Iterator[Combination]
             yield Combination(by, factors, LoadCase.combine(parts))
 
 
-def _variable(by: Situation, actions: Sequence[Action]) -> list[dict[str, float]]:
+def _lasting(by: Situation, actions: Sequence[Action]) -> list[list[dict[str, float]]]:
+    """Factors of each permanent action."""
+    return [
+        [{one.name: factor} for factor in dict.fromkeys(one.factors or by.permanent)]
+        for one in actions
+        if one.kind == "permanent"
+    ]
+
+
+def _events(by: Situation, actions: Sequence[Action]) -> list[dict[str, float]]:
+    """Factors of each event of the situation, which acts alone; none where it has no events."""
+    if not by.event:
+        return [{}]
+    return [{one.name: sign} for one in actions if one.kind == by.event for sign in one.signs]
+
+
+def _variable(by: Situation, actions: Sequence[Action]) -> Iterator[dict[str, float]]:
     """Factors of the variable actions that act: none, and each set with each that leads it."""
-    found: list[dict[str, float]] = []
-    for present in product((False, True), repeat=len(actions)):
-        some = [one for one, there in zip(actions, present, strict=True) if there]
+    variable = [one for one in actions if one.kind == "variable"]
+    for present in product((False, True), repeat=len(variable)):
+        some = list(compress(variable, present))
         groups = [one.group for one in some if one.group]
         if len(set(groups)) < len(groups):
             continue
         leaders: list[Action | None] = [*some] or [None]
         for leader in leaders:
-            each = {one.name: _factor(one, by.leading if one is leader else by.others, by)
-                    for one in some}  # fmt: skip
-            turned = [(1.0, -1.0) if one.reversible else (1.0,) for one in some]
-            found += [
-                {
-                    name: sign * factor
-                    for (name, factor), sign in zip(each.items(), signs, strict=True)
+            for signs in product(*(one.signs for one in some)):
+                yield {
+                    one.name: sign * _factor(one, one is leader, by)
+                    for one, sign in zip(some, signs, strict=True)
                 }
-                for signs in product(*turned)
-            ]
-    return found
 
 
-def _factor(one: Action, pair: tuple[float, int], by: Situation) -> float:
+def _factor(one: Action, leads: bool, by: Situation) -> float:
     """The factor of a variable action: its own replaces that of the situation above 1."""
-    factor, number = pair
+    factor, number = by.leading if leads else by.others
     if one.factors is not None and by.leading[0] > 1.0:
         factor = one.factors[0]
     return factor * (1.0 if number < 0 else one.psi[number])
