@@ -190,6 +190,12 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     for name, values in ((across, x), (up, y)):
         if values.dtype.kind not in "iuf":
             raise InputError("has no numbers", where=name, remedy="choose another column")
+    unit = table.units.get(up, "")
+    return Chart(table.title, tuple(_curves(table, x, y, by)), across, up, ("", unit))
+
+
+def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
+    """Lines and their points, one line for each value of a parameter."""
     groups = [""] if not by else list(dict.fromkeys(table[by].tolist()))
     inks, marks = ("accent", "bad", "good", "unsure", "ink"), []
     shapes = (MarkKind.DISC, MarkKind.RING, MarkKind.DIAMOND, MarkKind.CROSS)
@@ -200,8 +206,7 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
         marks.append(Marks(MarkKind.LINE, x[order].astype(float), y[order], ink, label))
         shape = shapes[number % len(shapes)]
         marks.append(Marks(shape, x[order].astype(float), y[order], ink))
-    unit = table.units.get(up, "")
-    return Chart(table.title, tuple(marks), across, up, ("", unit))
+    return marks
 
 
 def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:
