@@ -178,6 +178,18 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     >>> study_chart(found).across
     'thickness_ratio'
     """
+    across, by = _parameters(table, across, by)
+    up = up or ("stands" if "stands" in table.columns else "margin")
+    x, y = (np.asarray(table[one]) for one in (across, up))
+    for name, values in ((across, x), (up, y)):
+        if values.dtype.kind not in "iuf":
+            raise InputError("has no numbers", where=name, remedy="choose another column")
+    unit = table.units.get(up, "")
+    return Chart(table.title, tuple(_curves(table, x, y, by)), across, up, ("", unit))
+
+
+def _parameters(table: Table, across: str, by: str) -> tuple[str, str]:
+    """The parameters of a chart: those that are named, else the first and, of two, the other."""
     names = list(table.columns)
     inputs = names[1 : names.index("verdict")]
     if not across and len(inputs) > 2:
@@ -185,13 +197,7 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
         raise InputError(f"there are {len(inputs)} parameters", where="across", remedy=remedy)
     across = across or next(one for one in inputs if one != by)
     by = by or next((one for one in inputs if one != across and len(inputs) == 2), "")
-    up = up or ("stands" if "stands" in names else "margin")
-    x, y = (np.asarray(table[one]) for one in (across, up))
-    for name, values in ((across, x), (up, y)):
-        if values.dtype.kind not in "iuf":
-            raise InputError("has no numbers", where=name, remedy="choose another column")
-    unit = table.units.get(up, "")
-    return Chart(table.title, tuple(_curves(table, x, y, by)), across, up, ("", unit))
+    return across, by
 
 
 def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
