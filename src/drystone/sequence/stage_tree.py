@@ -17,6 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.progress import Stopped
 from drystone.loads import STANDARD_GRAVITY
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
@@ -147,9 +148,17 @@ class StageTree:
         return found if fails is None else fails
 
     def failure(self, placed: int, props: int) -> StageAnswer | None:
-        """The answer of a stage that the scaffolding does not carry; else None."""
+        """The answer of a stage that the scaffolding does not carry; else None.
+
+        Raises
+        ------
+        Stopped
+            The time is over.
+        """
         if self.scaffold is None or not props:
             return None
+        if self.evaluator.late():
+            raise Stopped
         answer = self.scaffold.answer(placed, props)
         return None if answer.stands else answer
 
