@@ -78,6 +78,13 @@ def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
     assert total[4] == pytest.approx(6e3 * 64.0 / 6.0)
 
 
+def test_the_ratio_of_pressures_stands_in_the_name_of_a_load() -> None:
+    earth = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,wall_friction=20deg")
+    assert earth.on(tower(2)).name == "earth on side -x with K 0.333 and wall friction 0.364"
+    fill = Fill.named("cover=0.3m,weight=20kN/m3,k=rest:30deg")
+    assert fill.on(tower(2)).name == "fill to 0.3 m above the crown with K 0.5"
+
+
 def test_water_and_a_surcharge_add_to_earth() -> None:
     wall = tower(3)
     load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=1m,surcharge=10kPa").on(wall)
@@ -126,6 +133,10 @@ def test_a_wall_overturns_where_earth_turns_it_more_than_its_weight_holds() -> N
         ("earth:side=-x,weight=18kN/m3,k=0.3,top=-1m", "is below the wall"),
         ("earth:side=-x,weight=18kN/m3,k=resting:30deg", "no state of earth"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10", "not a number with a unit"),
+        ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
+        ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,wall_friction=active:30deg", "is not a number"),
+        ("fill:cover=0.1m,weight=20kN/m3,passive=passive:30", "'30' is no angle"),
     ],
 )
 def test_ground_that_cannot_be_is_told_in_one_line(words: str, told: str) -> None:

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base import units
 from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
@@ -93,7 +94,7 @@ class Earth(Options):
             "top": length,
             "surcharge": pressure,
             "water": length,
-            "wall_friction": pressure_ratio,
+            "wall_friction": units.coefficient,
         }
         return cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
 
@@ -123,4 +124,7 @@ class Earth(Options):
             skew = np.column_stack([slope, np.full(len(t), -1.0)])
             return force + _WATER * wet[:, None] * skew
 
-        return LoadCase(strips.wrenches(assembly, traction), f"earth on side {self.side}")
+        name = f"earth on side {self.side} with K {self.k:.3g}"
+        if self.wall_friction:
+            name += f" and wall friction {self.wall_friction:.3g}"
+        return LoadCase(strips.wrenches(assembly, traction), name)

@@ -103,7 +103,7 @@ class Fill(Options):
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""
         top = Tops.of(assembly, self)
-        name = f"fill to {self.cover:g} m above the crown"
+        name = f"fill to {self.cover:g} m above the crown with K {self.k:.3g}"
         said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
         return LoadCase(top.pressed(1.0, self.k), name, said)
 

@@ -119,8 +119,12 @@ def pressure_ratio(text: str) -> float:
     [0.333, 0.5, 3.0]
     """
     state, colon, angle = text.partition(":")
+    if not colon and text.endswith(units.ANGLES):
+        raise InputError(f"'{text}' is an angle", remedy=f"write active:{text}, or the ratio")
     if not colon:
         return units.coefficient(text)
+    if not angle.endswith(units.ANGLES):
+        raise InputError(f"'{angle}' is no angle", remedy=f"write {state}:30deg")
     sine = math.sin(math.atan(units.coefficient(angle)))
     known = {
         "active": (1.0 - sine) / (1.0 + sine),
