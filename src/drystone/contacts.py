@@ -253,6 +253,12 @@ class Contacts(OneLine):
         more = others.select(np.arange(self.count, others.count))
         return others.with_capacity(_joined_capacity(self, more))
 
+    def with_areas(self, area: Floats, **changed: Any) -> Contacts:
+        """The interfaces with other areas (m,) [m2], which bear the same stresses, and corners."""
+        kept = self.capacity
+        strong = None if kept is None else kept.on_faces(area, self.area)
+        return replace(self, area=area, capacity=strong, **changed)
+
     def with_capacity(self, capacity: JointCapacity | None) -> Contacts:
         """The same interfaces with other capacities; dry ones with ``None``."""
         return replace(self, capacity=capacity)

@@ -225,6 +225,22 @@ class JointCapacity(OneLine):
         """The same law with other values (m,) of each capacity."""
         return JointCapacity(**values, brittle=self.brittle)
 
+    def on_faces(self, area: Floats, before: Floats) -> JointCapacity:
+        """The same stresses on faces of other areas (m,) [m2] than before; edges keep their forces.
+
+        Examples
+        --------
+        >>> one = JointCapacity(np.zeros(1), np.zeros(1), compression=np.array([1e6]))
+        >>> half = one.on_faces(np.array([0.5]), np.array([1.0]))
+        >>> half.compression.tolist(), half.shear.tolist() == one.shear.tolist()
+        ([500000.0], True)
+        """
+        share = np.divide(area, before, out=np.ones(len(before)), where=before > 0.0)
+        given = {name: getattr(self, name) for name in DRY}
+        return self.with_values(
+            {name: np.where(one < NO_LIMIT, share * one, one) for name, one in given.items()}
+        )
+
     def cracked(self, interfaces: Bools) -> JointCapacity:
         """The same where some interfaces (m,) neither pull nor cohere any more."""
         pull, cohesion = (np.where(interfaces, 0.0, one) for one in (self.tension, self.cohesion))

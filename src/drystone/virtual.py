@@ -2,8 +2,9 @@
 
 Forces at the corners of a smaller polygon keep the centre of pressure inside it. Reduced joints
 describe other states of equilibrium: within the kern, at the extrados or the intrados, or with a
-margin all around. Where no such state exists, the penalised form of :func:`drystone.solve_rbe`
-shows the joints in which the thrust line leaves the polygon.
+margin all around. What a joint bears beyond friction shrinks with its area. Where no such state
+exists, the penalised form of :func:`drystone.solve_rbe` shows the joints in which the thrust line
+leaves the polygon.
 """
 
 from __future__ import annotations
@@ -226,7 +227,7 @@ def _replaced(contacts: Contacts, origin: Floats, loops: list[Floats]) -> Contac
     flat = np.concatenate(loops)
     start = Ragged.from_counts(count).start
     point = origin[interface] + np.einsum("ki,kij->kj", flat, contacts.frame[interface, 1:])
-    return replace(contacts, area=sections(flat, start).area, point=point, interface=interface)
+    return contacts.with_areas(sections(flat, start).area, point=point, interface=interface)
 
 
 __all__ = [

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from drystone import Contacts, InputError, Model, Verdict, solve_rbe
+from drystone import (
+    Contacts,
+    InputError,
+    JointCapacity,
+    Model,
+    Verdict,
+    limit_shrink,
+    solve_rbe,
+)
 from drystone.geometry.kern import kern_ratio, sections
 from drystone.models import arch, tower
 from drystone.virtual import (
@@ -30,6 +38,23 @@ def test_shrinking_scales_area_and_keeps_centroids() -> None:
     np.testing.assert_allclose(small.area, 0.25)
     np.testing.assert_allclose(section_centroids(small), section_centroids(TOWER))
     np.testing.assert_array_equal(small.frame, TOWER.frame)
+
+
+def test_what_a_joint_bears_shrinks_with_its_area() -> None:
+    strong = JointCapacity.of_stress(TOWER, tension=1e4, compression=1e6)
+    small = shrink(TOWER.with_capacity(strong), 0.5, [1]).capacity
+    assert small is not None
+    np.testing.assert_allclose(small.compression, [1e6, 0.25e6])
+    np.testing.assert_allclose(small.tension, [1e4, 0.25e4])
+    np.testing.assert_array_equal(small.shear, strong.shear)  # no limit stays none
+
+
+def test_joints_shrink_until_the_stone_crushes() -> None:
+    model = Model.of(tower(3), friction=0.6)
+    weight = 9.81 * float(model.assembly.mass[1:].sum())
+    strong = JointCapacity.of_stress(model.contacts, compression=4.0 * weight)  # faces of 1 m2
+    found = limit_shrink(model.with_capacity(strong))
+    assert found.falls < 0.5 <= found.stands < 0.502
 
 
 def test_only_chosen_interfaces_change_and_the_input_never() -> None:

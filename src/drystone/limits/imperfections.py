@@ -375,7 +375,8 @@ def imperfect(
         arm = point - contacts.centroid[interface]
         point = contacts.centroid[interface] + np.einsum("kij,kj->ki", turns[interface], arm)
     changed = replace(contacts, frame=frame, friction=friction, point=point, interface=interface)
-    return replace(changed, area=np.where(contacts.area > 0.0, _areas(changed), 0.0))
+    area = np.where(contacts.area > 0.0, _areas(changed), 0.0)
+    return replace(changed, area=contacts.area).with_areas(area)
 
 
 def _areas(contacts: Contacts) -> Floats:

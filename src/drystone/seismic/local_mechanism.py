@@ -259,8 +259,8 @@ def local_mechanism(
     """The local collapse mechanism of masonry in an earthquake, by the kinematic method.
 
     Of a part that turns about a line as one rigid body, or, where no part is named, of all blocks:
-    then the multiplier and the mechanism are those of the largest horizontal load at which forces
-    balance, and the capacity curve follows the blocks (:func:`drystone.settlement.push`).
+    then the multiplier and the mechanism are those of the largest horizontal load at which it
+    stands, and the capacity curve follows the blocks (:func:`drystone.settlement.push`).
 
     Parameters
     ----------
@@ -320,7 +320,10 @@ def local_mechanism(
         turning, motion = _turning(model, along, part, line, ties, shaken)
         found = turning.oscillator()
         moved, load = turning.curve()
-        told = "a rigid part that turns about a line"
+        told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
+        if model.contacts.crushes.any():
+            what = "is of rigid bodies that do not crush"
+            raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(model, motion, found, moved, load, told, site, asked)
     if line is not None or ties:
         where = "ties" if line is None else "line"
@@ -337,7 +340,7 @@ def _found(
     live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
     limit = limit_load(model, live, upper=100.0, **late)
     best = limit.best
-    if best.value is None or best.falling is None or best.falling.mechanism is None:
+    if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
     motion = best.falling.mechanism
     arms = place - assembly.centroid[block]
@@ -345,13 +348,17 @@ def _found(
     moving = np.abs(virtual) > _MOVES * np.abs(virtual).max(initial=0.0)
     share = float(weight.sum() / weight[moving].sum())
     reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
-    told = "the mechanism of the largest load at which forces balance"
-    if model.contacts.dry.all():
+    told = "the mechanism just beyond the largest load at which it stands"
+    if best is limit.equilibrium:
+        told = "the mechanism of the largest load at which forces balance"
+    if model.contacts.plain.all():
         pushed = push(model, live, **late)
         moved, load = share * pushed.displacement, pushed.load
         reach = float("nan") if pushed.capacity is None else share * pushed.capacity
         told += f"; followed: {pushed.message}"
-    found = Oscillator.of(best.value, weight[moving], virtual[moving], reach)
+    # between what stands and what falls nothing is known, but where the limit was computed
+    begins = best.stands if best.computed is None else best.computed
+    found = Oscillator.of(begins, weight[moving], virtual[moving], reach)
     return LocalMechanism(model, motion, found, moved, load, told, site)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import drystone
-from drystone import Assembly, DrystoneError, InputError, LoadCase, Model
+from drystone import Assembly, DrystoneError, InputError, JointCapacity, LoadCase, Model
 from drystone.cli import main
 from drystone.models import box
 from drystone.seismic import LocalMechanism, SeismicDemand, Spectrum, local_mechanism
@@ -204,3 +204,17 @@ def test_the_command_compares_a_wall_with_a_spectrum(
     told = ["kinematic", str(tmp_path / "wall.json"), "--part", "wall-*", "--site", str(path)]
     assert main(told) == 0
     assert "linear and non-linear verification fulfilled" in capsys.readouterr().out
+
+
+def test_a_mechanism_begins_no_later_than_the_stone_allows() -> None:
+    """A block b wide, h high: M = N b/2 (1 - N / (f b)) crushes its foot, M = alpha N h/2."""
+    blocks = (box((4, 4, 1), (-2, -2, -1), "base"), box((0.5, 1.0, 3.0), (0, 0, 0), "wall"))
+    dry = drystone.Model.of(drystone.Assembly(blocks).with_fixed(["base"]), friction=0.9)
+    weight = 9.81 * dry.assembly.mass[1]
+    strong = JointCapacity.of_stress(dry.contacts, compression=2.0 * weight / 0.5)
+    wall = dry.with_capacity(strong)
+    found = local_mechanism(wall, direction="x")
+    assert found.oscillator.multiplier == pytest.approx(0.5 / 3.0 * 0.5, rel=5e-3)
+    assert not len(found.displacement)
+    with pytest.raises(InputError, match="do not crush"):
+        local_mechanism(wall, direction="x", part="wall")
