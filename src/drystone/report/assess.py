@@ -14,7 +14,7 @@ from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import tilt_margin
 from drystone.stability import CheckOptions, check
-from drystone.studies import combinations
+from drystone.studies import combinations, read_combinations
 from drystone.studies.limit_words import limit_of_words
 
 SENSITIVITY = ("friction --scaled", "shrink")
@@ -60,6 +60,8 @@ def assess(
     """
     model = supported_model(given, **how)
     asked = [limit_of_words(words, model) for words in (SENSITIVITY if limits is None else limits)]
+    if cases is not None:
+        read_combinations(cases, model)  # refused before the work
     clock = Clock(time_limit_s, stop)
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
     result = check(model, options=options, **late)

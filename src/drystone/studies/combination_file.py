@@ -44,6 +44,8 @@ class Action(OneLine):
         Of the variable actions of a group one acts at a time.
     reversible
         Whether it acts in the opposite direction as well.
+    parts
+        Of its load, one for each of its words.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Action(OneLine):
     factors: tuple[float, float] | None = None
     group: str = ""
     reversible: bool = False
+    parts: tuple[LoadCase, ...] = ()
 
     def _summary(self) -> str:
         return f"'{self.name}', {self.kind}"
@@ -135,16 +138,18 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
         ``standard`` (``en1990``) or tables ``[[situation]]`` as in it, ``situations`` (names; all
         that apply when left out), ``[material]`` with ``friction`` and ``strength``: numbers by
         which they are divided, or a class of EN 1996 such as ``A2``. A table ``[case.NAME]`` for
-        each action: ``kind``; ``load``: ``gravity``, ``model`` (the whole load of the model), a
-        case of its file (that of the same name when left out), ``seismic:KX,KY``, ``BLOCK:WHAT``,
-        or a list of these; ``blocks``, to which gravity is restricted; ``psi`` or ``category`` of
-        variable actions; ``factors``: unfavourable and favourable; ``group``; ``reversible``.
+        each action: ``kind``; ``load``: ``gravity`` (9.81 along -z), ``model`` (the whole load of
+        the model, with ``gravity``, ``load`` and ``seismic`` of reading), a case of its file (that
+        of the same name when left out), ``seismic:KX,KY``, ``BLOCK:WHAT``, or a list of these;
+        ``blocks``, to which gravity is restricted; ``psi`` or ``category`` of variable actions;
+        ``factors``: unfavourable and favourable; ``group``; ``reversible``.
     model
 
     Raises
     ------
     InputError
-        Something is not known, contradicts another, or has no unit; its place is named.
+        Something is not known, contradicts another, or has no unit; its place is named. Or a free
+        block has no permanent load, or no case has the load of the model, which is not its weight.
 
     Examples
     --------
@@ -168,6 +173,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     top.only(("standard", "situations", "situation", "material", "case"))
     standard = _standard(top)
     actions = [_action(name, one, model, standard) for name, one in top["case"].items()]
+    _refuse_missing_load(top["case"], actions, model)
     made = [one for each in _situations(top, standard) for one in _combined(each, actions)]
     if not made:
         raise top.error("gives no combination", "add cases, or situations that they belong to")
@@ -177,6 +183,27 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
             "put cases that act together into one, or into groups; or name fewer situations",
         )
     return made
+
+
+def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) -> None:
+    """Refuse blocks without permanent load, and a load of the model that no case has."""
+    free = model.assembly.free
+    lasting = [np.abs(one.load.wrench) for one in actions if one.kind == "permanent"]
+    bare = free[~np.any([one[free].any(axis=1) for one in lasting], axis=0)] if lasting else free
+    if len(bare):
+        raise cases.error(
+            f"block '{model.assembly.names[bare[0]]}' has no permanent load, so no weight",
+            'add a case with kind = "permanent" and load = "gravity"',
+        )
+    given = model.load.wrench[free]
+    near = 1e-9 * float(np.abs(given).max(initial=0.0))
+    known = [LoadCase.gravity(model.assembly), *(part for one in actions for part in one.parts)]
+    if not any(np.abs(one.wrench[free] - given).max(initial=0.0) <= near for one in known):
+        raise cases.error(
+            f"no case has the load of the model, '{model.load.name}'",
+            'write load = "model" in a case, or leave out --gravity, --seismic, --load and --case '
+            "(for a load in the file: give --gravity 9.81)",
+        )
 
 
 def _standard(top: Field) -> Field:
@@ -273,7 +300,9 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
     kind = one["kind"]
     if kind.text() not in _KINDS:
         raise kind.error(f"is '{kind.text()}'", f"give {', '.join(_KINDS)}")
-    load = _load(name, one, model)
+    _refuse_of_others(one, kind.text())
+    parts = _parts(name, one, model)
+    load = LoadCase.combine([(1.0, part) for part in parts], name)
     factors = _factors(one["factors"]) if one.has("factors") else None
     psi = (1.0, 1.0, 1.0)
     if kind.text() == "variable":
@@ -281,10 +310,17 @@ def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
         psi = _psi(known["psi"])
         if known is not one and factors is None and known.has("factor"):
             factors = (known["factor"].number(), 0.0)
-    elif one.has("psi") or one.has("category"):
-        raise one.error("is not variable, so it has no combination factors", "leave them out")
     group, reversible = one.get("group", "").text(), one.get("reversible", False).boolean()
-    return Action(name, kind.text(), load, psi, factors, group, reversible)
+    return Action(name, kind.text(), load, psi, factors, group, reversible, tuple(parts))
+
+
+def _refuse_of_others(one: Field, kind: str) -> None:
+    """Refuse what only cases of other kinds have."""
+    without = [] if kind == "variable" else ["psi", "category", "group"]
+    without += {"permanent": ["reversible"], "variable": []}.get(kind, ["factors"])
+    for name in without:
+        if one.get(name, False).value is not False:
+            raise one[name].error(f"is of no {kind} case", "leave it out")
 
 
 def _with_psi(one: Field, standard: Field) -> Field:
@@ -312,8 +348,8 @@ def _psi(one: Field) -> tuple[float, float, float]:
     return float(values[0]), float(values[1]), float(values[2])
 
 
-def _load(name: str, one: Field, model: Model) -> LoadCase:
-    """The load of a case, at its characteristic value."""
+def _parts(name: str, one: Field, model: Model) -> list[LoadCase]:
+    """The loads of a case, at their characteristic values."""
     given = one.get("load", name)
     each = list(given.elements()) if isinstance(given.value, list) else [given]
     parts = [_acting(word, one, model) for word in each]
@@ -321,7 +357,7 @@ def _load(name: str, one: Field, model: Model) -> LoadCase:
         raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
     if not parts:
         raise given.error("is empty", "name a load")
-    return LoadCase.combine([(1.0, part) for part in parts], name)
+    return parts
 
 
 def _acting(word: Field, one: Field, model: Model) -> LoadCase:

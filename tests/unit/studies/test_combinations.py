@@ -108,6 +108,9 @@ def test_cases_are_those_of_the_file_of_the_model_too(tmp_path: Path) -> None:
         ('standard = "din"' + WEIGHT, "there is no standard 'din'"),
         ('situations = ["ULS"]' + WEIGHT, "there is no situation 'ULS'"),
         ('situations = ["seismic"]' + WEIGHT, "gives no combination"),
+        (WEIGHT + "reversible = true", "case.weight.reversible: is of no permanent case"),
+        (PUSH.format(1), "case: block 'block-1' has no permanent load, so no weight"),
+        (WEIGHT + 'blocks = "block-0"', "block 'block-1' has no permanent load"),
         ("situations = []", "'case' is missing"),
         ("[case", "is not TOML"),
     ],
@@ -118,6 +121,30 @@ def test_what_contradicts_or_is_not_known_is_refused_in_one_line(
     with pytest.raises(DrystoneError, match=message.replace("[", r"\[")) as refused:
         read_combinations(written(tmp_path, text), STACK)
     assert "\n" not in str(refused.value)
+
+
+def test_a_load_of_the_model_acts_where_a_case_says_so_and_is_refused_elsewhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It falls in a check; cases that say gravity have another load."""
+    drystone.write(tower(2), tmp_path / "stack.json")
+    weight = 'situations = ["characteristic"]' + WEIGHT
+    asked = ["combine", str(tmp_path / "stack.json"), str(written(tmp_path, weight))]
+    for loaded in (
+        ["--gravity", "12,0,-9.81"],
+        ["--gravity", "1.62"],
+        ["--seismic", "1.2,0"],
+        ["--load", "block-1:50000,0,0"],
+    ):
+        assert main([*asked, *loaded]) == 2
+        assert 'write load = "model" in a case' in capsys.readouterr().err
+    falls = [*asked, "--seismic", "1.2,0"]
+    page = tmp_path / "report.html"
+    assert main(["report", falls[1], "--cases", *falls[2:], "--out", str(page)]) == 2
+    assert not page.exists()
+    written(tmp_path, weight.replace("gravity", "model"))
+    assert main(falls) == 1
+    assert main(asked) == 0
 
 
 def test_the_command_tells_the_combination_that_governs(
