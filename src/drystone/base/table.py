@@ -232,7 +232,7 @@ def _shown(values: np.ndarray, unit: str) -> list[str]:
 
 def _one(value: float, unit: str, least: float) -> str:
     if not math.isfinite(value):
-        return "-" if math.isnan(value) else "unlimited"
+        return "-" if math.isnan(value) else "unlimited" if value > 0.0 else "none"
     if unit == "1":
         return f"{value + 0.0:.1%}"
     if unit in _PREFIXED:

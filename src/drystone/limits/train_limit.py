@@ -41,7 +41,8 @@ class TrainEnvelope(Answer):
     places : (p,) [m]
         Of the middle of the train, along x.
     factors : (p,)
-        By equilibrium: NaN where none was found, infinite where nothing ends it.
+        By equilibrium, with joints that are ductile: NaN where none was found, infinite where
+        nothing ends it, minus infinity where no factor is balanced.
     limit
         That of the full verdict at the worst place; ``None`` where fill resists, of which no
         verdict knows.
@@ -93,6 +94,19 @@ class TrainEnvelope(Answer):
         return int(np.flatnonzero(self.factors <= least + room)[0])
 
     @property
+    def falls_alone(self) -> bool:
+        """Whether no forces balance the bridge without the train."""
+        return bool((self.factors < 0.0).any())
+
+    @property
+    def carries(self) -> tuple[str, ...]:
+        """What each factor says: ``this factor``, ``any factor``, ``not found``, or ``none``."""
+        if self.falls_alone:
+            return ("none (falls without the train)",) * len(self.places)
+        told = {True: "any factor", False: "this factor"}
+        return tuple("not found" if np.isnan(x) else told[x == np.inf] for x in self.factors)
+
+    @property
     def model(self) -> Model:
         """The bridge with its fill, without the train."""
         return self._crossing.problem.model
@@ -106,8 +120,8 @@ class TrainEnvelope(Answer):
     @property
     def _near(self) -> Floats:
         """The factors (p,) up to four times the least; NaN for the others."""
-        if not len(self.places):
-            return self.factors
+        if not len(self.places) or self.falls_alone:
+            return np.full(len(self.places), np.nan)
         most = 4.0 * abs(float(self.factors[self.worst]))
         return np.where(np.isfinite(self.factors) & (self.factors <= most), self.factors, np.nan)
 
@@ -117,27 +131,65 @@ class TrainEnvelope(Answer):
         train = self.train.name
         if not len(self.places):
             return f"No place of '{train}' is known"
+        if self.falls_alone:
+            return f"Falls without '{train}'"
         at, factor = self.places[self.worst], float(self.factors[self.worst])
         if not factor > 0.0:
             return f"Forces balance no share of '{train}' at x = {at:.4g} m"
+        place = f"least{self._ductile} at x = {at:.4g} m"
         if self.limit is not None and self.limit.rest and self.limit.stands is not None:
             factor = self.limit.stands
-            return f"Stands under '{train}' up to load factor {factor:.4g}, least at x = {at:.4g} m"
+            return f"Stands under '{train}' up to load factor {factor:.4g}, {place}"
         told = "any load factor" if np.isinf(factor) else f"load factor {factor:.4g}"
-        return f"Forces balance '{train}' up to {told}, least at x = {at:.4g} m"
+        return f"Forces balance '{train}' up to {told}, {place}"
+
+    @property
+    def _ductile(self) -> str:
+        return " with ductile joints" if self.model.contacts.brittle else ""
+
+    @property
+    def _turned(self) -> bool:
+        """Whether the bridge seems to lie along y."""
+        bounds = self.model.assembly.bounds
+        x, y, _ = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
+        return bool(y > x)
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
         good = bool(len(self.places)) and self.factors[self.worst] > 0.0
         if good and self.limit is not None and self.limit.stands is None:
             good = False
-        said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
+        role = Role.BAD if not good else Role.UNSURE if self._turned else Role.GOOD
+        said = [Sentence(self.title, role)]
+        if self._turned:
+            said.append(
+                Sentence(
+                    "the model is longer along y than along x, and the train moves along x: "
+                    "turn the model if it spans along y",
+                    Role.REMARK,
+                )
+            )
+        said += [Sentence(self.train.words), Sentence(self.fill.words)]
+        if self.train.source:
+            said.append(Sentence(f"'{self.train.name}' is {self.train.source}", Role.REMARK))
         if not len(self.places):
             return [*said, Sentence(f"not finished: {self.stopped}", Role.REMARK)]
         known = counted(len(self.places), "place")
         checked = "forces there and a mechanism beyond are checked" if self.proven else "not proved"
+        if self.falls_alone:
+            alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
+            return [*said, Sentence(alone)]
         least = float(self.factors[self.worst])
-        said.append(Sentence(f"by equilibrium at {known}: {least:.4g} and more; {checked}"))
+        more = "any factor" if np.isinf(least) else f"{least:.4g} and more"
+        said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
+        if self._ductile:
+            said.append(
+                Sentence(
+                    "mortar is brittle, and places are compared with ductile joints: only the "
+                    "verdict knows brittle ones, and other places may carry less",
+                    Role.REMARK,
+                )
+            )
         fill = self.fill
         if fill.passive > fill.k:
             said.append(
@@ -148,7 +200,7 @@ class TrainEnvelope(Answer):
                 )
             )
         elif self.limit is not None:
-            said += self.limit.sentences()[1:]
+            said += self.limit.sentences()[self.limit.stands is not None :]
         if self.stopped:
             missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
             said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
@@ -160,8 +212,12 @@ class TrainEnvelope(Answer):
 
     def table(self) -> Table:
         """The factors by place."""
-        columns = {"place": self.places, "load_factor": self.factors}
-        return Table("load factor by place", columns, {"place": "m"})
+        columns = {
+            "place": self.places,
+            "load_factor": self.factors,
+            "carries": list(self.carries),
+        }
+        return Table(f"load factor by place{self._ductile}", columns, {"place": "m"})
 
     def numbers(self) -> Mapping[str, Any]:
         """Places, factors, the worst one, the train and the fill."""
@@ -172,6 +228,7 @@ class TrainEnvelope(Answer):
             "fill": fill,
             "places": self.places,
             "factors": self.factors,
+            "carries": self.carries,
             "worst": float(self.places[self.worst]) if len(self.places) else None,
             "proven": bool(len(self.places)) and self.proven,
             "limit": None if self.limit is None else self.limit.numbers(),
@@ -184,8 +241,8 @@ class TrainEnvelope(Answer):
         Those where much more is carried are left out: beside them the worst has no visible forces.
         """
         scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
-        if not len(self.places):
-            return scene
+        if not len(self.places) or self.falls_alone:
+            return replace(scene, title=self.title)
         stages = [] if self.limit is None else list(self.limit.layers().stages)
         still = max(len(stages) - 1, 0)
         order = [] if stages else [self.worst]
@@ -206,7 +263,7 @@ class TrainEnvelope(Answer):
 
     def figure(self) -> Chart:
         """The factor by the place of the train."""
-        factor, told = self._near, ""
+        factor, told = self._near, self.title if self.falls_alone else ""
         known = np.isfinite(factor)
         ends = np.flatnonzero(np.diff(known)) + 1  # pages draw no gaps in lines
         runs = [run for run in np.split(np.arange(len(known)), ends) if known[run].any()]
@@ -222,7 +279,7 @@ class TrainEnvelope(Answer):
             told = f"least at x = {spot[0][0]:.4g} m: {spot[1][0]:.4g}; shown up to four times that"
         name = self.train.name
         return Chart(
-            f"Largest load factor of '{name}' by its place", tuple(marks),
+            f"Largest load factor of '{name}' by its place{self._ductile}", tuple(marks),
             "middle of the train", "load factor", ("m", ""), told,
         )  # fmt: skip
 
@@ -286,9 +343,9 @@ def limit_train(
     low, high = tops.ends
     if carried.length > high - low:
         raise InputError(
-            f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m",
+            f"'{carried.name}' is {carried.length:g} m long, the bridge {high - low:.3g} m along x",
             where="train",
-            remedy="take a shorter one, or the axles of it that fit",
+            remedy="take a shorter one, or the axles of it that fit; turn what lies along y",
         )
     if fill is not None:
         model = model.with_load(model.load + tops.fill.on(model.assembly))
@@ -312,7 +369,7 @@ def limit_train(
     if clock.late() or not found or tops.fill.passive > tops.fill.k:
         return envelope
     worst, factor = found[envelope.worst], float(factors[envelope.worst])
-    if not np.isfinite(factor):
+    if envelope.falls_alone or not np.isfinite(factor):
         return envelope
     limit = limit_load(
         model,

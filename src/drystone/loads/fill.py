@@ -12,6 +12,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.base.units import quantity
 from drystone.loads.case import LoadCase
 from drystone.loads.ground_words import (
     Reader,
@@ -80,6 +81,27 @@ class Fill(Options):
         if of_type(self.law, str, "law") not in ("even", "boussinesq"):
             raise InputError(f"law is '{self.law}'", remedy="use one of even, boussinesq")
 
+    @property
+    def _level(self) -> str:
+        return f"{self.cover:g} m above the crown"
+
+    @property
+    def words(self) -> str:
+        """What weighs, and how an axle spreads.
+
+        Examples
+        --------
+        >>> Fill(cover=0.3, weight=2e4, k=0.3).words
+        'fill of 20 kN/m3 to 0.3 m above the crown with K 0.3; a load spreads 0.5 by depth, evenly'
+        """
+        fill = f"fill of {quantity(self.weight, 'N')}/m3" if self.weight else "no weight of fill"
+        law = "evenly" if self.law == "even" else "as in an elastic half space"
+        rise = f", road rising by {self.grade:g}" if self.grade else ""
+        return (
+            f"{fill} to {self._level}{rise} with K {self.k:.3g}; "
+            f"a load spreads {self.spread:.3g} by depth, {law}"
+        )
+
     @classmethod
     def named(cls, text: str) -> Self:
         """From ``cover=0.3m,weight=20kN/m3``, and the other attributes.
@@ -103,7 +125,7 @@ class Fill(Options):
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""
         top = Tops.of(assembly, self)
-        name = f"fill to {self.cover:g} m above the crown with K {self.k:.3g}"
+        name = f"fill to {self._level} with K {self.k:.3g}"
         said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
         return LoadCase(top.pressed(1.0, self.k), name, said)
 

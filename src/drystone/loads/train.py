@@ -14,6 +14,7 @@ from drystone.base.arrays import Floats, frozen_floats, of_type
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import read_bytes
 from drystone.base.settings import Options
+from drystone.base.units import quantity
 from drystone.loads.fill import Tops
 from drystone.loads.ground_words import force, length
 
@@ -74,6 +75,20 @@ class Train(Options):
     def length(self) -> float:
         """[m], from the first axle to the last one."""
         return self.places[-1]
+
+    @property
+    def words(self) -> str:
+        """Its axles, and on what they act.
+
+        Examples
+        --------
+        >>> Train.named("lm1").words
+        'axles of 300 kN at 0 m, 300 kN at 1.2 m, each on 0.4 m along x and 2.4 m along y'
+        """
+        each = zip(self.loads, self.places, strict=True)
+        axles = ", ".join(f"{quantity(load, 'N')} at {place:g} m" for load, place in each)
+        wide = f"{self.across:g} m" if self.across else "the whole width"
+        return f"axles of {axles}, each on {self.contact:g} m along x and {wide} along y"
 
     @property
     def turned(self) -> Train:

@@ -138,7 +138,7 @@ def _loads(model: Model) -> Iterator[Part]:
     if len(applied.block):
         yield applied.table(model.assembly.names)
     else:
-        yield "No other load acts on a free block."
+        yield "The model has no other load on a free block; a limit names those that it adds."
     yield sketches.loads_picture(model)
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, check
+from drystone import InputError, JointCapacity, Model, check
+from drystone.answer import Role
 from drystone.cli import main
 from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
@@ -80,6 +81,48 @@ def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Mod
     assert np.isfinite(drawn).all()
     assert 0.0 < drawn.max() <= 4.0 * found.factors.min()
     assert sum(len(one.x) for one in marks[:-1]) < 9
+
+
+def test_a_bridge_that_falls_alone_carries_no_train_anywhere() -> None:
+    model = Model.of(segmental_bridge(voussoirs=8), friction=0.05)
+    found = limit_train(model, train=Train.named("lm1"), steps=3)
+    assert found.title == "Falls without 'lm1'"
+    assert found.limit is None
+    assert set(found.numbers()["carries"]) == {"none (falls without the train)"}
+    assert not any("inf" in one.text for one in found.sentences())
+    assert found.layers().title == found.figure().caption == found.title
+    assert "unlimited" not in str(found.table())
+
+
+def test_what_is_carried_whatever_the_factor_is_told_apart_from_none(bridge: Model) -> None:
+    turned = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    along_y = Model.of(bridge.assembly.transformed(turned), friction=0.6)
+    found = limit_train(along_y, steps=1)
+    assert found.carries == ("any factor",)
+    assert found.sentences()[0].role is Role.UNSURE
+    assert "longer along y than along x" in found.sentences()[1].text
+
+
+def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: Model) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge, train=Train.named("lm71"), fill=FILL, steps=1, options=quick)
+    told = "; ".join(one.text for one in found.sentences())
+    assert "250 kN at 1.6 m" in told
+    assert "fill of 20 kN/m3 to 0.3 m above the crown with K 0" in told
+    assert "a load spreads 0.5 by depth" in told
+    assert "without its 80 kN/m, and without a dynamic factor" in told
+    assert "along y than" not in told
+
+
+def test_places_compared_with_ductile_joints_are_told_where_mortar_is_brittle(
+    bridge: Model,
+) -> None:
+    mortar = JointCapacity.of_stress(bridge.contacts, tension=1e5)
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge.with_capacity(mortar), fill=FILL, steps=1, options=quick)
+    for said in (found.title, found.table().title, found.figure().title):
+        assert "with ductile joints" in said
+    assert any("other places may carry less" in one.text for one in found.sentences())
 
 
 def test_workers_find_the_same(bridge: Model) -> None:
