@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias, Unpack
@@ -12,7 +13,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Ints, of_type
 from drystone.base.declared import refuse_unknown
 from drystone.base.display import differing, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
@@ -25,6 +26,7 @@ from drystone.io.draft import Contents
 from drystone.io.load_options import Loads
 from drystone.io.registry import FileOptions, Unit, files_at, read_file
 from drystone.io.several import Paths, digest_of, is_paths, place_of
+from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
 from drystone.model import Model, Origin, up_of_load
@@ -529,6 +531,29 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
         total, notes = loads.on(model.assembly, model.cases, base=model.load)
         model = replace(model, load=total, notes=(*model.notes, *notes))
     return _with_capacity(model, how)
+
+
+def content_of(given: object) -> str:
+    """A hash of files, or of blocks, contacts and load; empty for others and for missing files."""
+    if is_paths(given):
+        try:
+            return digest_of(files_at(given))
+        except (OSError, DrystoneError):  # it is refused where it is read
+            return ""
+    if not isinstance(given, Model | Assembly):
+        return ""
+    assembly = given.assembly if isinstance(given, Model) else given
+    arrays = [assembly.fixed, assembly.mass, *(block.vertices for block in assembly.blocks)]
+    if isinstance(given, Model):
+        known, capacity = given.contacts, given.contacts.capacity
+        arrays += [given.load.wrench, known.block_a, known.block_b, known.frame, known.friction,
+                   known.point, known.interface]  # fmt: skip
+        if capacity is not None:
+            arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]
+    content = hashlib.sha256(repr((assembly.names, [one.faces for one in assembly])).encode())
+    for array in arrays:
+        content.update(np.ascontiguousarray(array).tobytes())
+    return content.hexdigest()
 
 
 def supported_model(given: Given, **how: Unpack[How]) -> Model:

@@ -290,7 +290,7 @@ def dataset(
     total = sum(len(task.orders) for task in tasks)
     clock, folder = Clock(time_limit_s, stop), as_path(out)
     shards = _Shards(folder, _about(given, chosen, total))
-    _write_structures(folder, dict(zip(names, given, strict=True)))
+    _write_structures(folder, dict(zip(names, given, strict=True)), anew=not shards.found)
     left = _left(tasks, len(shards.found))
     with WorkerPool(executor) as pool:
         answers = pool.answers(_answered, [task for _, task in left], clock.late)
@@ -392,13 +392,13 @@ def _name(number: int, model: Model) -> str:
     return f"{number:04}-{Path(model.origin.file).stem or 'structure'}"
 
 
-def _write_structures(folder: Path, models: Mapping[str, Model]) -> None:
-    """Make the folders, and write the structures that are not there."""
+def _write_structures(folder: Path, models: Mapping[str, Model], *, anew: bool) -> None:
+    """Make the folders, and write the structures, those that are there ``anew`` only."""
     for part in ("structures", "orders"):
         (folder / part).mkdir(parents=True, exist_ok=True)
     for name, model in models.items():
         place = folder / "structures" / f"{name}.json"
-        if not place.exists():
+        if anew or not place.exists():
             write(model, place)
 
 

@@ -19,7 +19,7 @@ from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import nearest_mechanism
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, How, content_of, supported_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
@@ -33,8 +33,8 @@ COLUMNS = (
     "time_s",
 )  # fmt: skip
 Row: TypeAlias = list[Any]
-Task: TypeAlias = tuple[int, str, tuple[Any, ...]]
-"""Number, name, and the model with its options."""
+Task: TypeAlias = tuple[int, str, str, tuple[Any, ...]]
+"""Number, name, a hash of the content for the file, and the model with its options."""
 
 
 @checked_call
@@ -107,7 +107,8 @@ def check_many(
                 journal.add([row])
             if progress is not None:
                 progress("checking models", len(rows), max(total, len(rows)))
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}
+    told = [[*row[:2], *row[3:]] for row in rows]
+    columns = {name: [row[i] for row in told] for i, name in enumerate(COLUMNS)}
     return Table("verdicts", columns, {"time_s": "s"})
 
 
@@ -121,7 +122,7 @@ def _about(options: CheckOptions, each_s: float, how: Mapping[str, Any]) -> dict
 def _row(record: Any) -> Row:
     """The row of a record."""
     *plain, time_s = record
-    if [type(one) for one in plain] != [int, str, str, int, int, str, str]:
+    if [type(one) for one in plain] != [int, str, str, str, int, int, str, str]:
         raise TypeError("it has other types")
     return [*plain, float(time_s)]
 
@@ -129,9 +130,10 @@ def _row(record: Any) -> Row:
 def _tasks(
     models: Iterable[Given], earlier: Sequence[Row], rest: tuple[Any, ...], out: PathLike | None
 ) -> Iterator[Task]:
-    """Each model ready to travel; those answered earlier are only compared by name."""
+    """Each model ready to travel; those answered earlier are only compared."""
     for number, given in enumerate(models):
         name = _line(os.fspath(given)) if isinstance(given, str | os.PathLike) else ""
+        content = "" if out is None else content_of(given)
         if number < len(earlier):
             if earlier[number][1] != name:
                 raise InputError(
@@ -139,9 +141,15 @@ def _tasks(
                     where=str(out),
                     remedy="give the same models in the same order, or another file",
                 )
-            yield number, name, ()
+            if earlier[number][2] != content:
+                raise InputError(
+                    f"model {number} '{name}' has another content than it had",
+                    where=str(out),
+                    remedy="give another file, or remove this one to start anew",
+                )
+            yield number, name, content, ()
         else:
-            yield number, name, (given, *rest)
+            yield number, name, content, (given, *rest)
 
 
 @one_blas_thread()
@@ -150,7 +158,7 @@ def _answered(task: Task) -> Row:
 
     Of small models with dry joints the mechanism is looked for first: of many models many fall.
     """
-    number, name, (given, options, each_s, how) = task
+    *known, (given, options, each_s, how) = task
     found: Result | DrystoneError
     try:
         problem = Problem.build(supported_model(given, **how))
@@ -160,11 +168,11 @@ def _answered(task: Task) -> Row:
         found = decided(asked)
     except DrystoneError as error:
         found = error
-    return [number, name, *_told(found)]
+    return [*known, *_told(found)]
 
 
 def _told(found: Result | DrystoneError) -> Row:
-    """An answer as the columns after number and name."""
+    """An answer as the columns after number, name and content."""
     if isinstance(found, DrystoneError):
         return ["refused", 0, 0, "", _line(str(found)), 0.0]
     tried = found.samples.standing, found.samples.tried
@@ -174,7 +182,7 @@ def _told(found: Result | DrystoneError) -> Row:
 
 def _failed(task: Task) -> Row:
     """The row of a model that ended its worker twice."""
-    return [*task[:2], "failed", 0, 0, "", "its worker was ended twice", 0.0]
+    return [*task[:3], "failed", 0, 0, "", "its worker was ended twice", 0.0]
 
 
 def _line(text: str | bytes) -> str:

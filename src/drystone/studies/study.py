@@ -21,7 +21,7 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool
-from drystone.io.opening import Given, How, supported_model
+from drystone.io.opening import Given, How, content_of, supported_model
 from drystone.limits import Limit
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
@@ -96,7 +96,8 @@ def study(
     limit
         As behind ``drystone limit``, such as ``tilt --axis y``; when left out, models are checked.
     out
-        A file that keeps each row as soon as it is known. Rows that it has are not computed again.
+        A file that keeps each row as soon as it is known. Rows that it has are not computed again;
+        the content of files and models must be the same, that of functions is not compared.
     options
         Of every check.
     each_s : [s]
@@ -132,6 +133,7 @@ def study(
         "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
         "options": repr(chosen), "parameters": sorted(rows[0]),
         "build": getattr(build, "__qualname__", None) or shortened(repr(build), 120),
+        "content": content_of(build),
         **{name: repr(value) for name, value in sorted(how.items())},
     }  # fmt: skip
     journal = None if out is None else Journal(out, about, _listed)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import FormatError, InputError, Model, Verdict, check, write
+from drystone import FormatError, InputError, JointCapacity, Model, Verdict, check, write
 from drystone.cli import main
 from drystone.models import arch, tower
 from drystone.sequence import DatasetOptions, dataset, read_dataset
@@ -139,3 +139,12 @@ def test_what_cannot_be_asked_is_refused(tmp_path):
     with pytest.raises(FormatError, match="has no data set"):
         read_dataset(tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_data_set_of_joints_with_another_capacity_is_not_continued(tmp_path):
+    stack = Model.of(tower(2))
+    few = DatasetOptions(rows=4)
+    dataset([stack], tmp_path, options=few)
+    glued = stack.with_capacity(JointCapacity.of(stack.contacts, tension=1700.0))
+    with pytest.raises(FormatError, match="is of other work: structures"):
+        dataset([glued], tmp_path, options=few)

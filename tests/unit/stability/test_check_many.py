@@ -72,6 +72,12 @@ def test_a_file_about_other_models_is_not_continued(tmp_path: Path) -> None:
     drystone.write(tower(2), model)
     with pytest.raises(InputError, match="model 0 of the file is '', not "):
         drystone.check_many([model], out=out)
+    for kept, first, other in (("b", model, tower(3)), ("c", tower(2), tower(3))):
+        drystone.check_many([first], out=tmp_path / kept)
+        if first is model:
+            drystone.write(other, model)
+        with pytest.raises(InputError, match="has another content than it had"):
+            drystone.check_many([model if first is model else other], out=tmp_path / kept)
     out.write_text("a,b\n1,2\n", encoding="utf-8")
     with pytest.raises(InputError, match="is no journal"):
         drystone.check_many([tower(2)], out=out)

@@ -64,6 +64,18 @@ def test_a_study_goes_on_where_it_was_ended_and_does_not_depend_on_workers(tmp_p
             study(pier, out=path, **other)  # type: ignore[arg-type]
 
 
+def test_rows_of_a_file_whose_content_was_changed_are_not_kept(tmp_path: Path) -> None:
+    model, out = tmp_path / "pier.json", tmp_path / "found.jsonl"
+    asked = {"parameters": {"friction": [0.6]}, "limit": "tilt --axis y", "out": out}
+    drystone.write(pier(0.2), model)
+    study(model, **asked)  # type: ignore[arg-type]
+    drystone.write(pier(0.5), model)
+    with pytest.raises(DrystoneError, match="is of other work: content differ"):
+        study(model, **asked)  # type: ignore[arg-type]
+    with pytest.raises(DrystoneError, match="is of other work"):
+        study(pier(0.5), **asked)  # type: ignore[arg-type]
+
+
 def test_a_data_frame_is_a_table_of_parameters_and_a_model_has_options_of_reading() -> None:
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"friction": [0.3, 0.9]})
