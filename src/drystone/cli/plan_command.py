@@ -203,7 +203,8 @@ def plan(
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *kept], files=partial(wanted.all_of, found, made, measured, robot),
+        notes=[*model.notes, *found.notes, *kept],
+        files=partial(wanted.all_of, found, made, measured, robot),
     )  # fmt: skip
 
 

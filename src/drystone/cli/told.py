@@ -148,8 +148,10 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
         else:
             screen = Screen()
             answer.show(screen)
+            told = {sentence.text for sentence in answer.answer.sentences()}
             for note in notes:
-                screen.note(note)
+                if note not in told:
+                    screen.note(note)
             screen.dim(", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items()))
             for name in files:
                 screen.line(f"wrote {name}")

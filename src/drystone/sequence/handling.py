@@ -106,7 +106,8 @@ class Handling(Answer):
     robots
     placements, holds
     notes
-        Placements that no robot can do, and blocks without a path, one sentence each.
+        Placements that no robot can do, blocks without a path, blocks that cannot be placed, and
+        why it ends before the plan does, one sentence each.
     """
 
     plan: Plan
@@ -133,7 +134,7 @@ class Handling(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """How many blocks are placed, and what no robot can do."""
-        role = Role.BAD if self.notes else Role.GOOD
+        role = Role.BAD if self.notes or not self.plan.stable else Role.GOOD
         return [Sentence(self.title, role), *(Sentence(one, Role.REMARK) for one in self.notes)]
 
     def tables(self) -> Sequence[Table]:
@@ -186,8 +187,9 @@ def handling(
 ) -> Handling:
     """The placements and holds of a plan, for robots.
 
-    Robots take turns. The next robot in the list places the next block; robots that hold a block or
-    cannot place it are skipped. Ended early, the first placements are there and a note says so.
+    It ends before the first stage that is not known to stand, and a note says so. Robots take
+    turns. The next robot in the list places the next block; robots that hold a block or cannot
+    place it are skipped. Ended early, the first placements are there and a note says so.
 
     Parameters
     ----------
@@ -218,7 +220,12 @@ def handling(
             paths.append(found)
             if progress is not None:
                 progress("paths of insertion", len(paths), len(jobs))
-    notes: list[str] = []
+    notes = list(plan.notes)
+    ends = plan.steps[_known(plan) :]
+    if ends:
+        name, answers = model.assembly.names[ends[0].blocks[0]], (*ends[0].during, ends[0].answer)
+        why = next(one.message for one in answers if not one.stands)
+        notes.append(f"ends before '{name}' is placed: {why}")
     if len(paths) < len(jobs):
         notes.append(f"{clock.reason} after {len(paths)} of {counted(len(jobs), 'path')}")
     placements: list[Placement] = []
@@ -246,11 +253,17 @@ def handling(
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
 
 
+def _known(plan: Plan) -> int:
+    """The number of steps before the first stage that is not known to stand."""
+    answers = [(*step.during, step.answer) for step in plan.steps]
+    stands = [all(one.stands for one in some) for some in answers]
+    return [*stands, False].index(False)
+
+
 def _in_order(plan: Plan) -> Iterator[tuple[int, int, Bools]]:
     """Step of each block in the order of placement, the block, and the blocks (n,) in place."""
-    for number, step in enumerate(plan.steps):
+    for number, step in enumerate(plan.steps[: _known(plan)]):
         here = np.array(plan.model.assembly.fixed)
-        here[list(plan.impossible)] = True
         here[list(members(plan.before(number)))] = True
         for block in step.blocks:
             here[block] = True

@@ -26,7 +26,7 @@ _INSERTED = 1.0
 
 _STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
-    Status.IMPOSSIBLE: State.SUPPORT,
+    Status.IMPOSSIBLE: State.ABSENT,
     Status.FREE: State.FREE,
     Status.HELD: State.HELD,
     Status.PROPPED: State.PROPPED,
@@ -136,17 +136,18 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
 
 
 def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
-    """The complete structure, each block in the colour of its status."""
+    """The complete structure but for what cannot be placed, in the colours of the statuses."""
     state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
     if plan.impossible:
         impossible = [plan.model.assembly.names[b] for b in plan.impossible]
         message += f"; cannot be inserted: {', '.join(impossible)}"
+    here, contacts = state != State.ABSENT, plan.model.contacts
     up, gravity = directions(plan.model.assembly, plan.model.load)
     return SceneStage(
         f"all blocks, after {counted(len(plan.steps), 'step')}", title, message, state, verdict,
         up=up, gravity=gravity,
         layers=(
-            *interface_layers(plan.model.contacts),
+            *interface_layers(contacts, here[contacts.block_a] & here[contacts.block_b]),
             *load_layers(plan.model.assembly, plan.model.load),
         ),
     )  # fmt: skip

@@ -107,7 +107,7 @@ class PlannedSteps:
     steps
         Empty if there is no plan.
     impossible
-        Blocks that cannot be inserted, and why; they count as in place from the beginning.
+        Blocks that cannot be inserted, and why; they are in place in no step.
     """
 
     model: StagedModel

@@ -32,6 +32,7 @@ from drystone.sequence.stages import (
     StageAnswer,
     check_both,
     check_thoroughly,
+    mask_of,
     members,
 )
 from drystone.sequence.step_checks import checked_step, falling_words, without_help
@@ -292,10 +293,10 @@ class _Planner:
         path, active = order.path, order.props
         steps: list[Step] = []
         told = self.model.largest[0] <= SPARED
-        near = None
+        near, there = None, ~mask_of(self.bound.reasons)
         for number in reversed(range(1, len(path))):  # each begins at the rest states of the last
-            props = active[number - 1], active[number]
-            step = self.step(path[number - 1], *props, near)
+            props = active[number - 1] & there, active[number] & there
+            step = self.step(path[number - 1], there, *props, near)
             near = step.placed, props[1]
             fails = order.failures[number]
             if self.scaffold is not None and fails is not None:
@@ -375,17 +376,24 @@ class _Planner:
         # other props may support a complete structure that does not stand
         return proved and complete.stands
 
-    def step(self, before: Node, standing: int, props: int, near: tuple[int, int] | None) -> Step:
-        """The step from one stage to the next; its order is the reverse of the search."""
+    def step(
+        self, before: Node, there: int, standing: int, props: int, near: tuple[int, int] | None
+    ) -> Step:
+        """The step from one stage to the next; its order is the reverse of the search.
+
+        The search has blocks that cannot be inserted in place from the beginning: here only blocks
+        that are ``there`` are.
+        """
         blocks = before.group[::-1]
-        placed, motion = before.placed, []
+        begins = placed = before.placed & there
+        motion = []
         for block in blocks:
             out = self.bound.removal.direction(block, placed)
             motion.append(-self.model.up if out is None else -out)
             placed |= 1 << block
         directions = np.array(motion).reshape(-1, 3)
         some = tuple(members(props))
-        return checked_step(self.evaluator, before.placed, blocks, directions, standing, some, near)
+        return checked_step(self.evaluator, begins, blocks, directions, standing, some, near)
 
 
 def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:

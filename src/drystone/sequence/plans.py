@@ -16,7 +16,7 @@ from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage
 from drystone.sequence.plan_steps import PlannedSteps, Status, Step
-from drystone.sequence.rules import Rules
+from drystone.sequence.rules import TOO_HEAVY, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
 
@@ -79,12 +79,14 @@ class Plan(PlannedSteps, Answer):
     def verdict(self) -> Verdict:
         """Verdict on the plan: STABLE if every stage stands, with the props of the plan.
 
-        UNDECIDED if the search was stopped before it found an order.
+        UNDECIDED if the search was stopped before it found an order, or if blocks cannot be placed.
         """
-        if not self.steps:
-            return Verdict.UNDECIDED if self.stopped else self.complete.verdict
+        if not self.steps and self.stopped:
+            return Verdict.UNDECIDED
         answers = [a for step in self.steps for a in (*step.during, step.answer)]
-        return next((a.verdict for a in answers if not a.stands), Verdict.STABLE)
+        answers = answers or [self.complete]
+        known = Verdict.UNDECIDED if self.impossible else Verdict.STABLE
+        return next((a.verdict for a in answers if not a.stands), known)
 
     @property
     def stable(self) -> bool:
@@ -114,6 +116,30 @@ class Plan(PlannedSteps, Answer):
         """What was asked."""
         return Question.of(self.model.model, self.rules, self.when)
 
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """Which blocks cannot be placed, why, and the remedy; blocks with the same reason share it.
+
+        Examples
+        --------
+        >>> from drystone.models import tower
+        >>> from drystone.sequence import PlanOptions, Robot, Rules, plan
+        >>> rules = Rules(robots=[Robot("arm", payload=2000.0)])
+        >>> plan(tower(3), options=PlanOptions(rules=rules)).notes[0]
+        'payload 2000 kg: 2 blocks weigh up to 2400 kg; give a robot of 2400 kg that reaches them'
+        """
+        heavy = [b for b, why in self.impossible.items() if why.startswith(TOO_HEAVY)]
+        said = [too_heavy(self.rules, self.model, heavy)] if heavy else []
+        groups: dict[str, list[int]] = {}
+        for block, why in self.impossible.items():
+            if block not in heavy:
+                groups.setdefault(why.partition(":")[0], []).append(block)
+        for blocks in groups.values():
+            name, why = self.model.assembly.names[blocks[0]], self.impossible[blocks[0]]
+            more = f" and {counted(len(blocks) - 1, 'more block')}" if len(blocks) > 1 else ""
+            said.append(f"impossible: '{name}'{more}: {why}")
+        return tuple(said)
+
     @property
     def title(self) -> str:
         """Whether it can be assembled, and with which help."""
@@ -130,14 +156,12 @@ class Plan(PlannedSteps, Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """PlannedSteps and counts, why there is no plan, and why steps need help."""
-        lost = [
-            Sentence(f"impossible: {self.model.assembly.names[block]}: {why}", Role.REMARK)
-            for block, why in self.impossible.items()
-        ]
+        lost = [Sentence(one, Role.REMARK) for one in self.notes]
         if not self.steps:
             return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
-        helped = self.counts["propped"] + self.counts["impossible"]
-        role = Role.UNSURE if helped or self.verdict is not Verdict.STABLE else Role.GOOD
+        role = Role.GOOD
+        if self.counts["propped"] or self.verdict is not Verdict.STABLE:
+            role = Role.BAD if self.impossible else Role.UNSURE
         said = [Sentence(self.told, role), Sentence(self.message)]
         if any(self.help) and not self.proved:
             more = "another order may need less help; --best searches all, which may take long"
@@ -166,6 +190,7 @@ class Plan(PlannedSteps, Answer):
             "verdict": self.verdict,
             "complete": self.complete.verdict,
             "message": self.message,
+            "notes": self.notes,
             "proved": self.proved,
             "counts": self.counts,
             "drop_m": self.drop,

@@ -65,7 +65,9 @@ class Robot(OneLine):
 
     def manages(self, centroid: Floats, mass: Floats) -> Bools:
         """Whether it reaches and carries blocks with centroids (n, 3) [m] and masses (n,) [kg]."""
-        out: Bools = (self.distance(centroid) <= self.reach) & (np.asarray(mass) <= self.payload)
+        out: Bools = (self.distance(centroid) <= self.reach) & (
+            np.asarray(mass) <= self.payload * (1.0 + 1e-9)
+        )
         return out
 
 

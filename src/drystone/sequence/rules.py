@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from graphlib import CycleError, TopologicalSorter
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.robots import Robot, check_robots, why_not
@@ -24,6 +25,10 @@ COURSE = re.compile(r"^(?:p\d+-)?[A-Za-z]+[-_]?(\d+)[-_.]")
 
 COUNTLESS = 10**9
 """Largest number of hands for one block in the calculation."""
+
+
+TOO_HEAVY = "too heavy"
+"""How the reason begins for which hands or robots cannot lift a block."""
 
 
 class Order(enum.Enum):
@@ -157,6 +162,29 @@ def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
     return rules.hands, lifters, limit
 
 
+def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
+    """What too heavy blocks weigh, and what would lift them; masses are rounded up."""
+    mass = float(model.assembly.mass[list(blocks)].max())
+    said = f"{counted(len(blocks), 'block')} weigh up to {_rounded_up(mass):g} kg"
+    if rules.robots:
+        near = [
+            robot.payload for robot in rules.robots for b in blocks
+            if robot.distance(model.assembly.centroid[b]) <= robot.reach
+        ]  # fmt: skip
+        remedy = f"give a robot of {_rounded_up(mass):g} kg that reaches them"
+        return f"payload {max(near):g} kg: {said}; {remedy}"
+    each = f"give a payload of {_rounded_up(mass / rules.hands):g} kg"
+    needed = int(strength(rules, model)[1][list(blocks)].max())
+    remedy = f"{each}, or {counted(needed, 'hand')}" if needed < COUNTLESS else each
+    return f"payload {rules.payload:g} kg, {counted(rules.hands, 'hand')}: {said}; {remedy}"
+
+
+def _rounded_up(mass: float) -> float:
+    """[kg], with four digits, and not less than it is."""
+    step = 10.0 ** (math.floor(math.log10(mass)) - 3)
+    return math.ceil(mass / step * (1.0 - 1e-12)) * step
+
+
 def removal_rank(order: Order | Sequence[str], model: StagedModel) -> Ints:
     """Rank (n,) of each block in the order of removal; ties in reverse numbering."""
     n = len(model.assembly)
@@ -276,7 +304,7 @@ def _locked(
             body = model.assembly.blocks[block]
             reasons[block] = why_not(rules.robots, body.name, body.centroid, body.mass)
         elif lifters[block] > hands:
-            reasons[block] = f"too heavy: it needs {lifters[block]} hands of this payload"
+            reasons[block] = f"{TOO_HEAVY}: it needs {lifters[block]} hands of this payload"
         elif not removal.free(block, left):
             reasons[block] = removal.reason(block, left)
         else:

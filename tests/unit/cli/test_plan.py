@@ -11,7 +11,7 @@ import pytest
 from drystone import LoadCase, io
 from drystone.assembly import Assembly
 from drystone.cli import main
-from drystone.models import arch, box, tower
+from drystone.models import arch, box, corbelled_wall, tower
 from tests.unit.cli.running import answer
 
 
@@ -145,7 +145,27 @@ def test_a_person_reads_why_no_block_can_be_put_in(stack, capsys):
     assert main(["plan", stack, "--payload", "1"]) == 1
     out = capsys.readouterr().out
     assert "NO PLAN" in out
-    assert "impossible: block-1: too heavy" in out
+    assert "payload 1 kg, 2 hands: 3 blocks weigh up to 2400 kg; give a payload of 1200 kg" in out
+
+
+def test_a_work_file_ends_before_the_first_block_that_lacks_one_that_no_robot_lifts(
+    tmp_path, capsys
+):
+    wall, work = tmp_path / "wall.json", tmp_path / "work.json"
+    io.write(corbelled_wall(4, 2), wall)
+    robots = ("--robot", "left:-1,-1,0:4:40", "--robot", "right:1,-1,0:4:40", "--work", str(work))
+    code, told = answer(capsys, "plan", str(wall), *robots)
+    assert code == 1
+    assert told["verdict"] != "stable"
+    assert told["notes"][0].startswith("payload 40 kg:")
+    assert told["notes"][0].endswith(
+        "weigh up to 43.2 kg; give a robot of 43.2 kg that reaches them"
+    )
+    done = json.loads(work.read_text())
+    placed = [one["name"] for one in done["placements"]]
+    assert placed == ["c01-b00", "c01-b02"]  # the halves on the ground; all of c02 is too heavy
+    assert done["notes"][0] == told["notes"][0]
+    assert "ends before 'c03-" in done["notes"][1]
 
 
 def test_files_that_there_is_no_plan_for_are_named(stack, tmp_path, capsys):

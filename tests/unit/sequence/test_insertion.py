@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from drystone.answer import State
 from drystone.assembly import Assembly
 from drystone.model import Model
 from drystone.models import box, prism
-from drystone.sequence import PlanOptions, Rules, freedom, plan
+from drystone.sequence import PlanOptions, Rules, freedom, handling, plan
 
 UP = np.array([0.0, 0.0, 1.0])
 X, Y, Z = np.eye(3)
@@ -87,6 +88,10 @@ def test_a_locked_key_is_impossible_and_what_lies_on_it_is_planned():
     assert "block every motion" in found.impossible[3]
     assert found.order == ("knob",)
     assert "cannot be inserted" in found.message
+    assert found.steps[0].answer.falling == (4,)  # without the key nothing carries it
+    states = [stage.state[3] for stage in found.layers().stages]
+    assert set(states) == {State.ABSENT}
+    assert handling(found).placements == ()
 
 
 def test_a_groove_that_is_open_lets_the_key_slide_in():
