@@ -45,7 +45,8 @@ class Combinations(Answer):
         Of each the verdict, with friction and strength divided.
     needed
         Of each the least share of the size of the joints, or of their friction, at which some
-        forces balance the loads; NaN where it does not stand or was not asked.
+        forces balance the loads, brittle joints cracked; NaN where it does not stand, was not
+        asked, or falls when its brittle joints crack.
     margin
         Which of the two.
     stopped
@@ -98,7 +99,11 @@ class Combinations(Answer):
         said.append(Sentence(f"there: {self.governing.title}"))
         if np.isfinite(share) and share > 0.0:
             what = "size of the joints" if self.margin == "size" else "friction"
-            said.append(Sentence(f"it needs {share:.1%} of the {what}: safety {1.0 / share:.4g}"))
+            cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
+            told = f"it needs {share:.1%} of the {what}{cracked}: safety {1.0 / share:.4g}"
+            said.append(Sentence(told))
+        elif self.margin != "none" and self.governing.stable and self.governing.contacts.brittle:
+            said.append(Sentence("no margin is known: it falls when its brittle joints crack"))
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
         said.append(Sentence(divided))
@@ -203,6 +208,7 @@ def _checked(model: Model, margin: Margin, options: CheckOptions | None) -> tupl
     result = check(model, options=options)
     if margin == "none" or not result.stable:
         return result, float("nan")
+    model = model.cracked() if model.contacts.brittle else model
     found = (
         limit_shrink(model, options=_COARSE)
         if margin == "size"

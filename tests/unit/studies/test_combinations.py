@@ -63,6 +63,17 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
 
 
+def test_the_margin_does_not_count_mortar_that_breaks(tmp_path: Path) -> None:
+    """As dry, which at 15,000 N it does not balance."""
+    glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1e5))
+    firm = 'situations = ["EQU"]'
+    found = combinations(glued, written(tmp_path, firm, WEIGHT, PUSH.format(6000)))
+    assert found.needed[found.governs] == pytest.approx(1.5 * 6000.0 / (0.9 * 23544.0), abs=2e-3)
+    found = combinations(glued, written(tmp_path, firm, WEIGHT, PUSH.format(15000)))
+    assert found.code == 0
+    assert "no margin is known" in " ".join(one.text for one in found.sentences())
+
+
 def test_variable_actions_lead_in_turn_and_an_earthquake_goes_both_ways(tmp_path: Path) -> None:
     other = '[case.snow]\nkind = "variable"\ncategory = "snow"\nload = "block-1:1kN"'
     quake = '[case.quake]\nkind = "seismic"\nreversible = true\nload = "seismic:0.1"'
