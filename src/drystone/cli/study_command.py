@@ -61,8 +61,11 @@ def study(
     from drystone.base.table import Table
     from drystone.studies import study as studied
     from drystone.studies import study_chart
+    from drystone.studies.limit_words import require_two_sides
     from drystone.view import save_chart
 
+    if limit:
+        require_two_sides(limit)
     build, parameters = _asked(subject, set)
     waiting.stage("solve", "studying")
     with waiting.keywords(time_limit, workers) as common:

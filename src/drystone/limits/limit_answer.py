@@ -156,6 +156,8 @@ class Limit(LimitValues, Answer):
         said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
         if self.quantity.inverse and self.best.stands:
             said.append(Sentence(f"{self.quantity.inverse}: {1.0 / self.best.stands:.4g}"))
+        if self.quantity.remark:
+            said.append(Sentence(self.quantity.remark, Role.REMARK))
         said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
         for low, high in self.islands:
             again = f"it stands again from {self._short(low)} to {self._short(high)}"

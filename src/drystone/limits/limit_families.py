@@ -18,6 +18,7 @@ from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.loads import LoadCase
+from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.virtual import shrink
 
@@ -37,6 +38,8 @@ class Quantity(OneLine):
         Attributes of :class:`drystone.answer.Question` that it decides.
     inverse
         What one divided by the limit is called; empty when it has no meaning.
+    remark
+        What the answer says of how it is varied.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Quantity(OneLine):
     phrase: str = ""
     replaces: tuple[str, ...] = ()
     inverse: str = ""
+    remark: str = ""
 
     @property
     def words(self) -> str:
@@ -86,7 +90,19 @@ class Tilt(OneLine):
     def quantity(self) -> Quantity:
         """The angle about that axis."""
         phrase = f"{{}} degrees {axis_words(self.axis)}"
-        return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"))
+        told = ""
+        if self._pushed:
+            told = "loads beside weight, such as of fill, keep their direction while it turns"
+        return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"), remark=told)
+
+    @property
+    def _pushed(self) -> bool:
+        """Whether anything beside an acceleration of all masses acts."""
+        assembly, load = self.model.assembly, self.model.load
+        rest = load.wrench.copy()
+        rest[:, :3] -= assembly.mass[:, None] * common_acceleration(assembly, load)
+        least = 1e-9 * float(np.abs(load.wrench).max(initial=0.0))
+        return bool(np.abs(rest[assembly.free]).max(initial=0.0) > least)
 
     def __call__(self, value: float) -> Model:
         """The model at an angle [degrees]."""

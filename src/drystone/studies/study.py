@@ -27,7 +27,7 @@ from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.limit_words import limit_of_words
+from drystone.studies.limit_words import limit_of_words, require_two_sides
 
 Parameters: TypeAlias = Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]]
 """Values of each parameter, in all their combinations; or rows."""
@@ -114,8 +114,8 @@ def study(
     Raises
     ------
     InputError
-        No row, rows with other parameters, a parameter that is called like another column, or a
-        file of another study.
+        No row, rows with other parameters, a parameter that is called like another column, a limit
+        that is none of tilt, friction, load and shrink, or a file of another study.
 
     Examples
     --------
@@ -127,6 +127,8 @@ def study(
     rows = _rows(parameters)
     refuse_unknown(how, [*_READING])
     kind = "limit" if limit else ""
+    if limit:
+        require_two_sides(limit)
     _require(rows[0], _FOUND[kind], build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
     about = {
@@ -264,10 +266,8 @@ def _answered(task: _Task) -> list[Any]:
     try:
         model = task.model
         if task.limit:
-            found = limit_of_words(task.limit, model)(model, {"stop": clock.late})
-            if not isinstance(found, Limit):
-                remedy = "ask for tilt, friction, load or shrink"
-                raise InputError(f"'{task.limit}' has no two sides", remedy=remedy)
+            answer = limit_of_words(task.limit, model)(model, {"stop": clock.late})
+            found = of_type(answer, Limit, "the limit")
             falling, best = found.best.falling, found.best
             moves = () if falling is None else falling.falling_names
             word = "stopped" if found.stopped else "found"

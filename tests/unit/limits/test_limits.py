@@ -56,6 +56,17 @@ def test_a_limit_as_plain_values_can_be_written_as_json() -> None:
     assert set(told["time_s"]) == {"equilibrium", "rest"}
 
 
+def test_a_limit_of_tilt_says_that_other_loads_do_not_turn() -> None:
+    only = LimitOptions(equilibrium_only=True)
+    weight = LoadCase.gravity(TOWER)
+    push = LoadCase.point_load(TOWER, "block-1", (0.0, 500.0, 0.0))
+    for load, told in ((weight, False), (weight + LoadCase.seismic(TOWER, 0.1), False),
+                       (weight + push, True)):  # fmt: skip
+        found = limit_tilt(Model(TOWER, JOINTS, load), "x", options=only)
+        said = " ".join(one.text for one in found.sentences())
+        assert ("keep their direction" in said) == told
+
+
 def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
     def never(*arguments: object) -> None:
         raise AssertionError(arguments)

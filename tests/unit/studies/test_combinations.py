@@ -143,8 +143,6 @@ def test_a_load_of_the_model_acts_where_a_case_says_so_and_is_refused_elsewhere(
     asked = ["combine", str(tmp_path / "stack.json"), str(written(tmp_path, weight))]
     for loaded in (
         ["--gravity", "12,0,-9.81"],
-        ["--gravity", "1.62"],
-        ["--seismic", "1.2,0"],
         ["--load", "block-1:50000,0,0"],
     ):
         assert main([*asked, *loaded]) == 2

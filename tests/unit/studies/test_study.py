@@ -97,6 +97,26 @@ def test_what_is_no_study_is_refused(build: object, asked: dict[str, object], me
         study(build, **asked)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ("train --steps 2", "has no two sides"),
+        ("foo", "there is no limit 'foo'"),
+        ("tilt --side y", "side"),
+        ("load", "live is missing"),
+    ],
+)
+def test_a_limit_that_has_no_column_is_refused_before_the_work(
+    limit: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "found.jsonl"
+    with pytest.raises(InputError, match=message):
+        study(pier, {"width": [0.5]}, limit=limit, out=out)
+    assert not out.exists()
+    assert main(["study", "tower", "--limit", limit]) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_one_and_two_parameters_are_drawn_as_curves(tmp_path: Path) -> None:
     found = study(pier, {"width": [0.5, 0.4], "friction": [0.3, 0.9]}, limit="tilt --axis y")
     chart = study_chart(found)
