@@ -170,7 +170,9 @@ class PlannedSteps:
 
     @property
     def hands(self) -> int:
-        """Number of hands, or robots, that build it without props, one in place of each prop.
+        """Largest number of blocks that hands or props keep in place at once, the placed one too.
+
+        It is no advice: with other hands another plan is found.
 
         Examples
         --------

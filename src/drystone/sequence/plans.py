@@ -166,9 +166,6 @@ class Plan(PlannedSteps, Answer):
         if any(self.help) and not self.proved:
             more = "another order may need less help; --best searches all, which may take long"
             said.append(Sentence(more))
-        if self.props:
-            hands = counted(self.hands, "hand")
-            said.append(Sentence(f"without props it takes {hands}, one in place of each prop"))
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
         said += [Sentence(one) for one in why[:_REASONS]]
         if len(why) > _REASONS:

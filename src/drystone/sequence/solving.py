@@ -22,15 +22,12 @@ from drystone.joints import bearable
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.results.stage import FAINT
 from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Stage, StageAnswer, StageCheck, members
 from drystone.stability import PATIENT, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
-
-LOADED = 1e-6
-"""Corners with less than this share of the largest force of their part are ignored in the required
-friction."""
 
 KEPT = 20_000
 """Corners of all parts that are kept with their matrices: about 50 MB."""
@@ -108,14 +105,13 @@ class PartSolver(OneLine):
             result.verdict,
             result.message,
             reaction={b: -pressing[i] for b, i in zip(held, place, strict=True)},
-            used=_friction_used(result.contacts, result.force),
+            used=most_used(result.contacts, result.force),
             corner=np.flatnonzero(chosen[self.structure.contacts.interface]),
             force=np.array(result.force[: stage.contacts.corner_count]),
             rest=moved,
             settled=settled,
             uniform=_rest_of(result) if part.quick else None,
             sensitive=result.sensitive,
-            joint_used=most_used(result.contacts, result.force),
         )
 
     def _result(
@@ -195,7 +191,6 @@ def combined(structure: StagedModel, stage: Stage, parts: Iterable[StageAnswer])
         np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
         settled="; ".join(one.settled for one in found if one.settled),
         sensitive=any(one.sensitive for one in found),
-        joint_used=max((one.joint_used for one in found), default=0.0),
     )
 
 
@@ -215,20 +210,13 @@ def _rest_of(result: Result) -> Candidate | None:
     return Candidate(force, displacement, residuals)
 
 
-def _friction_used(contacts: Contacts, force: Floats) -> float:
-    """Largest share of the friction coefficient used by a loaded corner, beside its cohesion."""
-    normal = force[:, 0]
-    loaded = normal > LOADED * float(normal.max(initial=0.0))
-    friction = contacts.friction[contacts.interface]
-    cohesion = contacts.corner_capacity[1]
-    sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
-    counted = loaded & (friction > 0.0)
-    return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
-
-
 def most_used(contacts: Contacts, force: Floats) -> float:
-    """Largest share of what a joint bears along its face that the sum of its forces needs."""
+    """Largest share of what a joint bears along its face that the sum of its forces needs.
+
+    What a joint that carries hardly anything uses of its friction says nothing.
+    """
     total = contacts.corners.sum(force)
     bound = bearable(contacts, total[:, 0])
-    loaded = (total[:, 0] > LOADED * float(total[:, 0].max(initial=0.0))) & (bound > 0.0)
-    return float((lengths(total[loaded, 1:]) / bound[loaded]).max(initial=0.0))
+    loaded = (total[:, 0] > FAINT * float(total[:, 0].max(initial=0.0))) & (bound > 0.0)
+    share = lengths(total[loaded, 1:]) / bound[loaded]
+    return round(float(share.max(initial=0.0)), 6)  # the rest is rounding

@@ -86,8 +86,8 @@ class StageAnswer(OneLine):
         forces only; in a stage also the load of the block. Joints between two held or fixed blocks
         carry no force, so this is an upper bound.
     used
-        Largest share of the friction coefficient that a loaded corner uses. The same forces are
-        still admissible when all coefficients are multiplied by it.
+        Largest share of what a joint bears along its face that the sum of its forces needs. Joints
+        with hardly any force are left out.
     corner : (c,)
         Corners of the whole model with ``force`` (c, 3) [N]; empty if not kept.
     settled
@@ -101,8 +101,6 @@ class StageAnswer(OneLine):
         Mechanism of a part that falls, of its moving blocks, ascending; empty if not kept.
     sensitive
         Whether it stands only for some of the contact stiffnesses tried, or after settling.
-    joint_used
-        Largest share of what a joint bears along its face that the sum of its forces needs.
     """
 
     verdict: Verdict
@@ -117,14 +115,13 @@ class StageAnswer(OneLine):
     uniform: Candidate | None = None
     motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
     sensitive: bool = False
-    joint_used: float = 0.0
 
     @property
     def margin(self) -> float:
         """Share left of the friction of its most used joint, 0 to 1; 0 if it falls, else NaN."""
         if self.verdict is Verdict.UNDECIDED:
             return float("nan")
-        return max(0.0, 1.0 - self.joint_used) if self.stands else 0.0
+        return max(0.0, 1.0 - self.used) if self.stands else 0.0
 
     @property
     def stands(self) -> bool:

@@ -284,7 +284,7 @@ class Structure(OneLine):
         found = self._check(model)
         falling = tuple(blocks[list(found.falling)].tolist())
         used = 0.0 if found.force is None else most_used(found.contacts, found.force)
-        return StageAnswer(found.verdict, found.message, falling, joint_used=used)
+        return StageAnswer(found.verdict, found.message, falling, used=used)
 
 
 def _again(model: Model, robust: bool, each_s: float, kept: int) -> Structure:

@@ -421,3 +421,9 @@ def test_a_plan_whose_stages_were_only_looked_at_says_so(monkeypatch):
     )
     contacts = find_contacts(tower(3), friction=0.6).contacts
     assert plan(Model(tower(3), contacts), check=check_both).message == "every stage stands"
+
+
+def test_no_number_of_hands_is_advised_that_no_plan_was_found_with():
+    found = planned(arch(0.3, 7), 0.4, rules=Rules(hands=1))
+    assert found.props
+    assert not [one.text for one in found.sentences() if "without props it takes" in one.text]
