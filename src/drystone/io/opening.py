@@ -543,17 +543,23 @@ def content_of(given: object) -> str:
     if not isinstance(given, Model | Assembly):
         return ""
     assembly = given.assembly if isinstance(given, Model) else given
-    arrays = [assembly.fixed, assembly.mass, *(block.vertices for block in assembly.blocks)]
-    if isinstance(given, Model):
-        known, capacity = given.contacts, given.contacts.capacity
-        arrays += [given.load.wrench, known.block_a, known.block_b, known.frame, known.friction,
-                   known.point, known.interface]  # fmt: skip
-        if capacity is not None:
-            arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]
     content = hashlib.sha256(repr((assembly.names, [one.faces for one in assembly])).encode())
-    for array in arrays:
+    arrays = [assembly.fixed, assembly.mass, *(block.vertices for block in assembly.blocks)]
+    for array in arrays + (_joints_and_load(given) if isinstance(given, Model) else []):
         content.update(np.ascontiguousarray(array).tobytes())
     return content.hexdigest()
+
+
+def _joints_and_load(model: Model) -> list[Any]:
+    """What a model has beside its blocks, as arrays."""
+    known, capacity = model.contacts, model.contacts.capacity
+    arrays: list[Any] = [
+        model.load.wrench, known.block_a, known.block_b, known.frame, known.friction, known.point,
+        known.interface,
+    ]  # fmt: skip
+    if capacity is not None:
+        arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]
+    return arrays
 
 
 def supported_model(given: Given, **how: Unpack[How]) -> Model:

@@ -125,6 +125,8 @@ class TiltSweep(Answer):
         """The least tilt, and why directions are missing."""
         stands = bool(self.limits) and not np.isnan(self.rest).any()
         said = [Sentence(self.title, Role.GOOD if stands else Role.BAD)]
+        told = dict.fromkeys(limit.quantity.remark for limit in self.limits)
+        said += [Sentence(one, Role.REMARK) for one in told if one]
         if any(limit.remarks for limit in self.limits):
             said.append(Sentence("where joints decide, see --json", Role.REMARK))
         if self.stopped:

@@ -65,6 +65,8 @@ def test_a_limit_of_tilt_says_that_other_loads_do_not_turn() -> None:
         found = limit_tilt(Model(TOWER, JOINTS, load), "x", options=only)
         said = " ".join(one.text for one in found.sentences())
         assert ("keep their direction" in said) == told
+    swept = tilt_sweep(Model(TOWER, JOINTS, weight + push), directions=3, options=only)
+    assert "keep their direction" in " ".join(one.text for one in swept.sentences())
 
 
 def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
