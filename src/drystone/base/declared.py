@@ -31,7 +31,7 @@ from drystone.base.settings import Options
 _SECTIONS = ("Attributes", "Parameters")
 _ROLE = re.compile(r":\w+:`~?([^`]*)`|`+([^`]*)`+")
 """Markup of a name in a docstring."""
-_ONLY_PYTHON = re.compile(r" (In Python|See) .*|; see [^;.]*")
+_ONLY_PYTHON = re.compile(r" (In Python|See) .*|; see (?:[^;.]|\.(?=\w))*")
 """What a docstring says to those who write Python."""
 _KIND = re.compile(
     r"(?:\[(?P<unit>[^]]*)\]|(?P<plain>coefficient))?"

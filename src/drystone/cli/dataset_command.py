@@ -16,7 +16,7 @@ from drystone.cli.waiting import Waiting
 
 @command(
     "drystone dataset arch.json --out data --rows 5000",
-    "drystone dataset arch.json wall.json --out data --planned --workers 4",
+    "drystone dataset arch.json --rows 20 --out planned --planned",
 )
 def dataset(
     *,

@@ -36,10 +36,13 @@ class Tried(OneLine):
     kind
     what
         What was tried, and how far.
+    skipped
+        Whether it was not tried, as the region has too many blocks for it.
     """
 
     kind: str
     what: str
+    skipped: bool = False
 
 
 class Bench:

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError, counted
-from drystone.design.bench import Bench, Held
+from drystone.design.bench import Bench, Held, Tried
 from drystone.design.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.changes import (
     MOST,
@@ -284,6 +284,7 @@ def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
     bench = asked.bench
     largest = _LARGEST.get(kind, len(bench.own))
     if len(bench.own) > largest:
-        bench.fail(kind, f"not tried on a region of more than {largest} blocks")
+        what = f"not tried on a region of more than {largest} blocks"
+        bench.tried.append(Tried(kind, what, skipped=True))
         return
     yield from held_by(kind, _PROPOSED[kind](asked), asked)

@@ -140,11 +140,18 @@ class Mends(Answer):
         return [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:
-        regions = len({blocks for blocks, _ in self.tried})
-        kinds = ", ".join(dict.fromkeys(one.kind for _, one in self.tried))
+        tried = [(blocks, one) for blocks, one in self.tried if not one.skipped]
+        regions = len({blocks for blocks, _ in tried})
         where = f" in {regions} regions" if regions > 1 else ""
-        told = counted(len(self.tried), "combination was", "combinations were")
-        return f"{told} tried without success{where}: {kinds} (--all lists them)"
+        skipped = dict.fromkeys(one.kind for _, one in self.tried if one.skipped)
+        said = []
+        if tried:
+            told = counted(len(tried), "combination was", "combinations were")
+            kinds = ", ".join(dict.fromkeys(one.kind for _, one in tried))
+            said.append(f"{told} tried without success{where}: {kinds}")
+        if skipped:
+            said.append(f"not tried on so many blocks: {', '.join(skipped)}; try drystone shape")
+        return f"{'; '.join(said)} (--all lists them)"
 
     def layers(self) -> Scene:
         """Why it falls, and each mend as a stage of its own, as far as a page carries them."""

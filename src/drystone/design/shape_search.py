@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import DrystoneError, counted
 from drystone.base.progress import Clock, Stopped
 from drystone.design.changed import Changed, Kept
@@ -221,11 +221,13 @@ class ShapeSearch(ShapeValues):
         message: str,
     ) -> Changed:
         """The answer with a shape; ``values`` of it and of the model as given."""
-        moved = 1e3 * float(abs(x).max(initial=0.0))
+        pairs = list(zip(self.model.assembly.blocks, model.assembly.blocks, strict=True))
+        far = [float(lengths(new.vertices - old.vertices).max()) for old, new in pairs]
+        moved = 1e3 * max(far)
         words = f"{counted(len(x), 'variable')}: vertices moved by up to {moved:.1f} mm"
         value, first = values
         told = f"{MEASURES[self.options.aim]} {value:.4g}, {first:.4g} before"
-        names = tuple(model.assembly.names)
+        names = tuple(np.array(model.assembly.names)[np.array(far) > 0.0].tolist())
         kept = (Kept("shape", names, words, value),) if x.any() else ()
         return Changed(
             self.model, model, result, self.options.margin.meets(result), words, kept,

@@ -131,8 +131,9 @@ class LocalMechanism(Answer):
         begins = f"A mechanism begins at {self.oscillator.multiplier:.4g} g"
         if self.site is None:
             return begins
-        met = [one for one in ("linear", "non-linear") if self.fulfils(one)]
-        return f"{begins}: {' and '.join(met) or 'neither'} verification fulfilled"
+        ends = {True: "fulfilled", False: "not fulfilled"}
+        told = [f"{one} {ends[self.fulfils(one)]}" for one in ("linear", "non-linear")]
+        return f"{begins}: verification {', '.join(told)}"
 
     def sentences(self) -> Sequence[Sentence]:
         """The same, what moves, and how it was found."""
@@ -300,6 +301,7 @@ def local_mechanism(
     (0.1667, 0.25)
     """
     del executor  # one mechanism
+    told = "" if site is None else site if isinstance(site, str) else "given"
     site = SeismicDemand.named(site) if isinstance(site, str) else site
     model = supported_model(given, **how)
     along = axis_vector(direction, "direction") * np.array([1.0, 1.0, 0.0])
@@ -314,7 +316,7 @@ def local_mechanism(
         line=", ".join(f"{x:g}" for x in (() if line is None else line)),
         ties=", ".join(ties),
         shaken=shaken,
-        site="" if site is None else repr(site),
+        site=told,
     )
     if part:
         turning, motion = _turning(model, along, part, line, ties, shaken)

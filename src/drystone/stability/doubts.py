@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
+from drystone.assembly import Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.detection.advice import rounded_up
@@ -117,14 +119,25 @@ def _may_lie(model: Model, path: Paths, how: Mapping[str, Any]) -> bool:
     return bool(along[2] < _BEDS * along.sum())
 
 
+def _feet(assembly: Assembly) -> int:
+    """How many groups of supports there are whose boxes are apart."""
+    fixed = [assembly.blocks[i].vertices for i in np.flatnonzero(assembly.fixed)]
+    low = np.array([one.min(axis=0) for one in fixed])
+    high = np.array([one.max(axis=0) for one in fixed])
+    apart = 1e-6 * float((high - low).max())
+    near = np.all(low[:, None] <= high[None] + apart, axis=2)
+    both = np.logical_and(near, near.T)
+    return int(connected_components(both, directed=False)[0])
+
+
 def _stands_upright(model: Model, supports: str) -> bool:
     """Whether it does not stand as it is, and does with its y axis up."""
     try:
         turned = select(model.assembly, supports, up=_Y, joints=model.joints)
     except InputError:
         return False
-    if turned.fixed.all():
-        return False
+    if turned.fixed.all() or _feet(turned) < _feet(model.assembly):
+        return False  # a vault on two feet that falls does stand on its end, as a round wall
     quick = CheckOptions(settle=False)
     if check(model, options=quick).stable:
         return False

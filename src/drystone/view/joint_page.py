@@ -88,8 +88,10 @@ def _report_text(result: Result, worst: int) -> str:
         f"{result.verdict.value}: {result.message}. {free} free blocks, {len(table)} joints, "
         f"of which {open_joints} open on one side. Load: {result.load.name}."
     )
-    head = "".join(f"<th>{column}</th>" for column in _HEAD)
-    rows = "".join(_row(row) for row in table.take(chosen))
+    crushes = bool(result.contacts.crushes.any())
+    columns = (*_HEAD, "strength used") if crushes else _HEAD
+    head = "".join(f"<th>{column}</th>" for column in columns)
+    rows = "".join(_row(row, crushes) for row in table.take(chosen))
     plans = "".join(plan_figure(joint_plan(result, table, i)) for i in chosen)
     legend = (
         '<p class="legend">Plan of each joint, seen against its normal:'
@@ -115,7 +117,6 @@ _HEAD = (
     "of the kern",
     "mean [Pa]",
     "peak [Pa]",
-    "strength used",
 )
 
 
@@ -124,7 +125,7 @@ def name_text(name: str) -> str:
     return f"<bdi>{html.escape(shortened(name, NAME))}</bdi>"
 
 
-def _row(row: dict[str, Any]) -> str:
+def _row(row: dict[str, Any], crushes: bool) -> str:
     cells = [
         (str(row["joint"]), False),
         (f"{name_text(row['block_a'])} – {name_text(row['block_b'])}", False),
@@ -135,8 +136,9 @@ def _row(row: dict[str, Any]) -> str:
         (_share(row["kern_ratio"]), False),
         (_number(row["mean_pressure"]), False),
         (_number(row["peak_pressure"]), False),
-        (_share(row["strength_use"]), row["strength_use"] > 0.99),
     ]
+    if crushes:
+        cells.append((_share(row["strength_use"]), row["strength_use"] > 0.99))
     return (
         "<tr>"
         + "".join(f'<td class="alarm">{t}</td>' if alarm else f"<td>{t}</td>" for t, alarm in cells)

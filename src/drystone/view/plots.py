@@ -81,11 +81,8 @@ def _chart_figure(chart: Chart, title: str) -> Figure:
         axes.set_ylabel("")
         axes.set_rlabel_position(67.5)
     if any(one.label for one in chart.marks):
-        if chart.polar:
-            handles = axes.get_legend_handles_labels()
-            figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
-        else:
-            axes.legend(frameon=False, fontsize=9)
+        handles = axes.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
     return figure
 
 

@@ -17,12 +17,15 @@ MODEL = "\u5854.json"
 BLOCK = NAMES[1]
 GIVEN: dict[str, list[str]] = {
     "check": [MODEL, "--html", "\u9875.html"],
+    "combine": [MODEL, "\u8868.toml"],
     "convert": [MODEL, "\u77f3.obj"],
     "cut": [MODEL, "--block", BLOCK, "--blocks", "2", "--out", "\u5207.json"],
+    "dataset": [MODEL, "--rows", "2", "--out", "\u96c6"],
     "fall": [MODEL, "--seismic", "0.4"],
     "inspect": [MODEL, "--sweep"],
     "gravity": [MODEL, "--directions", "2"],
     "interlock": [MODEL],
+    "kinematic": [MODEL, "--part", BLOCK],
     "limit decay": [MODEL],
     "limit friction": [MODEL],
     "limit imperfections": [MODEL, "--offset", "0.01", "--draws", "2"],
@@ -32,6 +35,7 @@ GIVEN: dict[str, list[str]] = {
     "limit sweep": [MODEL, "--directions", "1"],
     "limit thrust": [MODEL, NAMES[0]],
     "limit tilt": [MODEL],
+    "limit train": [MODEL, "--steps", "2"],
     "live": [MODEL, "--client", "\u5ba2.py"],
     "mcp": ["\u7121"],
     "mend": [MODEL, "--seismic", "0.7", "--kind", "friction"],
@@ -42,6 +46,7 @@ GIVEN: dict[str, list[str]] = {
     "scaffold": [MODEL, "--time-limit", "1"],
     "settle": [MODEL, "--move", f"{NAMES[0]}:0,0,-1", "--to", "0.01"],
     "shape": [MODEL, "--seismic", "0.9", "--time-limit", "1"],
+    "report": [MODEL, "--limit", "none", "--out", "\u8868.html"],
     "sharpen": [MODEL, "--seismic", "0.7", "--most", "20"],
     "shell": ["\u7121.obj"],
     "tune": [
@@ -56,7 +61,7 @@ GIVEN: dict[str, list[str]] = {
         "\u8bb0\u5f55",
     ],
 }
-WITHOUT_NAMES = {"demo", "limit thickness", "models", "reproduce"}
+WITHOUT_NAMES = {"demo", "limit thickness", "models", "reproduce", "study"}
 SAYS_NO_NAME = {"tune"}
 
 
