@@ -43,7 +43,7 @@ def stages(found: Plan) -> list[tuple[str, Model]]:
     model = found.model.model
     names = model.assembly.names
     out = []
-    placed = set(np.flatnonzero(model.assembly.fixed).tolist()) | set(found.impossible)
+    placed = set(np.flatnonzero(model.assembly.fixed).tolist())
     for number, step in enumerate(found.steps):
         before = set(found.steps[number - 1].props) if number else set()
         held: set[int] = set()

@@ -58,16 +58,18 @@ def convert(
     from drystone.supports import ground_of, select
 
     how = source.how
-    if contacts and joint_allowance is not None:
+    friction = how.pop("friction", None)
+    if (contacts or friction is not None) and joint_allowance is not None:
         raise InputError(
             "blocks with a joint allowance touch nowhere",
-            where="--contacts",
+            where="--contacts" if contacts else "--friction",
             remedy="leave it out, or write two files",
         )
-    friction = how.pop("friction", None)
     supports = how.get("supports")
     chosen = io.format_of(target, to, writing=True)
     _refuse_other_suffix(target, chosen)
+    if friction is not None:
+        _refuse_lost_friction(chosen, contacts)
     if not overwrite and any(same_place(target) == same_place(file) for file in source.each):
         raise InputError(
             "the model would be written over itself",
@@ -81,7 +83,7 @@ def convert(
         grounded, fixed = ground_of(read.assembly, supports)
         placed = select(grounded, str(fixed))
         read = replace(read, assembly=placed, results=(), loads=())
-    if contacts or joint_allowance is not None:
+    if contacts or joint_allowance is not None or (friction is not None and chosen.name == "mjcf"):
         waiting.stage("detect", "finding contacts")
         made = Model.of(read.assembly, friction=friction, anyway=True)
         notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
@@ -111,6 +113,17 @@ def convert(
         told.append(Sentence(f"this format does not store {chosen.loses}", Role.REMARK))
     found = Statement(tuple(told), values=values)
     return Told(found, subject=source.name, notes=notes, written=[target])
+
+
+def _refuse_lost_friction(chosen: Format, contacts: bool) -> None:
+    """Refuse a friction coefficient that would not be in the file, and no note would say so."""
+    if "friction" in chosen.loses or (chosen.name == "drystone" and contacts):
+        return
+    if chosen.name == "drystone":
+        said, remedy = "only contacts have friction", "add --contacts"
+    else:
+        said, remedy = f"{chosen.title} does not store it", "give it when the model is checked"
+    raise InputError(said, where="--friction", remedy=remedy)
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:

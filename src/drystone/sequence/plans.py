@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -114,9 +114,13 @@ class Plan(PlannedSteps, Answer):
     @cached_property
     def asked(self) -> Question:
         """What was asked."""
-        return Question.of(self.model.model, self.rules, self.when)
+        asked = Question.of(self.model.model, self.rules, self.when)
+        if not self.rules.robots:
+            return asked
+        names = ", ".join(robot.name for robot in self.rules.robots)
+        return replace(asked, options={**asked.options, "robots": names})
 
-    @cached_property
+    @property
     def notes(self) -> tuple[str, ...]:
         """Which blocks cannot be placed, why, and the remedy; blocks with the same reason share it.
 

@@ -43,6 +43,19 @@ def test_the_format_can_be_named_and_contacts_written(
         assert model.contacts.friction.tolist() == [0.7, 0.7]
 
 
+def test_the_friction_that_is_asked_is_written_or_refused(tmp_path: Path, capsys: Capsys) -> None:
+    source, scene = str(tmp_path / "tower.json"), tmp_path / "scene.xml"
+    io.write(tower(2), source)
+    assert main(["convert", source, str(scene), "--friction", "0.5"]) == 0
+    assert 'friction="0.5 0 0"' in scene.read_text()
+    for name, words in (("out.json", "add --contacts"), ("out.obj", "does not store it")):
+        assert main(["convert", source, str(tmp_path / name), "--friction", "0.5"]) == 2
+        assert words in capsys.readouterr().err
+    arguments = ["--friction", "0.5", "--joint-allowance", "1mm", "--overwrite"]
+    assert main(["convert", source, str(scene), *arguments]) == 2
+    assert "touch nowhere" in capsys.readouterr().err
+
+
 def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) -> None:
     io.write(tower(2), tmp_path / "tower.json")
     main(["convert", str(tmp_path / "tower.json"), str(tmp_path / "tower.stl")])

@@ -157,6 +157,7 @@ def test_a_work_file_ends_before_the_first_block_that_lacks_one_that_no_robot_li
     code, told = answer(capsys, "plan", str(wall), *robots)
     assert code == 1
     assert told["verdict"] != "stable"
+    assert told["asked"]["options"]["robots"] == "left, right"
     assert told["notes"][0].startswith("payload 40 kg:")
     assert told["notes"][0].endswith(
         "weigh up to 43.2 kg; give a robot of 43.2 kg that reaches them"
