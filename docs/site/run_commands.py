@@ -38,7 +38,15 @@ SLOW = (
     r"|limit tilt model"
 )
 """Beginnings and options of commands that take more than a second or two."""
-ABSENT = ("armadillo.obj", "wall.3dm", "my.3dm", "soup.stl", "bridge.dxf")
+ABSENT = (
+    "armadillo.obj",
+    "wall.3dm",
+    "my.3dm",
+    "soup.stl",
+    "bridge.dxf",
+    "cases.toml",
+    "site.toml",
+)
 """Files that a reader has; a command on them is parsed by a test and not run here."""
 COMMAND = re.compile(r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", re.MULTILINE)
 
@@ -83,6 +91,8 @@ def write_models(folder: Path, names: set[str], lines: str) -> None:
         "gaps": lambda: models.arch(0.2, 9),
         "thin": lambda: models.arch(0.1, 11),
         "mended": lambda: models.arch(0.15, 11),
+        "firm": lambda: models.arch(0.15, 11),
+        "dome": models.dome,
     }
     for name in names - {*ABSENT}:
         stem, path = name.split(".")[0], folder / name
@@ -138,7 +148,9 @@ def main() -> int:
         made = set(re.findall(r"(?:--out|--\w+) +(\S+\.\w+)", " ".join(lines)))
         read = {n for n in named if n.rsplit(".", 1)[1] in ("json", "obj", "stl", "3dm", "csv")}
         write_models(
-            folder, read - (made - {"joints.csv"}) | ({"mended.json"} & read), "\n".join(lines)
+            folder,
+            read - (made - {"joints.csv"}) | ({"mended.json", "firm.json"} & read),
+            "\n".join(lines),
         )
         for line in lines:
             if re.search(STAYS, line) or any(name in line for name in ABSENT):

@@ -47,7 +47,7 @@ class BuildingOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if np.size(self.directions):
+        if not (isinstance(self.directions, Sequence) and len(self.directions) == 0):
             found, length = unit(frozen_floats(self.directions, (None, 3), "directions"))
             if not (length > 0.0).all():
                 raise InputError("a direction has no length", remedy="leave it out")
