@@ -37,6 +37,7 @@ FLOORS = {
         "joints",
         "virtual",
         "free_faces",
+        "ties",
         "model",
         "detection",
         "contacts",

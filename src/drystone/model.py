@@ -66,11 +66,14 @@ class Origin(OneLine):
         Hash of its content.
     reading
         How it was read, as text by name: what differs from the defaults.
+    units
+        Unit of length of the file.
     """
 
     file: str = ""
     sha256: str = ""
     reading: Mapping[str, str] = field(default_factory=dict)
+    units: str = "m"
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from drystone.cli.model_input import Converted, Inspected, Source, warnings_of
 from drystone.cli.offered import CONTACTS, MODEL, OUTPUT, Argument, Option
 from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures
+from drystone.cli.written import Pictures, left_out
 
 if TYPE_CHECKING:
     from drystone.io.registry import Format
@@ -56,6 +56,7 @@ def convert(
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.model import Model
     from drystone.supports import ground_of, select
+    from drystone.ties import with_ties
 
     how = source.how
     friction = how.pop("friction", None)
@@ -66,7 +67,7 @@ def convert(
             remedy="leave it out, or write two files",
         )
     supports = how.get("supports")
-    chosen = io.format_of(target, to, writing=True)
+    chosen = io.registry.writable(target, to)
     _refuse_other_suffix(target, chosen)
     if friction is not None:
         _refuse_lost_friction(chosen, contacts)
@@ -85,7 +86,7 @@ def convert(
         read = replace(read, assembly=placed, results=(), loads=())
     if contacts or joint_allowance is not None or (friction is not None and chosen.name == "mjcf"):
         waiting.stage("detect", "finding contacts")
-        made = Model.of(read.assembly, friction=friction, anyway=True)
+        made = with_ties(Model.of(read.assembly, friction=friction, anyway=True), read.ties)
         notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
         read = replace(read, contacts=made.contacts, results=())
         if joint_allowance is not None:
@@ -94,7 +95,7 @@ def convert(
             smaller = design.joint_allowance(made, joint_allowance)
             read = replace(read, assembly=smaller, contacts=None, loads=())
     waiting.stage("write", f"writing {target}")
-    io.write(read, target, format=to)
+    io.write(read, target, format=to, units=read.units)
     from drystone.answer import Role, Sentence, Statement
 
     values = {
@@ -109,8 +110,7 @@ def convert(
     if joint_allowance is not None:
         said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
         told.append(Sentence(said, Role.REMARK))
-    if chosen.loses:
-        told.append(Sentence(f"this format does not store {chosen.loses}", Role.REMARK))
+    told += [Sentence(said, Role.REMARK) for said in left_out(chosen, read.units)]
     found = Statement(tuple(told), values=values)
     return Told(found, subject=source.name, notes=notes, written=[target])
 

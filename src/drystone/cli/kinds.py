@@ -182,6 +182,7 @@ def of(one: Declared) -> OptionKind:
     return OptionKind(("COUNT" if number == {int} else name) if number else "TEXT", one.value)
 
 
+MODEL_FILE = target(".json", ".3dm", ".glb", ".mjcf", ".obj", ".ply", ".stl", ".urdf", ".xml")
 TEXT = OptionKind("TEXT", str)
 FOLDER = OptionKind("FOLDER", _folder_path, written=("",))
 SECTION = OptionKind("AXIS[=METRES]", _section)

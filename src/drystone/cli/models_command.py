@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from drystone.reproduce import Case
 
 
-_SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
-
 _DEMO = "drystone-demo"
 
 
@@ -41,7 +39,7 @@ def models(
         Option(
             "Write the model; its suffix determines the format.",
             OUTPUT,
-            kind=kinds.target(*_SUFFIXES),
+            kind=kinds.MODEL_FILE,
         ),
     ] = None,
     waiting: Waiting,

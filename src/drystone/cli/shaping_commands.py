@@ -117,9 +117,7 @@ def cut(
     block: Annotated[
         str | None, Option("The block that is cut (the only one).", metavar="NAME")
     ] = None,
-    out: Annotated[
-        Path | None, Option("Write the blocks.", OUTPUT, kind=kinds.target(".json"))
-    ] = None,
+    out: Annotated[Path | None, Option("Write the blocks.", OUTPUT, kind=kinds.MODEL_FILE)] = None,
     html: options.Html = None,
     waiting: Waiting,
 ) -> Told:

@@ -55,7 +55,7 @@ def shell(
     time_limit: options.TimeLimit = None,
     out: Annotated[
         Path | None,
-        Option("Write the blocks: .json or .obj.", OUTPUT, kind=kinds.target(".json", ".obj")),
+        Option("Write the blocks.", OUTPUT, kind=kinds.MODEL_FILE),
     ] = None,
     schedule: Annotated[
         Path | None,

@@ -151,7 +151,7 @@ def tune(
     search: SearchRequest,
     out: Annotated[
         Path | None,
-        Option("Write the best model by the first goal.", OUTPUT, kind=kinds.target(".json")),
+        Option("Write the best model by the first goal.", OUTPUT, kind=kinds.MODEL_FILE),
     ] = None,
     png: Annotated[
         Path | None,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.files import Job
     from drystone.cli.told import Files
+    from drystone.io.registry import Format
     from drystone.results import Result
 
 
@@ -122,8 +123,20 @@ class WithModel(Pictures):
     """The changed model too."""
 
     out: Annotated[
-        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
+        Path | None,
+        Option(
+            "Write the changed model; the suffix determines the format, as with convert.",
+            OUTPUT,
+            kind=kinds.MODEL_FILE,
+        ),
     ] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.out is not None:
+            from drystone.io.registry import writable  # as above
+
+            writable(self.out)  # before any work
 
     def of(self, answer: Any) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
@@ -132,7 +145,20 @@ class WithModel(Pictures):
             return jobs, said
         from drystone import io
 
-        return [(self.out, partial(io.write, answer.model)), *jobs], said
+        units = answer.before.origin.units
+        write = partial(io.write, answer.model, units=units)
+        said = [*said, *left_out(io.format_of(self.out, writing=True), units)]
+        if "up" in answer.before.origin.reading:
+            said.append(f"z is up in {self.out.name}")
+        return [(self.out, write), *jobs], said
+
+
+def left_out(chosen: Format, units: str) -> list[str]:
+    """What a format does not store, and a unit that it does not name."""
+    said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
+    if chosen.any_unit and chosen.name != "3dm" and units != "m":
+        said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
+    return said
 
 
 def apart(paths: Sequence[Any]) -> None:

@@ -15,10 +15,10 @@ from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
+from drystone.ties import ties_of
 
 EQUAL = 1e-6
-"""Rounding: values that differ by less than this share are equal, and an interface nearer to the
-centroid of a block than this share of its size is a tie."""
+"""Rounding: values that differ by less than this share are equal."""
 
 
 def changed(
@@ -191,23 +191,13 @@ def _refuse_lost(
 def _refuse_ties(model: Model, gone: Bools) -> None:
     """Refuse to change a block with a tie."""
     contacts = model.contacts
-    for k in np.flatnonzero(gone & ties_of(model)).tolist():
+    for k in np.flatnonzero(gone & ties_of(model.assembly, contacts)).tolist():
         names = [model.assembly.names[i] for i in (contacts.block_b[k], contacts.block_a[k])]
         raise InputError(
             "have a tie between them, which would be lost",
             where=f"the blocks '{names[0]}' and '{names[1]}'",
             remedy="change other blocks, or add the tie afterwards",
         )
-
-
-def ties_of(model: Model) -> Bools:
-    """The interfaces (m,) that are ties: at the centroid of a block, where no search finds one."""
-    contacts, assembly = model.contacts, model.assembly
-    out = np.zeros(contacts.count, dtype=bool)
-    for block in (contacts.block_a, contacts.block_b):
-        away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
-        out |= away < EQUAL * assembly.size[block]
-    return out
 
 
 def _keys(origin: Ints, block_a: Ints, block_b: Ints) -> Ints:

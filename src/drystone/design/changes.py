@@ -12,15 +12,13 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
-from drystone.contacts import Contacts, joined_contacts
 from drystone.design.block_surgery import insert_block
 from drystone.design.changed_model import acceleration_of
 from drystone.design.joint_cut import JointRecut, recut
 from drystone.design.joint_plane import joint_plane
 from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
-from drystone.design.props import HEAD, PropSeat, with_props
+from drystone.design.props import PropSeat, with_props
 from drystone.design.words import friction_words, glue_words, names_of, newtons
-from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
@@ -50,9 +48,6 @@ _GLUE_SHARES = (0.01, 0.1, 0.3, 1.0)
 
 _BALLAST_SHARES = (0.1, 0.3, 1.0, 3.0, MOST)
 """Weights that are tried before the least one is searched, by that of the region."""
-
-_POINT = 0.01
-"""Size of the corners of a tie by its own, chosen."""
 
 Surgery: TypeAlias = Callable[[Model, Ints, Ints], Model]
 """What a change makes of a model that has a region: its blocks and its interfaces are given by
@@ -250,29 +245,6 @@ def ballasted(model: Model, block: int, weight: float) -> Model:
     wrench[block, :3] += weight * down / np.linalg.norm(down)
     name = f"{model.load.name} + {weight:.3g} N on {model.assembly.names[block]}"
     return model.with_load(replace(model.load, wrench=wrench, name=name))
-
-
-def tied(model: Model, block: int, other: int) -> Model:
-    """The model with a tie from the centroid of a block to that of another one.
-
-    It is a joint without friction that presses the block towards the other one. It has the area of
-    the head of a prop, drawn together to a point at the centroid, so that it resists no turn.
-    """
-    centroid = model.assembly.centroid
-    along = centroid[other] - centroid[block]
-    frame = frames_from_normals((along / np.linalg.norm(along))[None])
-    half = 0.5 * HEAD * float(model.assembly.size[block])
-    square = _POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    plate = Contacts(
-        np.array([other]),
-        np.array([block]),
-        frame,
-        np.array([4.0 * half**2]),
-        np.zeros(1),
-        centroid[block] + square @ frame[0, 1:],
-        np.zeros(4, dtype=np.intp),
-    )
-    return model.with_contacts(joined_contacts(model.contacts, plate))
 
 
 def props_at(chosen: Sequence[PropSeat]) -> Surgery:

@@ -22,7 +22,6 @@ from drystone.design.changes import (
     glue_changes,
     joint_change,
     props_at,
-    tied,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.needs import SEARCHED
@@ -31,6 +30,7 @@ from drystone.design.props import find_props
 from drystone.design.struts import struts
 from drystone.design.words import glue_words, names_of, newtons, place
 from drystone.model import Model
+from drystone.ties import tied
 
 _FIRST = 6
 """Number of struts of one block that are tried, the shortest first, and of pairs of blocks between

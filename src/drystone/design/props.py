@@ -19,9 +19,7 @@ from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
 from drystone.model import Model
-
-HEAD = 0.1
-"""Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
+from drystone.ties import PLATE
 
 _AGAINST = 0.2
 """A prop is possible where a face moves towards it with at least this share of its speed. Chosen:
@@ -126,7 +124,7 @@ def seats(
         On the other faces that look along the load, in place of those that move forward.
     """
     body = model.assembly.blocks[block]
-    half = 0.5 * HEAD * body.size
+    half = 0.5 * PLATE * body.size
     load = model.load.wrench[block, :3]
     for part in free_parts(model, block):
         speed = motion[:3] + np.cross(motion[3:], part.middle - body.centroid)
@@ -155,7 +153,7 @@ def _heads(part: FreePart, block: int, half: float, shares: Sequence[float]) -> 
 def propped(model: Model, seat: PropSeat) -> Model:
     """The model with a fixed prop against a block; the joint between them is the last one."""
     patch, count = np.asarray(seat.outline), len(seat.outline)
-    foot = patch - HEAD * model.assembly.size[seat.block] * np.asarray(seat.normal)
+    foot = patch - PLATE * model.assembly.size[seat.block] * np.asarray(seat.normal)
     here = range(count)
     sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in here]
     faces = (tuple(i + count for i in here), tuple(reversed(here)), *sides)

@@ -11,13 +11,14 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.changed_model import fresh_name, usual_friction
-from drystone.design.props import HEAD, seats
+from drystone.design.props import seats
 from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
 from drystone.geometry.glue import cut_cell
 from drystone.geometry.solid import crossings
 from drystone.geometry.triangulate import triangulate
 from drystone.model import Model
+from drystone.ties import PLATE
 
 _LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
 """[degrees] Tried inclinations of a strut from the normal of the face. Chosen."""
@@ -109,7 +110,7 @@ def _fitted(
         Outward normals of the face of the block, and of the face that the strut stands on.
     """
     body = model.assembly.blocks[block]
-    half = 0.5 * HEAD * body.size
+    half = 0.5 * PLATE * body.size
     frame = frames_from_normals(along[None])[0]
     # the line across the strut that lies in both faces stays whole; as deep as the block
     across = np.cross(along, seat) if abs(along @ seat) < 0.999 else frame[1]

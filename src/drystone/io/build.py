@@ -95,22 +95,24 @@ def build(
         The first defect, with the number of others; or no block can be used.
     """
     built = try_blocks(draft, path, units, split=split, supports=supports, repair=repair)
-    assembly = built.assembly
+    assembly, unit = built.assembly, units or draft.units or "m"
     if assembly is None and skip_defects and built.usable is not None:
         left = len(built.blocks) - len(built.usable)
         said = [
             f"{counted(left, 'block')} with defects left out ('drystone inspect' lists them)",
             *(["contacts, loads and results of the file left out"] if draft.finish else []),
         ]
-        return Contents(built.usable, notes=(*built.notes, *said))
+        notes = (*built.notes, *said)
+        return Contents(built.usable, notes=notes, ties=draft.ties, units=unit)
     if assembly is None:
         first = built.defects[0]
         more = len(built.defects) - 1
         tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
         raise first.located(first.where, first.remedy + tail) from first
-    scale = scale_of(units or draft.units or "m")
-    contacts, loads, results = draft.finish(assembly, scale) if draft.finish else (None, (), ())
-    return Contents(assembly, contacts, loads, results, built.notes)
+    contacts, loads, results = (
+        draft.finish(assembly, scale_of(unit)) if draft.finish else (None, (), ())
+    )
+    return Contents(assembly, contacts, loads, results, built.notes, draft.ties, unit)
 
 
 def try_blocks(

@@ -63,12 +63,15 @@ class Draft:
         loads and results; ``None`` if the file has none.
     notes
         Assumptions of the reader.
+    ties
+        Names of the two blocks of each tie.
     """
 
     shapes: tuple[DraftBlock, ...]
     units: str | None = None
     finish: Callable[[Assembly, float], Extras] | None = None
     notes: tuple[str, ...] = ()
+    ties: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,10 @@ class Contents(OneLine):
         Each refers to the assembly and the contacts of this model.
     notes
         Assumptions and repairs of the reader, one sentence each.
+    ties
+        Names of the two blocks of each tie that is not among the contacts.
+    units
+        Unit of length of the file; only a writer gets an assembly in it, all others one in metres.
     """
 
     assembly: Assembly
@@ -92,3 +99,5 @@ class Contents(OneLine):
     loads: tuple[LoadCase, ...] = ()
     results: tuple[Result, ...] = ()
     notes: tuple[str, ...] = ()
+    ties: tuple[tuple[str, str], ...] = ()
+    units: str = "m"

@@ -196,7 +196,7 @@ def _shapes(
 
 def write(model: Contents, path: Path) -> None:
     """One ``o`` per block, coordinates in shortest exact decimals; supports are not kept."""
-    lines = ["# drystone, metres"]
+    lines = [f"# drystone, {model.units}"]
     offset = 1
     for block in model.assembly.blocks:
         name = " ".join(lines_of(block.name))

@@ -31,6 +31,7 @@ from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
 from drystone.model import Model, Origin, up_of_load
 from drystone.supports import GroundPlane, ground_of, require_supports, select
+from drystone.ties import with_ties
 
 UP = {
     "z": np.eye(3),
@@ -247,7 +248,8 @@ def read(
         "skip_defects": skip_defects, **({} if detection is None else differing(detection)),
     }  # fmt: skip
     told = {name: _told(one) for name, one in given.items() if name != "max_size" and _says(one)}
-    return replace(model, origin=Origin(str(place_of(path)), digest_of(files_at(path)), told))
+    origin = Origin(str(place_of(path)), digest_of(files_at(path)), told, contents.units)
+    return replace(model, origin=origin)
 
 
 def _says(value: Any) -> bool:
@@ -305,6 +307,7 @@ def _model_of(
             detection=detection,
             anyway=anyway,
         )
+        model = with_ties(model, contents.ties)
     model = _cracked(_isolated(model, how), how)
     notes += model.notes
     total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)

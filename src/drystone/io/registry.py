@@ -8,11 +8,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
+import numpy as np
+
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
 from drystone.base.declared import refuse_unknown
 from drystone.base.display import OneLine
-from drystone.base.errors import FormatError, InputError, one_line_errors
+from drystone.base.errors import FormatError, InputError, one_line_errors, require
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import length, scale_of
 from drystone.io.build import Built, build, try_blocks
@@ -20,6 +22,7 @@ from drystone.io.draft import Contents, Draft
 from drystone.io.several import Paths, files_of, left_notes, place_of, together
 from drystone.model import Model
 from drystone.results import Result
+from drystone.ties import ties_of
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,8 @@ class Format(OneLine):
         The parts of a model that the format cannot hold, as text; empty if it holds everything.
     axes_unknown
         Whether files do not define the vertical axis.
+    any_unit
+        Whether lengths may be written in another unit than metres.
     options
         What ``read`` takes further: ``layers`` and ``hidden``, or ``thickness`` and ``units``.
     """
@@ -55,6 +60,7 @@ class Format(OneLine):
     writer: str = ""
     loses: str = ""
     axes_unknown: bool = False
+    any_unit: bool = False
     options: tuple[str, ...] = ()
 
     @property
@@ -98,10 +104,19 @@ FORMATS: tuple[Format, ...] = (
         "compas_json_write.write_block_model",
         _COMPAS,
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, axes_unknown=True),
-    Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", axes_unknown=True),
-    Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, axes_unknown=True),
-    Format("3dm", "Rhino 3dm", (".3dm",), "rhino", "rhino_write", _CONTACTS, options=_LAYERED),
+    Format("obj", "Wavefront OBJ", (".obj",), "obj", "obj", _MATERIAL, True, True),
+    Format("stl", "STL", (".stl",), "stl", "stl", f"polygons, {_MATERIAL}", True, True),
+    Format("ply", "PLY", (".ply",), "ply", "ply", _CONTACTS, True, True),
+    Format(
+        "3dm",
+        "Rhino 3dm",
+        (".3dm",),
+        "rhino",
+        "rhino_write",
+        f"contacts but for ties, {_LOADS}",
+        any_unit=True,
+        options=_LAYERED,
+    ),
     Format("dxf", "DXF", (".dxf",), "dxf", options=(*_LAYERED, "thickness", "units")),
     Format("dae", "COLLADA", (".dae",), "dae"),
     Format("step", "STEP", (".step", ".stp"), "step"),
@@ -307,9 +322,13 @@ def _draft_of(
 
 
 def write(
-    model: Model | Assembly | Result | Contents, path: PathLike, *, format: str | None = None
+    model: Model | Assembly | Result | Contents,
+    path: PathLike,
+    *,
+    format: str | None = None,
+    units: Unit | str = "m",
 ) -> None:
-    """Write a model, an assembly alone, or a result with its model; lengths are in metres.
+    """Write a model, an assembly alone, or a result with its model.
 
     Parameters
     ----------
@@ -319,16 +338,51 @@ def write(
         when the new one is complete.
     format
         Name of the format, for suffixes of several formats.
+    units
+        Unit of lengths in obj, stl, ply and 3dm; other formats have metres.
 
     Raises
     ------
     FormatError
         No format has the suffix, it cannot hold the model, or the folder cannot be written.
+    InputError
+        The unit is not known.
+    """
+    chosen = writable(path, format)
+    contents, scale = contents_of(model), scale_of(units)
+    contents = replace(contents, ties=_ties(contents), units="m")
+    if chosen.any_unit and units != "m":
+        scaled = contents.assembly.transformed(np.eye(3) / scale)
+        contents = Contents(scaled, ties=contents.ties, units=units)
+    chosen.write(contents, Path(path))
+
+
+def writable(path: PathLike, format: str | None = None) -> Format:
+    """The format that :func:`write` takes.
+
+    Raises
+    ------
+    FormatError
+        There is none, or it is only read.
+    MissingDependency
+        It needs an extra.
     """
     chosen = format_of(path, format, writing=True)
     if not chosen.writer:
         raise FormatError(f"{chosen.title} can be read but not written", where=str(path))
-    chosen.write(contents_of(model), Path(path))
+    if chosen.name == "3dm":
+        require("rhino3dm", "cad", "writing 3dm")
+    return chosen
+
+
+def _ties(contents: Contents) -> tuple[tuple[str, str], ...]:
+    """The names of the blocks of each tie, the one that is pulled first."""
+    contacts, names = contents.contacts, contents.assembly.names
+    if contacts is None:
+        return contents.ties
+    some = np.flatnonzero(ties_of(contents.assembly, contacts)).tolist()
+    own = tuple((names[contacts.block_b[k]], names[contacts.block_a[k]]) for k in some)
+    return (*contents.ties, *own)
 
 
 def contents_of(model: Model | Assembly | Result | Contents) -> Contents:

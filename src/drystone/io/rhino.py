@@ -55,7 +55,23 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     known = [one.text() for one in top["layers"].elements()]
     require_blocks(shapes, layers, known, unread, path)
     shapes, renamed = named_apart(shapes)
-    return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
+    ties = [_tie(one.text(), path) for one in top["ties"].elements()]
+    names = {shape.name for shape in shapes}
+    for a, b in ties:
+        if not {a, b} <= names:
+            notes.append(f"the tie of '{a}' and '{b}' left out: one of them is not there")
+    return Draft(
+        tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed), ties=tuple(ties)
+    )
+
+
+def _tie(text: str, path: Path) -> tuple[str, str]:
+    """The names of the two blocks of a tie."""
+    kept = parse(text.encode(), path)
+    names = [one.text() for one in kept.elements()]
+    if len(names) != 2:
+        raise kept.error("does not name two blocks")
+    return names[0], names[1]
 
 
 def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], list[str]]:

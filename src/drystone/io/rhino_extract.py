@@ -5,6 +5,8 @@ from typing import Any
 
 _DEPTH = 16
 """Nesting of block definitions, chosen."""
+TIE = "drystone-tie"
+"""User text of a tie: the names of its blocks, as JSON."""
 PICTURE = "drystone-picture"
 """User text of what drystone drew of a result: forces, joints, a motion. It is no block."""
 
@@ -24,6 +26,7 @@ def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
         "objects": found.objects,
         "skipped": found.skipped,
         "hidden": found.hidden,
+        "ties": found.ties,
         "layers": [layer.FullPath for layer in file.Layers],
     }
 
@@ -39,11 +42,16 @@ class _Found:
         self.tolerance = file.Settings.ModelAbsoluteTolerance
         self.objects: list[dict[str, Any]] = []
         self.skipped: dict[str, int] = {}
+        self.ties: list[str] = []
 
     def take(self, item: Any, placed: Any, depth: int) -> None:
         """Add an object, moved by ``placed``; for an instance, the objects of its definition."""
         geometry, attributes = item.Geometry, item.Attributes
         kind = type(geometry).__name__
+        tie = attributes.GetUserString(TIE)
+        if tie:
+            self.ties.append(tie)
+            return
         layer = self.layers.get(attributes.LayerIndex)
         if attributes.GetUserString(PICTURE) or not self._wants(attributes, layer, depth):
             return

@@ -15,27 +15,41 @@ from drystone.base.files import write_through
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Contents
-from drystone.io.rhino import TEXT
+from drystone.io.rhino import TEXT, UNITS
+from drystone.io.rhino_extract import TIE
 
 
 def write(model: Contents, path: Path) -> None:
-    """Meshes in metres, in double precision, with names, layers, supports and densities.
+    """Meshes in double precision, with names, layers, supports and densities; ties as lines.
 
     Polygons with more than four corners are cut into triangles for Rhino; they are kept in the user
     text, so that reading the file gives the same block.
     """
-    file = empty_file("writing 3dm")
+    file = empty_file("writing 3dm", model.units)
     layers: dict[str, int] = {}
     for block, fixed in zip(model.assembly.blocks, model.assembly.fixed.tolist(), strict=True):
         layer = str(block.metadata.get("layer", "supports" if fixed else "blocks"))
         if layer not in layers:
             layers[layer] = add_layer(file, layer.rpartition("::")[2])
         file.Objects.AddMesh(mesh_of(block), attributes_of(block, fixed, layers[layer], path))
+    _add_ties(file, model)
     save(file, path)
 
 
-def empty_file(purpose: str) -> Any:
-    """A file in metres without objects.
+def _add_ties(file: Any, model: Contents) -> None:
+    """A line on a layer of their own for each tie."""
+    rhino3dm: Any = importlib.import_module("rhino3dm")
+    layer = add_layer(file, "ties") if model.ties else 0
+    for pair in model.ties:
+        ends = [rhino3dm.Point3d(*model.assembly[name].centroid.tolist()) for name in pair]
+        attributes = rhino3dm.ObjectAttributes()
+        attributes.Name, attributes.LayerIndex = "tie", layer
+        attributes.SetUserString(TIE, json.dumps(pair))
+        file.Objects.AddLine(*ends, attributes)
+
+
+def empty_file(purpose: str, units: str = "m") -> Any:
+    """A file without objects.
 
     Raises
     ------
@@ -45,7 +59,8 @@ def empty_file(purpose: str) -> Any:
     require("rhino3dm", "cad", purpose)
     rhino3dm: Any = importlib.import_module("rhino3dm")
     file = rhino3dm.File3dm()
-    file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    named = {unit: name for name, unit in UNITS.items()}
+    file.Settings.ModelUnitSystem = getattr(rhino3dm.UnitSystem, named[units])
     return file
 
 

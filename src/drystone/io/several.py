@@ -162,6 +162,7 @@ def together(drafts: Sequence[tuple[Path, Draft]], units: str | None) -> Draft:
         shapes += own
         size.append(_extent(own))
         notes += [f"{file.name}: {note}" for note in draft.notes]
+        notes += [f"{file.name}: {counted(len(draft.ties), 'tie')} left out"] if draft.ties else []
     if units is None:
         notes += _units_told(drafts)
     told = units or ("m" if any(draft.units for _, draft in drafts) else None)

@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from drystone import io
+from drystone import Assembly, io
 from drystone.cli import main
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -121,3 +121,20 @@ def test_blocks_to_fabricate_leave_room_in_their_joints(tmp_path: Path, capsys: 
     assert io.read(target).assembly.volume == pytest.approx([0.99971, 0.99942, 0.99971])
     assert main([*arguments, "-1mm"]) == 2
     assert main([*arguments, "1mm", "--contacts"]) == 2
+
+
+def test_mends_are_written_in_the_unit_of_the_file(tmp_path: Path, capsys: Capsys) -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    source, target = str(tmp_path / "model.obj"), str(tmp_path / "mended.obj")
+    io.write(Assembly((base, out)), source, units="mm")
+    how = ["--units", "mm", "--supports", "lowest"]
+    mend = ["mend", source, *how, "--kind", "prop", "--apply", "1"]
+    assert main([*mend, "--out", target]) == 0
+    told = capsys.readouterr().out
+    assert "this format does not store supports" in told
+    assert "its lengths are in mm" in told
+    again = io.read_file(target, units="mm").assembly
+    assert again.names == ("base", "out", "prop-1")
+    assert again.volume[:2] == pytest.approx([1.0, 0.2])
+    assert main([*mend, "--out", str(tmp_path / "mended.dxf")]) == 2
+    assert "does not end in .json, .3dm" in capsys.readouterr().err

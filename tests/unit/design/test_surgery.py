@@ -24,11 +24,11 @@ from drystone.design import (
     turn_joint,
     wedge_joint,
 )
-from drystone.design.changes import tied
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.glue import cut_cell, glue
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.models import arch, box, prism, shelf, snake, tower
+from drystone.ties import tied
 
 CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
     (turn_joint, (20.0,), [1.0 / np.cos(np.deg2rad(20.0))]),

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import Assembly, FormatError, MissingDependency, io
+from drystone import Assembly, FormatError, InputError, MissingDependency, check, io
 from drystone.assembly import replace_block
 from drystone.io import rhino
 from drystone.models import arch, box, concave, vault
+from drystone.ties import tied
 
 try:
     import rhino3dm
@@ -311,3 +312,25 @@ def test_names_that_would_be_lost_are_refused(tmp_path: Path, name: str) -> None
     model = Assembly((replace_block(box((1.0, 1.0, 1.0)), name=name),))
     with pytest.raises(FormatError, match="control character"):
         io.write(model, tmp_path / "model.3dm")
+
+
+@needs_rhino
+def test_ties_and_units_are_kept_in_a_file(tmp_path: Path) -> None:
+    floor, out = box((1.0, 1.0, 1.0), name="floor"), box((0.5, 0.5, 0.5), (0.0, 0.0, 1.0), "out")
+    wall = box((0.5, 0.5, 0.5), (-2.0, 0.0, 1.0), "wall")
+    pushed = {"friction": 0.2, "gravity": (5.0, 0.0, -9.81)}
+    model = io.as_model(Assembly((floor, out, wall)).with_fixed([0, 2]), **pushed)
+    held = tied(model, 1, 2)
+    assert check(held).stable
+    assert check(model).falls
+    io.write(held, tmp_path / "held.3dm", units="mm")
+    again = io.read(tmp_path / "held.3dm", **pushed)
+    assert again.origin.units == "mm"
+    assert again.assembly.volume == pytest.approx(model.assembly.volume)
+    assert again.contacts.centroid[-1] == pytest.approx(held.contacts.centroid[-1])
+    assert check(again).stable
+    lone = io.read(tmp_path / "held.3dm", without="wall", **pushed)
+    assert len(lone.assembly) == 2
+    assert check(lone).falls
+    with pytest.raises(InputError, match="unit 'league' is not known"):
+        io.write(held, tmp_path / "held.obj", units="league")

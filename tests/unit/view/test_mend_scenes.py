@@ -11,12 +11,13 @@ import drystone
 from drystone.answer.question import asked_line
 from drystone.checks import corner_motion
 from drystone.design import Changed, DiagnosisOptions
-from drystone.design.changes import ballasted, glued, tied
+from drystone.design.changes import ballasted, glued
 from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Origin
 from drystone.models import arch, box, tower
 from drystone.settlement import push
+from drystone.ties import tied
 from drystone.view import LayerKind, State, scene_of
 
 
