@@ -6,6 +6,7 @@ import pytest
 
 from drystone import InputError
 from drystone.base import units
+from drystone.base.table import Table
 
 
 def test_friction_is_a_coefficient_or_an_angle() -> None:
@@ -50,3 +51,8 @@ def test_a_number_has_one_of_its_units() -> None:
     for text in ("3", "kN", "1e999N", "nanN", "1 stone", "1kN2", ""):
         with pytest.raises(InputError):
             units.measured(text, units.FORCES)
+
+
+def test_a_column_of_forces_has_no_smaller_unit_than_its_largest_value() -> None:
+    told = Table("props", {"force": [275.0, 0.0305, 0.0, 12300.0]}, {"force": "N"}).cells()[1]
+    assert [row[0] for row in told] == ["275 N", "0.0305 N", "0 N", "12.3 kN"]

@@ -226,15 +226,17 @@ def _shown(values: np.ndarray, unit: str) -> list[str]:
             return [quantities.components(row, unit, least, largest) for row in values.tolist()]
         if values.ndim == 2:
             return [", ".join(f"{one + 0.0:.4g}" for one in row) for row in values.tolist()]
-        return [_one(value, unit, least) for value in values.tolist()]
+        return [_one(value, unit, least, largest) for value in values.tolist()]
     return [_text(value) for value in values.tolist()]
 
 
-def _one(value: float, unit: str, least: float) -> str:
+def _one(value: float, unit: str, least: float, largest: float) -> str:
     if not math.isfinite(value):
         return "-" if math.isnan(value) else "unlimited" if value > 0.0 else "none"
     if unit == "1":
         return f"{value + 0.0:.1%}"
+    if unit.startswith("N") and largest >= 1.0 > abs(value) > least:
+        return f"{value:.3g} {unit}"  # one smaller unit in a column is not read
     if unit in _PREFIXED:
         return quantities.quantity(value, unit, least)
     return f"{value + 0.0:.4g}"

@@ -148,14 +148,15 @@ def components(
     """Components of a vector with one prefix, to three digits of the largest.
 
     A vector of which no component exceeds ``negligible`` is zero. ``column`` is the largest value
-    of a table, which then has one prefix, unless that value is negligible too.
+    of a table, which then has one prefix, unless that value is negligible too. Tenths of a newton
+    are no millinewtons.
 
     Examples
     --------
     >>> components([0.1, -2500.0, 12340.0], "N"), components([0.0, -2e-7, 0.0], "N m", 1e-6)
     ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
     >>> components([0.0, -0.165], "N m"), components([0.0, -0.165], "N m", column=1.64)
-    ('0, -165 mN m', '0, -0.165 N m')
+    ('0, -0.165 N m', '0, -0.165 N m')
     >>> components([0.0, 3e-13], "N m", 1e-6, column=3e-13)
     '0, 0 N m'
     """
@@ -163,6 +164,7 @@ def components(
     if largest <= negligible:
         values, largest = [0.0] * len(values), 0.0
     size = max(largest, column if column > negligible else 0.0)
+    size *= 10.0 if unit.startswith("N") and 0.0995 <= size < 1.0 else 1.0
     factor, prefix = next((one for one in _PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
 

@@ -89,5 +89,5 @@ def check(
     why = mend_command.short(result, waiting)
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
-        files=partial(wanted.of, result),
+        files=partial(wanted.of, result), then=subject.command("mend") if why else "",
     )  # fmt: skip

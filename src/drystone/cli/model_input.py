@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,12 +19,13 @@ if TYPE_CHECKING:
     from drystone.loads import LoadCase
     from drystone.model import Model
 
+_FLAGS = {"search": "--find-contacts", "layers": "--layer"}
 HOW = partial(
     Of,
     "drystone.io.read",
     without=("detection", "progress"),
     shown=("units", "supports", "friction", "density", "gravity", "load"),
-    flags={"search": "--find-contacts", "layers": "--layer"},
+    flags=_FLAGS,
     metavars={
         "supports": "NAMES|lowest|ground",
         "gravity": "SIZE|X,Y,Z",
@@ -91,6 +93,19 @@ class Subject:
     def how(self) -> dict[str, Any]:
         """Arguments of :func:`drystone.read`."""
         return dict(self.reading.given)
+
+    def command(self, name: str) -> str:
+        """Another command on the same model, as it is typed."""
+        words = ["drystone", name, *self.each]
+        for key, given in self.how.items():
+            flag = _FLAGS.get(key, f"--{key.replace('_', '-')}")
+            for one in given if isinstance(given, tuple) else (given,):
+                words += (
+                    [flag]
+                    if one is True
+                    else [flag, f"{one:.6g}" if isinstance(one, float) else str(one)]
+                )
+        return shlex.join(words)
 
     @property
     def anyway(self) -> bool:

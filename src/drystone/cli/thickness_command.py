@@ -79,7 +79,8 @@ def thickness(
         pictures.require_through(made(start))
     asked = asked.instead(limit_thickness, parameter=name, unit=unit)
     found = asked.of(waiting, made, start, last if thin is None else thin)
-    return Told(found, subject=family, files=partial(pictures.of, found))
+    notes = [] if {thick, thin} - {None} else ["--from and --to search another range"]
+    return Told(found, subject=family, notes=notes, files=partial(pictures.of, found))
 
 
 def _built(

@@ -55,6 +55,8 @@ class Told:
         Names of files that are written already.
     everything
         Print every row of the tables.
+    then
+        The command that follows.
     """
 
     answer: Answer
@@ -66,6 +68,7 @@ class Told:
     into: Path | None = None
     written: Sequence[str] = ()
     everything: bool = False
+    then: str = ""
 
     @property
     def code(self) -> int:
@@ -136,7 +139,8 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
             else:
                 failed = error
     waiting.wrote = files
-    data = {**answer.data, "notes": notes, "files": files}
+    then = {"next": answer.then} if answer.then else {}
+    data = {**answer.data, **then, "notes": notes, "files": files}
 
     def tell() -> int:
         spent = {key: s for key, s in waiting.time_s.items() if key != "write" or files}
@@ -155,6 +159,8 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
             screen.dim(", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items()))
             for name in files:
                 screen.line(f"wrote {name}")
+            if answer.then:
+                screen.line(f"next: {answer.then}")
         if failed is not None:
             return output.fail(failed, output.code_of(failed), as_json)
         return waiting.exit_code(answer.code)

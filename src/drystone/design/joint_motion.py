@@ -262,7 +262,8 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     them = "it" if len(blocks) == 1 else "them"
     ways = _supports(model, blocks, needs)
     missing = ""
-    if not ways and float(np.linalg.norm(needs.force)) > 0.0:
+    # those of several blocks may balance each other: their sum holds nothing
+    if not ways and len(blocks) == 1 and float(np.linalg.norm(needs.force)) > 0.0:
         missing = f"{force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))

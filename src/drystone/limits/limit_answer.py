@@ -15,7 +15,7 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
-from drystone.limits.limit_types import Evaluation, LimitValues, plain
+from drystone.limits.limit_types import Bracket, Evaluation, LimitValues, plain
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import Outcome
@@ -167,7 +167,7 @@ class Limit(LimitValues, Answer):
             said.append(Sentence(falling.message))
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
-        return said
+        return [*said, Sentence(f"searched from {self.start:.6g} to {self._told(self.end)}")]
 
     def tables(self) -> Sequence[Table]:
         """The limit by each definition."""
@@ -177,8 +177,8 @@ class Limit(LimitValues, Answer):
         found = {_KINDS[key]: one for key, one in shown.items() if one is not None}
         columns = {
             "definition": list(found),
-            "stands_at": [np.nan if one.stands is None else one.stands for one in found.values()],
-            "gives_way_at": [np.nan if one.falls is None else one.falls for one in found.values()],
+            "stands_at": [self._cell(one.stands, one) for one in found.values()],
+            "gives_way_at": [self._cell(one.falls, one) for one in found.values()],
         }
         unit = self.quantity.unit
         units = {"stands_at": unit, "gives_way_at": unit} if unit else {}
@@ -288,9 +288,13 @@ class Limit(LimitValues, Answer):
         """A value in words."""
         return self.quantity.told(self._digits(value, 3 if self.quantity.unit == "deg" else 4))
 
-    def _digits(self, value: float, digits: int = 4) -> str:
+    def _cell(self, value: float | None, bracket: Bracket) -> str:
+        return "-" if value is None else self._digits(value, bracket=bracket)
+
+    def _digits(self, value: float, digits: int = 4, bracket: Bracket | None = None) -> str:
         """A value with so many digits, or with as many more as tell both sides apart."""
-        both = [one for one in (self.best.stands, self.best.falls) if one is not None]
+        sides = bracket or self.best
+        both = [one for one in (sides.stands, sides.falls) if one is not None]
         while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
             digits += 1
         return f"{value:.{digits}g}"

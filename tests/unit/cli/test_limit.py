@@ -270,3 +270,14 @@ def test_programs_ask_for_every_limit_by_the_options_of_its_function(
     told = ask_tool("limit", asked, folder, 60.0)
     assert key in told, told
     assert "is not used" in ask_tool("limit", {**asked, "scaled": True}, folder, 60.0)["error"]
+
+
+def test_the_range_that_was_searched_is_told_and_both_sides_differ(capsys: Capsys) -> None:
+    asked = ["limit", "thickness", "arch", "--set", "voussoirs=8", "--friction", "1"]
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    assert "searched from 0.2 to 0.05" in said
+    assert "--from and --to search another range" in said
+    row = next(line for line in said.splitlines() if "some forces balance" in line)
+    stands, falls = row.split()[-2:]
+    assert float(stands) > float(falls)

@@ -227,7 +227,12 @@ def test_check_tells_the_cause_and_mend_what_would_hold_it(
     file: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["check", file]) == 1
-    assert "'block' slides down along 'ramp'" in capsys.readouterr().out.replace("\n", " ")
+    said = capsys.readouterr().out
+    assert "'block' slides down along 'ramp'" in said.replace("\n", " ")
+    assert said.endswith(f"next: drystone mend {file}\n")
+    main(["check", file, "--friction", "35deg", "--only", "block,ramp"])
+    then = f"next: drystone mend {file} --friction 0.700208 --only block,ramp\n"
+    assert capsys.readouterr().out.endswith(then)
     assert main(["check", file, "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["diagnosis"]["regions"][0]["blocks"] == ["block"]
     page = Path(file).with_suffix(".html")
@@ -237,6 +242,12 @@ def test_check_tells_the_cause_and_mend_what_would_hold_it(
     assert [joint["motion"] for joint in region["joints"]] == ["slides"]
     assert region["needs"]["supports"][0]["block"] == "block"
     assert "props that would hold it" in page.read_text(encoding="utf-8")
+
+
+def test_forces_on_several_blocks_that_balance_each_other_are_not_added_up() -> None:
+    thin = Model.of(arch(voussoirs=11, thickness_ratio=0.1), friction=0.7)
+    (told,) = diagnose(thin, options=DiagnosisOptions(needs=False)).reasons
+    assert "missing" not in told
 
 
 def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
