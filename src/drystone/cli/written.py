@@ -145,10 +145,11 @@ class WithModel(Pictures):
             return jobs, said
         from drystone import io
 
-        units = answer.before.origin.units
+        origin = getattr(answer.before, "origin", answer.model.origin)
+        units = origin.units
         write = partial(io.write, answer.model, units=units)
         said = [*said, *left_out(io.format_of(self.out, writing=True), units)]
-        if "up" in answer.before.origin.reading:
+        if "up" in origin.reading:
             said.append(f"z is up in {self.out.name}")
         return [(self.out, write), *jobs], said
 
