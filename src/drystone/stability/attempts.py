@@ -18,7 +18,7 @@ from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_f
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
-from drystone.stability.screening import AT_REST, PATIENT, PROVED, Screening
+from drystone.stability.screening import AT_REST, PATIENT, PROVED, SAMPLED, Screening
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
@@ -60,6 +60,8 @@ class Candidate:
         Newton steps so far.
     falling
         The state on ground springs that lean on, where it does not stand.
+    allowed
+        Largest residual with which it stands.
     """
 
     force: Floats
@@ -67,11 +69,12 @@ class Candidate:
     residuals: Residuals
     steps: int = 0
     falling: RestState | None = None
+    allowed: float = FORCE_TOLERANCE
 
     @property
     def stands(self) -> bool:
-        """Whether every residual is small enough for a proof."""
-        return self.residuals.largest <= FORCE_TOLERANCE
+        """Whether every residual is small enough."""
+        return self.residuals.largest <= self.allowed
 
 
 class Attempt:
@@ -111,7 +114,10 @@ class Attempt:
         )
 
     def with_forces_of(self, rest: Candidate) -> Candidate | None:
-        """The rest state from the forces of one with other springs, if there is one near."""
+        """The rest state from the forces of one with other springs, if there is one near.
+
+        It tells whether these springs hold too. The proof is the rest state that is given.
+        """
         problem, statics = self.problem, self.problem.statics
         force = rest.force[problem.corners] / statics.force_unit
         motion = statics.scaled_motion(rest.displacement, statics.mean_length)
@@ -120,16 +126,18 @@ class Attempt:
         except SolverError:
             return None
         self.steps += 1
-        return self._near(start)
+        return self._near(start, SAMPLED, 3.0 * SAMPLED.tolerance)
 
-    def _near(self, start: Start) -> Candidate | None:
+    def _near(
+        self, start: Start, options: RestOptions = PROVED, allowed: float = FORCE_TOLERANCE
+    ) -> Candidate | None:
         """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
         statics = self.problem.statics
-        state = find_rest_nearby(statics, self.springs, PROVED, start, self.late)
+        state = find_rest_nearby(statics, self.springs, options, start, self.late)
         if state is None:
             return None
         self.steps += state.iterations
-        found = self._examined(state)
+        found = replace(self._examined(state), allowed=allowed)
         return found if found.stands else None
 
     def from_nothing(
