@@ -176,13 +176,17 @@ def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
 
 
 def utilisation_of(
-    contacts: Contacts, resultants: Resultants, faces: Bools | None = None
+    contacts: Contacts,
+    resultants: Resultants,
+    faces: Bools | None = None,
+    enough: Floats | None = None,
 ) -> Floats:
     """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
 
     A dry face bears the torque that friction resists under a linear pressure that does not pull.
     Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
-    With some ``faces`` (m,), the torque of the others is left out.
+    With some ``faces`` (m,), the torque of the others is left out. A use above ``enough`` (m,) is
+    some number above it.
     """
     used = sliding_use(contacts, resultants).copy()
     normal = resultants.normal
@@ -192,11 +196,14 @@ def utilisation_of(
     turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
     which = np.flatnonzero(turned if faces is None else turned & faces)
     if len(which):
-        used[which] = np.maximum(used[which], _twisted_use(contacts, resultants, which))
+        most = np.inf if enough is None else enough[which]
+        used[which] = np.maximum(used[which], _twisted_use(contacts, resultants, which, most))
     return frozen(used)
 
 
-def _twisted_use(contacts: Contacts, resultants: Resultants, which: Ints) -> Floats:
+def _twisted_use(
+    contacts: Contacts, resultants: Resultants, which: Ints, enough: Floats | float
+) -> Floats:
     """Force and torque by the largest that some faces (t,) resist under a linear pressure."""
     origin, corners, _ = joint_sections(contacts)
     part, row = contacts.corners.take(which)
@@ -212,6 +219,7 @@ def _twisted_use(contacts: Contacts, resultants: Resultants, which: Ints) -> Flo
         bound[owner] * share,
         np.einsum("mij,mj->mi", axes, resultants.force[which]),
         np.where(points.loops.sum(share) > 0.0, resultants.torque[which], 0.0),
+        enough,
     )
 
 

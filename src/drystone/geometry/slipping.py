@@ -61,7 +61,14 @@ def pressed_points(loops: Ragged, place: Floats, area: Floats, centre: Floats) -
     return np.where(left <= _BALANCED, 1.0, 0.0)[loops.owner] * share
 
 
-def slip_use(loops: Ragged, place: Floats, bound: Floats, force: Floats, torque: Floats) -> Floats:
+def slip_use(
+    loops: Ragged,
+    place: Floats,
+    bound: Floats,
+    force: Floats,
+    torque: Floats,
+    enough: Floats | float = np.inf,
+) -> Floats:
     """Force (m, 2) and torque (m,) by the largest multiple of both that faces resist, (m,).
 
     Zero where nothing presses.
@@ -75,6 +82,8 @@ def slip_use(loops: Ragged, place: Floats, bound: Floats, force: Floats, torque:
     bound : (p,) [N]
         Largest friction of each point.
     force, torque : [N, N m]
+    enough : (m,)
+        What is known to be above it is told as some number above it. Each round finds more.
 
     Examples
     --------
@@ -85,7 +94,6 @@ def slip_use(loops: Ragged, place: Floats, bound: Floats, force: Floats, torque:
     >>> slip_use(Ragged.from_counts([2]), two, np.array([3.0, 3.0]), *pull).round(3).tolist()
     [0.333]
     """
-    owner = loops.owner
     total = loops.sum(bound)
     safe = np.where(total > 0.0, total, 1.0)
     size = np.sqrt(loops.sum(bound * (place**2).sum(axis=1)) / safe)
@@ -94,27 +102,32 @@ def slip_use(loops: Ragged, place: Floats, bound: Floats, force: Floats, torque:
     loaded = (total > 0.0) & wanted.any(axis=1)
     scale = np.where(loaded, lengths(wanted), 1.0)
     wanted = np.where(loaded[:, None], wanted / scale[:, None], [1.0, 0.0, 0.0])
-    x, y = (place / size[owner, None]).T
-    share = bound / safe[owner]
-    matrix = np.zeros((len(share), 3, 3))
-    speed = np.ones(len(share))
-    power = np.zeros(len(loops))
+    power, least = np.ones(len(loops)), scale / (safe * np.maximum(enough, 1e-300))
+    left = np.flatnonzero(loaded)  # a face that is done is left out of the rounds
+    part, row = loops.take(left)
+    speed, before = np.ones(len(row)), np.zeros(len(left))
     for _ in range(_ROUNDS):
-        most = loops.max(speed, empty=1.0)[owner]
+        if not len(left):
+            break
+        face, goal = left[part.owner], wanted[left]
+        x, y = (place[row] / size[face, None]).T
+        share = bound[row] / safe[face]
+        most = part.max(speed, empty=1.0)[part.owner]
         weight = share / np.maximum(speed, _STILL * most)
+        matrix = np.zeros((len(row), 3, 3))
         matrix[:, 0, 0] = matrix[:, 1, 1] = weight
         matrix[:, 0, 2] = matrix[:, 2, 0] = -weight * y
         matrix[:, 1, 2] = matrix[:, 2, 1] = weight * x
         matrix[:, 2, 2] = weight * (x * x + y * y)
-        summed = loops.sum(matrix)
+        summed = part.sum(matrix)
         summed += 1e-12 * np.trace(summed, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        summed[total <= 0.0] = np.eye(3)
-        slip = np.linalg.solve(summed, wanted[:, :, None])[:, :, 0]
-        slip /= (slip * wanted).sum(axis=1)[:, None]
-        v = slip[owner]
+        slip = np.linalg.solve(summed, goal[:, :, None])[:, :, 0]
+        slip /= (slip * goal).sum(axis=1)[:, None]
+        v = slip[part.owner]
         speed = np.hypot(v[:, 0] - v[:, 2] * y, v[:, 1] + v[:, 2] * x)
-        before, power = power, loops.sum(share * speed)
-        if (np.abs(power - before) <= _SAME * power).all():
-            break
+        now = power[left] = part.sum(share * speed)
+        moves = (np.abs(now - before) > _SAME * now) & (now >= least[left])
+        left, before, speed = left[moves], now[moves], speed[moves[part.owner]]
+        part, row = loops.take(left)
     found = scale / np.where(loaded, safe * power, 1.0)
     return np.where(loaded, found, 0.0)

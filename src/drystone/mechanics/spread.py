@@ -34,14 +34,19 @@ def turned_faces(contacts: Contacts, resultants: Resultants) -> Bools:
     far = contacts.corners.max(lengths(corners - at[contacts.interface]))
     resisted = bearable(contacts, resultants.normal) * np.trace(made.inertia, axis1=1, axis2=2)
     sliding = sliding_use(contacts, resultants)
+    twist = np.abs(resultants.torque) * far
 
-    def turning(least: float) -> Bools:
-        may = np.abs(resultants.torque) * far > np.maximum(least - sliding, TWISTED) * resisted
-        used = utilisation_of(contacts, resultants, may)
-        return (used > least) & (used > sliding + TWISTED)
+    def may_exceed(least: float) -> Bools:
+        return np.asarray(twist > np.maximum(least - sliding, TWISTED) * resisted)
 
-    found = turning(MUCH)
-    return turning(0.0) if found.any() else found
+    much = may_exceed(MUCH)
+    if not much.any():
+        return much
+    twisted = sliding + TWISTED
+    enough = np.where(much, np.maximum(MUCH, twisted), twisted)
+    used = utilisation_of(contacts, resultants, may_exceed(0.0), enough)
+    found: Bools = (used > twisted) & (used[much] > enough[much]).any()
+    return found
 
 
 def spread(contacts: Contacts, faces: Bools) -> Contacts:

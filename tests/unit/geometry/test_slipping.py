@@ -39,6 +39,20 @@ def test_the_largest_multiple_is_that_of_a_linear_program() -> None:
         assert 1.0 / used[0] == pytest.approx(by_program(place, bound, force, torque), rel=3e-3)
 
 
+def test_what_is_asked_up_to_a_use_is_on_the_same_side_of_it() -> None:
+    rng = np.random.default_rng(5)
+    loops = Ragged.from_counts([12] * 40)
+    place, bound = rng.normal(size=(480, 2)), rng.uniform(0.1, 1.0, 480)
+    force, torque = 2.0 * rng.normal(size=(40, 2)), rng.normal(size=40)
+    used = slip_use(loops, place, bound, force, torque)
+    asked = slip_use(loops, place, bound, force, torque, enough=0.4)
+    assert 0 < np.count_nonzero(used > 0.4) < 40
+    assert ((asked > 0.4) == (used > 0.4)).all()
+    assert (asked <= used).all()
+    alone = slip_use(Ragged.from_counts([12]), place[:12], bound[:12], force[:1], torque[:1])
+    assert alone[0] == pytest.approx(used[0], rel=1e-12)  # whatever other faces need
+
+
 def test_what_carries_nothing_is_not_used() -> None:
     none = slip_use(
         Ragged.from_counts([2, 2]),
