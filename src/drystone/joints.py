@@ -17,9 +17,9 @@ from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
 from drystone.geometry.pressure import peak_pressure
-from drystone.geometry.quadrature import face_points
+from drystone.geometry.quadrature import FacePoints, face_points
 from drystone.geometry.slipping import pressed_points, slip_use
-from drystone.virtual import joint_sections
+from drystone.virtual import joint_sections, local_corners
 
 LOADED = 1e-9
 """A joint with less normal force than this share of the largest has no ratios."""
@@ -175,39 +175,48 @@ def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
     )
 
 
-def utilisation_of(
-    contacts: Contacts,
-    resultants: Resultants,
-    faces: Bools | None = None,
-    enough: Floats | None = None,
-) -> Floats:
+def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
 
     A dry face bears the torque that friction resists under a linear pressure that does not pull.
     Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
-    With some ``faces`` (m,), the torque of the others is left out. A use above ``enough`` (m,) is
-    some number above it.
     """
     used = sliding_use(contacts, resultants).copy()
-    normal = resultants.normal
-    bound = np.maximum(bearable(contacts, normal), 0.0)
-    turned = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
-    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
-    which = np.flatnonzero(turned if faces is None else turned & faces)
+    which = np.flatnonzero(twisted(contacts, resultants))
     if len(which):
-        most = np.inf if enough is None else enough[which]
-        used[which] = np.maximum(used[which], _twisted_use(contacts, resultants, which, most))
+        points = points_of_faces(contacts, which)
+        used[which] = np.maximum(used[which], twisted_use(contacts, resultants, which, points))
     return frozen(used)
 
 
-def _twisted_use(
-    contacts: Contacts, resultants: Resultants, which: Ints, enough: Floats | float
-) -> Floats:
-    """Force and torque by the largest that some faces (t,) resist under a linear pressure."""
-    origin, corners, _ = joint_sections(contacts)
+def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
+    """The dry faces (m,) that are pressed and whose torque counts."""
+    normal = resultants.normal
+    bound = np.maximum(bearable(contacts, normal), 0.0)
+    turned: Bools = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
+    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
+    return turned
+
+
+def points_of_faces(contacts: Contacts, which: Ints) -> FacePoints:
+    """The points that stand for some faces (t,), about their mean corners along u and v."""
     part, row = contacts.corners.take(which)
-    points = face_points(corners[row], part.start)
+    return face_points(local_corners(contacts)[1][row], part.start)
+
+
+def twisted_use(
+    contacts: Contacts,
+    resultants: Resultants,
+    which: Ints,
+    points: FacePoints,
+    enough: Floats | float = np.inf,
+) -> Floats:
+    """Force and torque by the largest that some faces (t,) resist under a linear pressure.
+
+    A use above ``enough`` (t,) is some number above it.
+    """
+    origin = local_corners(contacts)[0]
     axes = contacts.frame[which, 1:]
     centre = np.einsum("mij,mj->mi", axes, resultants.position[which] - origin[which])
     share = pressed_points(*points, centre)

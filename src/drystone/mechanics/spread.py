@@ -9,10 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, lengths
+from drystone.base.arrays import lengths
 from drystone.contacts import Contacts
-from drystone.geometry.quadrature import face_points
-from drystone.joints import Resultants, bearable, sliding_use, utilisation_of
+from drystone.joints import (
+    Resultants,
+    bearable,
+    points_of_faces,
+    sliding_use,
+    twisted,
+    twisted_use,
+)
 from drystone.virtual import joint_sections
 
 MUCH, TWISTED = 0.5, 0.01
@@ -22,53 +28,35 @@ used to 1.00. From a use of 1 on, or a part of 0.03, they would be missed, both 
 on twice as many are tried, and no more is found."""
 
 
-def turned_faces(contacts: Contacts, resultants: Resultants) -> Bools:
-    """The faces (m,) that turn, if one is used so much that its torsion may need its corners.
+def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
+    """The contacts of dry joints with points on the faces that turn in place of their corners.
 
-    Otherwise none. A sum tells which faces may be used so much: that of the use by the force, and
-    of the torque by what friction in proportion to the distance from the centre of pressure would
-    resist. Force and torque together are resisted better.
+    None unless one is used so much that its torsion may need its corners. A sum tells which faces
+    may be used so much: that of the use by the force, and of the torque by what friction in
+    proportion to the distance from the centre of pressure would resist. Force and torque together
+    are resisted better. The faces that stay are first.
     """
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     far = contacts.corners.max(lengths(corners - at[contacts.interface]))
     resisted = bearable(contacts, resultants.normal) * np.trace(made.inertia, axis1=1, axis2=2)
     sliding = sliding_use(contacts, resultants)
-    twist = np.abs(resultants.torque) * far
-
-    def may_exceed(least: float) -> Bools:
-        return np.asarray(twist > np.maximum(least - sliding, TWISTED) * resisted)
-
-    much = may_exceed(MUCH)
+    twist, turns = np.abs(resultants.torque) * far, twisted(contacts, resultants)
+    much = turns & (twist > np.maximum(MUCH - sliding, TWISTED) * resisted)
     if not much.any():
-        return much
-    twisted = sliding + TWISTED
-    enough = np.where(much, np.maximum(MUCH, twisted), twisted)
-    used = utilisation_of(contacts, resultants, may_exceed(0.0), enough)
-    found: Bools = (used > twisted) & (used[much] > enough[much]).any()
-    return found
-
-
-def spread(contacts: Contacts, faces: Bools) -> Contacts:
-    """The contacts with points on some faces in place of their corners, the faces that stay first.
-
-    Parameters
-    ----------
-    contacts
-        Of dry joints.
-    faces : (m,)
-        Lines and points among them stay as they are: they have no area.
-    """
-    origin, corners, made = joint_sections(contacts)
-    chosen = faces & (made.area > 0.0)
-    which = np.flatnonzero(chosen)
-    part, row = contacts.corners.take(which)
-    found = face_points(corners[row], part.start)
-    owner = which[found.loops.owner]
-    axes = contacts.frame[owner, 1:]
-    kept = contacts.select(~chosen)
-    point = origin[owner] + np.einsum("pi,pij->pj", found.place, axes)
-    count = len(owner)
+        return None
+    which = np.flatnonzero(turns & (twist > TWISTED * resisted))
+    points, much, least = points_of_faces(contacts, which), much[which], sliding[which] + TWISTED
+    enough = np.where(much, np.maximum(MUCH, least), least)
+    used = twisted_use(contacts, resultants, which, points, enough)
+    if not (used[much] > enough[much]).any():
+        return None
+    loops, row = points.loops.take(used > least)
+    which = which[used > least]
+    chosen = np.zeros(contacts.count, dtype=bool)
+    chosen[which] = True
+    owner, kept = which[loops.owner], contacts.select(~chosen)
+    point = origin[owner] + np.einsum("pi,pij->pj", points.place[row], contacts.frame[owner, 1:])
 
     def both(name: str) -> np.ndarray:
         return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
@@ -77,8 +65,8 @@ def spread(contacts: Contacts, faces: Bools) -> Contacts:
         both("block_a"),
         both("block_b"),
         both("frame"),
-        np.concatenate([kept.area, found.area]),
+        np.concatenate([kept.area, points.area[row]]),
         both("friction"),
         np.concatenate([kept.point, point]),
-        np.concatenate([kept.interface, kept.count + np.arange(count)]),
+        np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
     )

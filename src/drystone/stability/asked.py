@@ -21,7 +21,7 @@ from drystone.formulations.nearest_mechanism import (
 from drystone.joints import resultants_of
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
-from drystone.mechanics.spread import spread, turned_faces
+from drystone.mechanics.spread import spread_where_turned
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 from drystone.settlement import Settlement
@@ -132,10 +132,11 @@ class Asked:
         Returns the model with these points where they do not hold it.
         """
         model = self.problem.model
-        faces = turned_faces(model.contacts, resultants_of(model.contacts, rest.force))
-        if not faces.any():
+        contacts = model.contacts
+        points = spread_where_turned(contacts, resultants_of(contacts, rest.force))
+        if points is None:
             return None
-        model = model.with_contacts(spread(model.contacts, faces))
+        model = model.with_contacts(points)
         problem = Problem.build(model)
         attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
         found = attempt.begun_at(rest.displacement)
