@@ -111,6 +111,13 @@ def test_what_is_followed_into_a_fall_is_unstable_though_it_could_be_wedged() ->
     assert "shims or prestress might hold it: sensitive" in found.message
 
 
+def test_a_box_that_slides_off_onto_slivers_of_its_joints_falls() -> None:
+    steeper = tilted(random_pack(16, seed=11), X, 31.0, 0.6)  # than the friction, 30.96 degrees
+    found = check(steeper)
+    assert found.verdict is Verdict.UNSTABLE
+    assert "has moved by 0.05" in found.message
+
+
 def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
     model = tilted(wedge("b"), X, 57.8)
     one = replace(MOVING, stiff_shear=None)
