@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import FormatError, InputError, JointCapacity, Model, Verdict, check, write
+from drystone import Assembly, FormatError, InputError, JointCapacity, Model, Verdict, check, write
 from drystone.cli import main
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
 from drystone.sequence import DatasetOptions, dataset, read_dataset
 
 ARCH = Model.of(arch(0.3, 5), friction=0.7)
@@ -131,7 +131,15 @@ def test_the_first_order_may_be_that_of_the_planner(tmp_path):
 
 def test_what_cannot_be_asked_is_refused(tmp_path):
     fixed = ARCH.with_supports(range(len(ARCH)))
-    for given, words in (([], "no structure"), ("a.json", "no list"), ([fixed], "is a support")):
+    apart = Model.of(
+        Assembly((box((1, 1, 1), (0, 0, 0)), box((1, 1, 1), (5, 0, 5)))).with_fixed([0])
+    )
+    for given, words in (
+        ([], "no structure"),
+        ("a.json", "no list"),
+        ([fixed], "is a support"),
+        ([apart], "no free block is joined to a support"),
+    ):
         with pytest.raises(InputError, match=words):
             dataset(given, tmp_path)
     with pytest.raises(InputError, match="held is 2"):
