@@ -47,10 +47,6 @@ CHORDS = 2
 """Steps with the same factors in which what is left must become small enough: they
 take two thirds of the time of one step with its own factors, which leads as far."""
 
-CLOSE = 1e-5
-"""Unbalanced share of a block from which on factors are used again. Measured: above it five of
-seven such steps on samples of vaults leave three quarters or more, as corners still change."""
-
 LIMIT = 100
 """Steps at most; STALL ends a run long before."""
 
@@ -193,7 +189,7 @@ class _Law(Equation[_Point, Floats]):
         return stuck or (self.stop is not None and self.stop())
 
     def step(self, point: _Point, renew: bool) -> Floats:
-        if renew or self.solve is None or point.largest > CLOSE:
+        if renew or self.solve is None:
             self.solve = None  # one set of factors at a time
             self.solve = self.statics.maps.factorise(self.tangent(point), self.weight)
         return self.solve(point.left)

@@ -18,7 +18,7 @@ from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_f
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
-from drystone.stability.screening import AT_REST, PATIENT, PROVED, SAMPLED, Screening
+from drystone.stability.screening import AT_REST, PATIENT, PROVED, Screening
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)
 """For high towers. They sway so far that the ground of AT_REST carries more than a proof allows:
@@ -60,8 +60,6 @@ class Candidate:
         Newton steps so far.
     falling
         The state on ground springs that lean on, where it does not stand.
-    allowed
-        Largest residual with which it stands.
     """
 
     force: Floats
@@ -69,12 +67,11 @@ class Candidate:
     residuals: Residuals
     steps: int = 0
     falling: RestState | None = None
-    allowed: float = FORCE_TOLERANCE
 
     @property
     def stands(self) -> bool:
-        """Whether every residual is small enough."""
-        return self.residuals.largest <= self.allowed
+        """Whether every residual is small enough for a proof."""
+        return self.residuals.largest <= FORCE_TOLERANCE
 
 
 class Attempt:
@@ -114,10 +111,7 @@ class Attempt:
         )
 
     def with_forces_of(self, rest: Candidate) -> Candidate | None:
-        """The rest state from the forces of one with other springs, if there is one near.
-
-        It tells whether these springs hold too. The proof is the rest state that is given.
-        """
+        """The rest state from the forces of one with other springs, if there is one near."""
         problem, statics = self.problem, self.problem.statics
         force = rest.force[problem.corners] / statics.force_unit
         motion = statics.scaled_motion(rest.displacement, statics.mean_length)
@@ -126,18 +120,16 @@ class Attempt:
         except SolverError:
             return None
         self.steps += 1
-        return self._near(start, SAMPLED, 3.0 * SAMPLED.tolerance)
+        return self._near(start)
 
-    def _near(
-        self, start: Start, options: RestOptions = PROVED, allowed: float = FORCE_TOLERANCE
-    ) -> Candidate | None:
+    def _near(self, start: Start) -> Candidate | None:
         """The rest state that Newton's method on the unrelaxed law reaches, if there is one."""
         statics = self.problem.statics
-        state = find_rest_nearby(statics, self.springs, options, start, self.late)
+        state = find_rest_nearby(statics, self.springs, PROVED, start, self.late)
         if state is None:
             return None
         self.steps += state.iterations
-        found = replace(self._examined(state), allowed=allowed)
+        found = self._examined(state)
         return found if found.stands else None
 
     def from_nothing(

@@ -31,10 +31,6 @@ eleven models: 1.70 in place of 1.75 times the factorisations of the uniform sti
 fewer solutions. From the path: 827 factorisations in place of 837 for all stiffnesses of eleven
 models, 9 in place of 11 for one of a wall of 10,000 blocks."""
 
-SAMPLED = replace(AT_REST, tolerance=1e-5)
-"""Where it is only asked whether other springs hold too. Newton's method ends from there: it then
-takes one to three steps to PROVED."""
-
 TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60, end=PROVED)
 """With ground springs this weak, a structure at rest leans on them by 1e-6 of its load."""
 
