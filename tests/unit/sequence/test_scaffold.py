@@ -1,7 +1,6 @@
 """Struts push, ropes pull, clamps do both within limits, centring carries a face."""
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -294,6 +293,21 @@ FAMILIES = {
 }
 """Small vaults that are no shells of a surface."""
 
+TAKES = {
+    "barrel": (12, 8, 12, 12, 12),
+    "dome": (18, 12, 12, 18, 12),
+    "pavilion": (24, 12, 12, 24, 12),
+    "cross": (72, 72, 72, 72, 72),
+    "tri-dome": (22, 22, 22, 22, 22),
+    "free-edge": (16, 16, 16, 16, 16),
+    "three-vaults": (51, 51, 51, 51, 51),
+    "vault of bricks": (13, 13, 13, 13, 13),
+    "dome of slices": (18, 12, 18, 18, 18),
+    "lune": (8, 1, 6, 8, 6),
+    "corbelled bridge": (7, 7, 3, 7, 7),
+}
+"""Free blocks of each, and how many have a face for a strut, a rope, a clamp and centring."""
+
 
 @pytest.mark.parametrize("surface", [*SHELLS, *FAMILIES])
 def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
@@ -303,7 +317,7 @@ def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
     else:
         model = shell_by_name(surface, **SHELLS[surface], ground="blocks").model(friction=0.6)
     size = model.assembly.size
-    told = [surface, str(len(model.assembly.free))]
+    told = [len(model.assembly.free)]
     for kind in Support:
         stages = ScaffoldedStages(model, kind)
         made = {block: stages.items(block) for block in members(stages.takes)}
@@ -315,6 +329,5 @@ def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
                 if point is not None:
                     off = distance(np.reshape(getattr(item, point), (-1, 3)), triangles[block])
                     assert off.max() < 1e-6 * size[block]
-        told.append(str(len(made)))
-    page = Path(__file__).parents[3] / "docs" / "reference" / "sequence.md"
-    assert f"| {' | '.join(told)} |" in page.read_text()
+        told.append(len(made))
+    assert tuple(told) == TAKES[surface]
