@@ -31,7 +31,7 @@ class Support(enum.Enum):
     CLAMP = "clamp"
     """One clamp, or hand, at the centroid."""
     CENTRING = "centring"
-    """Centring under the lower face."""
+    """Centring under the lower face, with a stop below it where the block would slide off."""
 
     def words(self, count: int) -> str:
         """The kind, in plural where there are several."""
@@ -139,9 +139,11 @@ def items_of(
         )
     depth = surface[0] @ down
     if support is Support.CENTRING:
-        face = seat.outline
-        height = float(depth.max() - face.mean(axis=0) @ down)
-        return (Centring(name, options.limit, face, options.friction, height),)
+        ground = float(depth.max())
+        return tuple(
+            Centring(name, options.limit, face, options.friction, ground - face.mean(axis=0) @ down)
+            for face in _carried(model, block, seat, options.friction)
+        )
     if support is Support.ROPE:
         rise = seat.heads @ down - float(depth.min()) + options.clear
         lead = _lead(seat)
@@ -169,6 +171,20 @@ def items_of(
             remedy="allow longer struts, let them stand on a nearer block, or use a clamp",
         )
     return struts
+
+
+def _carried(model: Model, block: int, seat: Seat, friction: float) -> Iterator[Floats]:
+    """Outlines (c, 3) of the faces that centring carries.
+
+    The seat; where it is steeper than friction holds, also the free face towards which it slides.
+    """
+    yield seat.outline
+    cosine = float(seat.normal @ seat.along)
+    if cosine < math.cos(math.atan(friction)):
+        slope = unit(cosine * seat.normal - seat.along)[0]  # up the slope
+        stop = seat_on(model, block, -slope, SLOPING)
+        if stop is not None:
+            yield stop.outline
 
 
 def _lead(seat: Seat) -> Floats:

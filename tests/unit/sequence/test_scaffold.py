@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from drystone import Assembly, Model, Verdict, check, models
+from drystone import Assembly, Block, Model, Verdict, check, models
 from drystone.base.errors import InputError
 from drystone.geometry.solid import distance
 from drystone.models import arch, box
@@ -272,6 +272,21 @@ def test_bad_items_are_refused(make, words):
 def test_a_kind_that_is_not_known_is_refused(arch_plan):
     with pytest.raises(InputError, match="'crane' is not known; use strut, rope, clamp, centring"):
         scaffolding(arch_plan, "crane")
+
+
+@pytest.mark.parametrize(("degrees", "faces"), [(25.0, 1), (40.0, 2)])
+def test_centring_stops_a_block_below_where_its_face_is_steeper_than_friction(degrees, faces):
+    """The angle of friction is 31 degrees."""
+    turn = np.radians(degrees)
+    about_y = np.array(
+        [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
+    )
+    leaning = box((2.0, 1.0, 0.5), name="leaning")
+    leaning = Block(leaning.vertices @ about_y.T + (5.0, 0.0, 3.0), leaning.faces, leaning.name)
+    stages = ScaffoldedStages(Model.of(Assembly((PIER, leaning), [True, False])), "centring")
+    whole, result = stages.result(placed=0b10, held=0b10)
+    assert result.stable
+    assert len(whole.items) == faces
 
 
 SHELLS = {
