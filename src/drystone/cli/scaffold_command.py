@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Annotated
@@ -17,6 +17,8 @@ from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
+    from drystone.answer import Sentence
+    from drystone.base.table import Table
     from drystone.sequence import PlanOptions, ScaffoldOptions, Support
 
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
@@ -111,12 +113,26 @@ def scaffold(
     verdict = "with none of them does every stage stand"
     if first is not None:
         verdict = f"{first['support']} in the order '{first['order']}' takes least"
-    told = Sentence(verdict, Role.BAD if first is None else Role.GOOD)
+    told = [Sentence(verdict, Role.BAD if first is None else Role.GOOD)]
+    told.extend(_failing(table, first))
     compared = Table("compared", dict(table.columns), dict(table.units))
     jobs = [(csv, table.to_csv)] if csv is not None else []
     return Told(
-        Statement((told,), (compared,)),
+        Statement(tuple(told), (compared,)),
         subject=subject.name,
         notes=model.notes,
         files=lambda: (list(jobs), []),
     )
+
+
+def _failing(table: Table, first: Mapping[str, object] | None) -> Iterator[Sentence]:
+    """Of each kind with which no order stands, that it is so, and what to use instead."""
+    from drystone.answer import Role, Sentence
+
+    other = "another kind" if first is None else f"--with {first['support']}"
+    for kind in dict.fromkeys(row["support"] for row in table):
+        mine = [row for row in table if row["support"] == kind]
+        if all(row["failed_stages"] > 0 and row["cost"] == row["cost"] for row in mine):
+            why = "ropes do not hold sideways; " if kind == "rope" else ""
+            said = f"{kind}: in no order tried does every stage stand; {why}use {other}"
+            yield Sentence(said, Role.UNSURE)
