@@ -107,7 +107,7 @@ def test_the_package_imports_no_pandas() -> None:
 def test_a_notebook_shows_names_as_text_and_the_first_rows() -> None:
     shown = SMALL._repr_html_()
     assert "<th>mass [kg]</th>" in shown
-    assert "<td>b&lt;c</td><td>unlimited</td><td>3</td>" in shown
+    assert "<td><bdi>b&lt;c</bdi></td><td><bdi>unlimited</bdi></td><td><bdi>3</bdi></td>" in shown
     many = Table("many", {"i": range(SHOWN + 5)})._repr_html_()
     assert many.count("<tr>") == SHOWN + 1
     assert "and 5 more" in many

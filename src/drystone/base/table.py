@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
-from drystone.base.display import OneLine, shortened
+from drystone.base.display import OneLine, name_text
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -188,18 +188,21 @@ class Table(OneLine):
         flat = {name: values.tolist() for name, values in self._flat().items()}
         return pyarrow.table(flat).__arrow_c_stream__(requested_schema)
 
-    def _repr_html_(self) -> str:
+    def to_html(self) -> str:
+        """All rows for people, below the title."""
         heads, rows = self.cells()
         head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
         body = "".join(
-            f"<tr>{''.join(f'<td>{html.escape(shortened(x, 60))}</td>' for x in row)}</tr>"
-            for row in rows[:SHOWN]
+            f"<tr>{''.join(f'<td>{name_text(cell)}</td>' for cell in row)}</tr>" for row in rows
         )
-        more = f"<div>and {len(self) - SHOWN} more</div>" if len(self) > SHOWN else ""
         return (
-            f"<div><b>{html.escape(self.title)}</b><table><thead><tr>{head}</tr></thead>"
-            f"<tbody>{body}</tbody></table>{more}</div>"
+            f"<table><caption>{html.escape(self.title)}</caption>"
+            f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         )
+
+    def _repr_html_(self) -> str:
+        more = f"<div>and {len(self) - SHOWN} more</div>" if len(self) > SHOWN else ""
+        return f"<div>{self.take(range(min(len(self), SHOWN))).to_html()}{more}</div>"
 
 
 def _column(values: Any) -> np.ndarray:

@@ -126,8 +126,8 @@ def coefficient(text: str) -> float:
     return value
 
 
-def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
-    """Three digits and a prefix; what is at most ``negligible`` is zero.
+def quantity(value: float, unit: str, negligible: float = 0.0, digits: int = 3) -> str:
+    """Significant digits and a prefix; what is at most ``negligible`` is zero.
 
     Examples
     --------
@@ -138,8 +138,8 @@ def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
         return f"0 {unit}"
     for factor, prefix in _PREFIXES:
         if abs(value) >= 0.9995 * factor:
-            return f"{_three(value / factor)} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
+            return f"{_rounded(value / factor, digits)} {prefix}{unit}"
+    return f"{value:.{digits}g} {unit}"
 
 
 def components(
@@ -183,7 +183,7 @@ def extent(sizes: Sequence[float]) -> str:
     >>> extent([6.125, 0.5, 3.0]), extent([2150.0, 300.0, 1220.0])
     ('6.12 x 0.5 x 3 m', '2,150 x 300 x 1,220 m')
     """
-    return f"{' x '.join(map(_three, sizes))} m"
+    return f"{' x '.join(map(_rounded, sizes))} m"
 
 
 def mass(value: float) -> str:
@@ -195,10 +195,10 @@ def mass(value: float) -> str:
     ('850 kg', '12.3 t', '8,300,000 t')
     """
     shown, unit = (value, "kg") if abs(value) < 999.5 else (value / 1e3, "t")
-    return f"{_three(shown)} {unit}"
+    return f"{_rounded(shown)} {unit}"
 
 
-def _three(value: float) -> str:
-    """Three digits; from a thousand on without an exponent."""
-    rounded = float(f"{value:.3g}")
+def _rounded(value: float, digits: int = 3) -> str:
+    """Significant digits; from a thousand on without an exponent."""
+    rounded = float(f"{value:.{digits}g}")
     return f"{rounded:,.0f}" if 1e3 <= abs(rounded) < 1e15 else f"{rounded:g}"

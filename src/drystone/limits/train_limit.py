@@ -12,11 +12,13 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
+from drystone.answer.scene import Layer, LayerKind
 from drystone.base.arrays import Floats, whole
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.crossing import Crossing, PlacedTrain
@@ -26,6 +28,7 @@ from drystone.limits.limits import limit_load
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.model import Model
+from drystone.results import Result
 from drystone.stability.problem import Problem
 
 _ALIKE = 1e-6
@@ -116,6 +119,47 @@ class TrainEnvelope(Answer):
         """Whether forces at the worst place, and a mechanism just beyond, were checked."""
         one = self._placed[self.worst]
         return self._crossing.result(one) is not None and self._crossing.falls(one)
+
+    @property
+    def standing(self) -> Result | None:
+        """The forces at the worst place, up to which it stands or forces balance the train."""
+        if self.limit is not None:
+            return self.limit.best.standing
+        return self._crossing.result(self._placed[self.worst]) if len(self.places) else None
+
+    def axles(self) -> Table:
+        """The axles at the worst place: where they are, what they weigh, how they spread."""
+        one, tops = self._placed[self.worst], self._crossing.tops
+        x = one.place - 0.5 * one.train.length + np.array(one.train.places)
+        low, high = tops.ends
+        depth = np.array([tops.depth(at) for at in x.tolist()])
+        columns = {
+            "axle": np.arange(1, len(x) + 1),
+            "x": x,
+            "road": tops.level(x),
+            "load": np.array(one.train.loads),
+            "fill_below": depth,
+            "spread_along": one.train.contact + 2.0 * self.fill.spread * depth,
+            "on_the_bridge": (x >= low) & (x <= high),
+        }
+        units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
+        return Table("axles at the worst place, at factor 1", columns, {**units, "load": "N"})
+
+    def _axle_layers(self) -> tuple[Layer, ...]:
+        axles = self.axles()
+        bounds = self.model.assembly.bounds
+        middle = 0.5 * float(bounds[:, 0, 1].min() + bounds[:, 1, 1].max())
+        flat = np.zeros(len(axles))
+        at = np.column_stack([axles["x"], flat + middle, axles["road"]])
+        down = np.column_stack([flat, flat, -axles["load"]])
+        low, high = self._crossing.tops.ends
+        ends = np.array([[x, middle, float(self._crossing.tops.level(np.array(x)))]
+                         for x in (low, high)])  # fmt: skip
+        road = Layer("road", "road", LayerKind.LINES, "load", ends[:1], ends[1:] - ends[:1])
+        return road, Layer(
+            "axles", f"axles of '{self.train.name}', up to {quantity(max(self.train.loads), 'N')}",
+            LayerKind.ARROWS, "load", at, down, single=True, width=3.0, group="axles",
+        )  # fmt: skip
 
     @property
     def _near(self) -> Floats:
@@ -243,10 +287,14 @@ class TrainEnvelope(Answer):
         scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
         if not len(self.places) or self.falls_alone:
             return replace(scene, title=self.title)
-        stages = [] if self.limit is None else list(self.limit.layers().stages)
+        axles = self._axle_layers()
+        found = () if self.limit is None else self.limit.layers().stages
+        stages = [replace(one, layers=(*one.layers, *axles)) for one in found]
         still = max(len(stages) - 1, 0)
         order = [] if stages else [self.worst]
-        for i in [*order, *np.flatnonzero(np.isfinite(self._near)).tolist()]:
+        for i in order:
+            stages += [replace(one, layers=(*one.layers, *axles)) for one in self._stage(i)]
+        for i in [*np.flatnonzero(np.isfinite(self._near)).tolist()]:
             stages += self._stage(i)
         charts = (self.figure(),)
         return replace(scene, title=self.title, stages=tuple(stages), charts=charts, still=still)

@@ -10,9 +10,6 @@ from drystone.base.display import OneLine
 from drystone.base.table import Table
 from drystone.view.joint_page import JointPlan
 
-LISTED = 40
-"""Rows of a table on paper; of more, how many there are. Chosen: one page."""
-
 
 @dataclass(frozen=True)
 class Heading(OneLine):
@@ -39,7 +36,7 @@ Part: TypeAlias = str | Heading | Mapping[str, str] | Table | Picture | tuple[Jo
 
 @dataclass(frozen=True, eq=False)
 class Section(OneLine):
-    """A numbered section of a document."""
+    """A section of a document; its title has its number."""
 
     title: str
     parts: tuple[Part, ...]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.base.arrays import Floats, lengths
 from drystone.base.display import OneLine
 from drystone.base.table import Table
+from drystone.base.units import quantity
+from drystone.checks import normal_force_by_strength
+from drystone.joint_capacity import JointCapacity
 from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.results import Result
@@ -61,6 +64,21 @@ def balance(result: Result) -> Table:
     return Table("equilibrium of all free blocks", columns, {"force": "N", "moment": "N m"})
 
 
+def least_strength(result: Result) -> tuple[float, int]:
+    """Largest stress [Pa] of stress blocks about centres of pressure, and its interface.
+
+    Zero where nothing presses; edges and points have no stress and are left out.
+    """
+    contacts, force = result.contacts, result.force
+    if force is None or not contacts.count:
+        return 0.0, 0
+    unit = replace(contacts, capacity=JointCapacity.of_stress(contacts, compression=1.0))
+    stress, _ = normal_force_by_strength(unit, np.maximum(force[:, 0], 0.0))
+    stress = np.where(contacts.area > 0.0, stress, 0.0)
+    at = int(np.argmax(stress))
+    return float(stress[at]), at
+
+
 @dataclass(frozen=True)
 class CrownThrust(OneLine):
     """Thrust at the crown by moments of one half about its springing, and from the joints.
@@ -98,8 +116,7 @@ class CrownThrust(OneLine):
         ]
         columns = {
             "quantity": [name for name, _, _ in told],
-            "value": [f"{value:,.4g}" for _, value, _ in told],
-            "unit": [unit for _, _, unit in told],
+            "value": [quantity(value, unit, digits=4) for _, value, unit in told],
         }
         return Table("thrust at the crown", columns)
 

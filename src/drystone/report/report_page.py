@@ -7,8 +7,8 @@ import html
 from collections.abc import Mapping
 
 from drystone.base.table import Table
-from drystone.report.document import LISTED, Document, Heading, Part, Picture
-from drystone.view.joint_page import name_text, plan_figure
+from drystone.report.document import Document, Heading, Part, Picture
+from drystone.view.joint_page import plan_figure
 
 _STYLE = """
 @page { size: A4; margin: 20mm 18mm; }
@@ -34,8 +34,8 @@ def html_of(document: Document) -> str:
     """The page as text; it asks nothing of the network."""
     title = html.escape(document.title)
     parts = [f"<h1>{title}</h1>", _part(document.entries)]
-    for number, section in enumerate(document.sections, 1):
-        parts.append(f"<h2>{number} {html.escape(section.title)}</h2>")
+    for section in document.sections:
+        parts.append(f"<h2>{html.escape(section.title)}</h2>")
         parts += [_part(one) for one in section.parts]
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -52,7 +52,7 @@ def _part(part: Part) -> str:
         case Heading():
             return f"<h3>{html.escape(part.text)}</h3>"
         case Table():
-            return _table(part)
+            return f'<div class="scroll">{part.to_html()}</div>'
         case Picture():
             data = base64.b64encode(part.png).decode("ascii")
             told = html.escape(part.caption)
@@ -67,17 +67,3 @@ def _part(part: Part) -> str:
             )
             return f"<table>{''.join(rows)}</table>"
     return f'<div class="plans">{"".join(map(plan_figure, part))}</div>'
-
-
-def _table(table: Table) -> str:
-    heads, rows = table.cells()
-    head = "".join(f"<th>{html.escape(one)}</th>" for one in heads)
-    body = "".join(
-        f"<tr>{''.join(f'<td>{name_text(cell)}</td>' for cell in row)}</tr>"
-        for row in rows[:LISTED]
-    )
-    more = f"<p>and {len(rows) - LISTED} more</p>" if len(rows) > LISTED else ""
-    return (
-        f'<div class="scroll"><table><caption>{html.escape(table.title)}</caption>'
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>{more}"
-    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,15 @@ import numpy as np
 from drystone.base.display import NAME, shortened
 from drystone.base.errors import require
 from drystone.base.table import Table
-from drystone.report.document import LISTED, Document, Heading, Part, Picture
+from drystone.report.document import Document, Heading, Part, Picture
 from drystone.view.joint_page import JointPlan
 
 _MARGIN = 51.0
 """[points], 18 mm."""
 _WIDTH, _HEIGHT = 595.28, 841.89
 """[points], of A4."""
+_ROOM = 90.0
+"""[points], that a heading and the first rows of a table need."""
 _PLAN = 110.0
 """[points], side of the plan of a joint."""
 
@@ -33,7 +36,7 @@ def pdf_of(document: Document) -> bytes:
         reportlab is not installed.
     """
     require_pdf()
-    from reportlab.platypus import SimpleDocTemplate
+    from reportlab.platypus import CondPageBreak, SimpleDocTemplate
 
     made = io.BytesIO()
     template = SimpleDocTemplate(
@@ -43,9 +46,12 @@ def pdf_of(document: Document) -> bytes:
     )  # fmt: skip
     paper = _Paper()
     story: list[Any] = [paper.text(document.title, "title"), paper.entries(document.entries)]
-    for number, section in enumerate(document.sections, 1):
-        story.append(paper.text(f"{number}  {section.title}", "section"))
+    for section in document.sections:
+        story += [CondPageBreak(_ROOM), paper.text(section.title, "section")]
         story += [one for part in section.parts for one in paper.part(part)]
+    for one, after in pairwise(story):
+        if isinstance(after, CondPageBreak):
+            one.keepWithNext = 0  # a table is broken over pages, and not moved to the next one
     template.build(story, canvasmaker=_numbered(document))
     return made.getvalue()
 
@@ -147,10 +153,10 @@ class _Paper:
     def table(self, table: Table) -> list[Any]:
         """A table under its title; of long columns the cells are broken into lines."""
         from reportlab.pdfbase.pdfmetrics import stringWidth
-        from reportlab.platypus import Spacer
+        from reportlab.platypus import CondPageBreak, Spacer
 
         heads, rows = table.cells()
-        cells = [[shortened(cell, NAME) for cell in row] for row in rows[:LISTED]]
+        cells = [[shortened(cell, NAME) for cell in row] for row in rows]
         natural = np.array([
             max(
                 stringWidth(heads[i], "DejaVuBold", 7),
@@ -161,9 +167,9 @@ class _Paper:
         widths = _fitted(natural, _WIDTH - 2.0 * _MARGIN)
         made = [[self.text(one, "head") for one in heads]]
         made += [[self.text(cell, "cell") for cell in row] for row in cells]
-        told = [self.text(table.title.capitalize(), "heading"), self._grid(made, widths, head=1)]
-        if len(rows) > LISTED:
-            told.append(self.text(f"and {len(rows) - LISTED} more"))
+        title = self.text(table.title.capitalize(), "heading")
+        title.keepWithNext = 0
+        told = [CondPageBreak(_ROOM), title, self._grid(made, widths, head=1)]
         return [*told, Spacer(1, 6)]
 
     def _grid(self, rows: list[list[Any]], widths: Any, head: int = 0) -> Any:

@@ -9,17 +9,24 @@ import numpy as np
 
 from drystone.answer import Answer, Question, Role
 from drystone.base.table import Table
-from drystone.joints import worst_joints
+from drystone.base.units import quantity
+from drystone.joints import HINGED, worst_joints
+from drystone.limits import Limit
+from drystone.limits.train_limit import TrainEnvelope
 from drystone.loads.applied import applied_loads
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import Document, Heading, Part, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrust, weights
+from drystone.report.hand_checks import balance, crown_thrust, least_strength, weights
 from drystone.report.title_block import TitleBlock
 from drystone.results import Result
 from drystone.sequence import StagedModel
 from drystone.view.joint_page import joint_plan
 
+_LISTED = 40
+"""Rows of a table in the text; longer ones stand in an annex. Chosen: one page."""
+_ANNEXED = 1000
+"""Rows of a table in an annex. Chosen: some 20 pages."""
 _PLANS = 8
 """Joints of which plans are drawn. Chosen: half a page."""
 _METHOD = (
@@ -44,36 +51,71 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     model = first.model.model if isinstance(first.model, StagedModel) else first.model
     asked = first.asked
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
-    sections = (
+    forces = _forces(first)
+    sections = [
         Section("Summary", tuple(_summary(answers))),
         Section("What was asked", (_asked(first),)),
         Section("Geometry", tuple(_geometry(model))),
         Section("Materials", tuple(_materials(model))),
-        Section("Loads", tuple(_loads(model))),
+        Section("Loads", tuple(_loads(model, first))),
         Section("Signs, method and assumptions", (sketches.signs_picture(), *_METHOD)),
         *(Section(one.title, tuple(_answer(one))) for one in answers),
-        *(
-            Section("Joints and hand checks", tuple(_checks(one)))
-            for one in answers[:1]
-            if isinstance(one, Result) and one.force is not None
-        ),
-    )
+    ]
+    if forces is not None:
+        sections.append(Section("Joints and hand checks", tuple(_checks(forces, model))))
     name = about.project or asked.file or "a model"
     entries = {**about.entries(first.when[:10]), "Calculated with": version}
-    return Document(f"Stability of {name}", entries, version, tuple(_numbered(sections)))
+    return Document(f"Stability of {name}", entries, version, _numbered(sections))
 
 
-def _numbered(sections: Sequence[Section]) -> Iterator[Section]:
-    """Sections whose pictures have numbers."""
-    count = 0
-    for section in sections:
+def _forces(first: Answer) -> Result | None:
+    """The state whose joints are told: of a limit the last one that stands."""
+    match first:
+        case Result():
+            found: Result | None = first
+        case Limit():
+            found = first.best.standing
+        case TrainEnvelope():
+            found = first.standing
+        case _:
+            found = None
+    return None if found is None or found.force is None else found
+
+
+def _numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
+    """Sections and pictures with numbers; long tables in annexes after them."""
+    count, made = 0, []
+    annexes: list[Section] = []
+    for number, section in enumerate(sections, 1):
         parts: list[Part] = []
         for part in section.parts:
             if isinstance(part, Picture):
                 count += 1
                 part = replace(part, caption=f"Figure {count}. {part.caption}")
+            if isinstance(part, Table) and len(part) > _LISTED:
+                title = f"Annex {len(annexes) + 1}"
+                annexes.append(Section(f"{title}  {part.title.capitalize()}", tuple(_all(part))))
+                short, which = _some(part)
+                parts += [short, f"The {which} {_LISTED} of {len(part):,}; all in {title}."]
+                continue
             parts.append(part)
-        yield replace(section, parts=tuple(parts))
+        made.append(Section(f"{number}  {section.title}", tuple(parts)))
+    return (*made, *annexes)
+
+
+def _some(table: Table) -> tuple[Table, str]:
+    """Rows of a long table that stand in the text, and which they are."""
+    if {"friction_use", "edge_ratio", "normal"} <= set(table.columns):
+        return table.take(worst_joints(table, _LISTED)), "worst"
+    return table.take(range(_LISTED)), "first"
+
+
+def _all(table: Table) -> Iterator[Part]:
+    if len(table) <= _ANNEXED:
+        yield table
+        return
+    yield table.take(range(_ANNEXED))
+    yield f"The first {_ANNEXED:,} of {len(table):,}; --csv and --json write all."
 
 
 def _summary(answers: Sequence[Answer]) -> Iterator[Part]:
@@ -126,12 +168,14 @@ def _materials(model: Model) -> Iterator[Part]:
         "area": [float(row[3].sum()) for row in rows],
     }
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
+    if not model.contacts.crushes.any():
+        yield "No strength in compression was given: stone is taken as infinitely strong."
     carried = Question.of(model).facts().get("Joint capacity")
     if carried:
         yield f"Joints carry {carried}."
 
 
-def _loads(model: Model) -> Iterator[Part]:
+def _loads(model: Model, first: Answer) -> Iterator[Part]:
     applied = applied_loads(model.assembly, model.load)
     along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
     yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
@@ -140,6 +184,20 @@ def _loads(model: Model) -> Iterator[Part]:
     else:
         yield "The model has no other load on a free block; a limit names those that it adds."
     yield sketches.loads_picture(model)
+    if isinstance(first, TrainEnvelope):
+        train, fill = first.train, first.fill
+        yield Heading(f"The train '{train.name}'")
+        yield {
+            "Axles": train.words,
+            "Source": train.source or "own",
+            "Load factor": f"multiplies all axles, {quantity(sum(train.loads), 'N')} in all; "
+            "the weight of blocks and fill is not multiplied",
+            "Dispersal": fill.words,
+            "Passive pressure": f"up to {fill.passive:g} times the vertical one"
+            if fill.passive else "none: fill presses with K, and resists nothing",
+        }  # fmt: skip
+        if len(first.places):
+            yield first.axles()
 
 
 def _answer(answer: Answer) -> Iterator[Part]:
@@ -147,20 +205,32 @@ def _answer(answer: Answer) -> Iterator[Part]:
     for one in answer.sentences():
         if one.text.casefold() != answer.title.casefold():
             yield one.text[:1].upper() + one.text[1:]
-    picture = sketches.answer_picture(answer)
-    if picture is not None:
-        yield picture
+    yield from sketches.answer_pictures(answer)
     for table in answer.tables():
         if len(table) and table.title != "loads":
             yield table
-    residuals = getattr(answer, "residuals", None)
-    if residuals is not None:
-        yield Heading("Proof, computed again (forces by mean block weight, lengths by block size)")
-        yield {one.name: f"{abs(getattr(residuals, one.name)):.1e}" for one in fields(residuals)}
+    limit = answer.limit if isinstance(answer, TrainEnvelope) else answer
+    told = "Proof, computed again (forces by mean block weight, lengths by block size)"
+    if isinstance(limit, Limit) and limit.states:
+        yield Heading(told)
+        sides = zip(limit.states, limit.layers().stages, strict=True)
+        yield {stage.headline: _proof(state) for (state, _, _), stage in sides}
+    elif isinstance(answer, Result) and answer.residuals is not None:
+        yield Heading(told)
+        yield {"residuals": _proof(answer)}
 
 
-def _checks(result: Result) -> Iterator[Part]:
+def _proof(state: Result) -> str:
+    """The verdict on a state, and its residuals."""
+    told = [f"{one.name} {abs(getattr(state.residuals, one.name)):.1e}"
+            for one in fields(state.residuals)] if state.residuals is not None else []  # fmt: skip
+    return ", ".join([state.verdict.value, *told])
+
+
+def _checks(result: Result, model: Model) -> Iterator[Part]:
     table = result.joints()
+    if result.model is not model:
+        yield f"In the state under {result.load.name}."
     worst = worst_joints(table, _PLANS).tolist()
     shown = (
         "joint", "block_a", "block_b", "normal", "tangential", "friction_use", "kern_ratio",
@@ -177,6 +247,21 @@ def _checks(result: Result) -> Iterator[Part]:
         "normal, with its kern (dashed) and the centre of pressure (dot)."
     )
     yield tuple(joint_plan(result, table, i) for i in worst)
+    needed, at = least_strength(result)
+    if table["edge_ratio"].max(initial=0.0) > HINGED:
+        yield (
+            "Where the edge ratio is 100 % a force acts on an edge, which no finite strength "
+            "carries: give --strength, and crushing is counted."
+        )
+    elif needed > 0.0:
+        a, b = (result.assembly.names[i] for i in result.contacts[at].blocks)
+        yield (
+            f"The forces that were found need a strength of {quantity(needed, 'Pa')} in the "
+            f"joint of '{a}' and '{b}' (normal force over the stress block about its centre "
+            "of pressure), and no more in any other."
+        )
+    if result.model is not model:
+        yield result.reactions()
     yield Heading("Hand checks")
     yield balance(result)
     thrust = crown_thrust(result)

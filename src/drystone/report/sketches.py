@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from io import BytesIO
 from typing import Any
@@ -14,6 +15,8 @@ from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
+from drystone.limits import Limit
+from drystone.limits.train_limit import TrainEnvelope
 from drystone.model import Model
 from drystone.report.document import Picture
 from drystone.view.figure import draw
@@ -24,15 +27,20 @@ _WIDTH = 6.7
 _DPI = 150
 
 
-def answer_picture(answer: Answer) -> Picture | None:
-    """What an answer draws on paper; ``None`` where it has no picture."""
+def answer_pictures(answer: Answer) -> Iterator[Picture]:
+    """What an answer draws on paper: its chart, and the model; both sides of a limit."""
     try:
-        shown = answer.figure()
+        shown, scene = answer.figure(), answer.layers()
     except InputError:
-        return None
+        return
     if isinstance(shown, Chart):
-        return _picture(save_chart(shown), shown.title)
-    return _picture(_drawn(shown), shown.stages[shown.still].headline)
+        yield _picture(save_chart(shown), shown.title)
+    else:
+        scene = shown
+    limit = answer.limit if isinstance(answer, TrainEnvelope) else answer
+    sides = range(len(limit.states)) if isinstance(limit, Limit) else [scene.still]
+    for i in sides:
+        yield _picture(_drawn(scene, i), scene.stages[i].headline)
 
 
 def loads_picture(model: Model) -> Picture:
@@ -93,13 +101,13 @@ def signs_picture() -> Picture:
         "loads act on the block named",
     )
     for row, text in enumerate(told):
-        axes.text(4.75, 1.85 - 0.36 * row, text, fontsize=8.5, va="center")
+        axes.text(4.45, 1.85 - 0.36 * row, text, fontsize=8.5, va="center")
     return _picture(figure, "Axes, and the signs of the forces in a joint")
 
 
-def _drawn(scene: Scene) -> Any:
+def _drawn(scene: Scene, stage: int = 0) -> Any:
     undated = tuple(replace(one, facts={}) for one in scene.stages)
-    return draw(replace(scene, stages=undated, facts={}, made=""), (_WIDTH, 3.7))
+    return draw(replace(scene, stages=undated, facts={}, made=""), (_WIDTH, 4.5), stage=stage)
 
 
 def _toward(along: int) -> Floats:

@@ -9,11 +9,11 @@ from os import PathLike
 
 import numpy as np
 
+from drystone.base.display import name_text
 from drystone.base.files import write_text
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.view.figure import draw
-from drystone.view.joint_page import name_text
 
 _INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }

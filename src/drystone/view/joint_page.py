@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import NAME, OneLine, shortened
+from drystone.base.display import NAME, OneLine, name_text, shortened
 from drystone.base.files import write_text
 from drystone.base.table import Table
 from drystone.geometry.kern import kern
@@ -118,11 +118,6 @@ _HEAD = (
     "mean [Pa]",
     "peak [Pa]",
 )
-
-
-def name_text(name: str) -> str:
-    """A name as HTML; letters that turn the direction of writing end with it."""
-    return f"<bdi>{html.escape(shortened(name, NAME))}</bdi>"
 
 
 def _row(row: dict[str, Any], crushes: bool) -> str:

@@ -11,11 +11,14 @@ import pytest
 import drystone
 from drystone import InputError, LoadCase, Model, report
 from drystone.answer import Answer
+from drystone.base.table import Table
 from drystone.cli import main
-from drystone.models import arch, tower, vault
+from drystone.limits import limit_train
+from drystone.loads import Fill, Train
+from drystone.models import arch, segmental_bridge, tower, vault
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrust, weights
+from drystone.report.hand_checks import balance, crown_thrust, least_strength, weights
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
@@ -54,7 +57,7 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     ):  # fmt: skip
         assert expected in text or expected in page, expected
     assert page.count("<svg") == 8
-    assert page.count('src="data:image/png') == 5
+    assert page.count('src="data:image/png') == 6
     assert not re.search(r"https?://", page)
 
 
@@ -162,7 +165,7 @@ def test_a_heading_stays_with_the_picture_below_it(
         filled = Section("Before", ("line",) * lines)
         entries = {"Author": "N. N."}
         pdf_of(Document("A wall", entries, "foot", (filled, Section("Signs", (picture,)))))
-    pages = [[page for text, page in drawn if text == one] for one in ("2 Signs", "a picture")]
+    pages = [[page for text, page in drawn if text == one] for one in ("Signs", "a picture")]
     assert pages[0] == pages[1]
     assert len(pages[0]) == 6
 
@@ -170,3 +173,46 @@ def test_a_heading_stays_with_the_picture_below_it(
 def test_a_plan_can_be_reported(tmp_path: Path) -> None:
     write_report(plan(Model.of(tower(2), friction=0.6)), tmp_path / "plan.html")
     assert "Loads" in (tmp_path / "plan.html").read_text(encoding="utf-8")
+
+
+def test_long_tables_stand_whole_in_an_annex_and_its_first_rows_in_the_text() -> None:
+    result = drystone.check(Model.of(vault(courses=9, blocks=6), friction=0.8))
+    made = document_of([result], TitleBlock()).sections
+    listed = [one for section in made for one in section.parts if isinstance(one, Table)]
+    blocks = [one for one in listed if one.title == "blocks"]
+    count = len(result.assembly)
+    assert [len(one) for one in blocks] == [40, count]
+    assert made[-1].title.startswith("Annex 1")
+    page = html_of(Document("A vault", {}, "foot", made))
+    assert f"The first 40 of {count}; all in Annex 1." in page
+
+
+def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both_sides() -> None:
+    model = Model.of(segmental_bridge(voussoirs=10), friction=0.6)
+    fill = Fill(cover=0.3, weight=2e4)
+    found = limit_train(model, train=Train.named("lm1"), fill=fill, steps=3)
+    made = document_of([found], TitleBlock())
+    axles = found.axles()
+    assert axles["load"].tolist() == [300e3, 300e3]
+    assert np.diff(axles["x"]).round(9).tolist() == [1.2]
+    keys = {one.key for one in found.layers().stages[0].layers}
+    assert {"axles", "road"} <= keys
+    page = html_of(made)
+    for expected in (
+        "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "resists nothing",
+        "axles at the worst place", "infinitely strong", "reactions", "thrust at the crown",
+        *[one.headline for one in found.limit.layers().stages],
+            ):  # fmt: skip
+        assert expected in page, expected
+    assert html_of(document_of([found], TitleBlock())) == page
+
+
+def test_the_strength_that_forces_need_is_that_of_their_stress_block() -> None:
+    needed, _ = least_strength(drystone.check(tower(2), friction=0.6))
+    assert needed == pytest.approx(2400.0 * 9.81)
+    load = LoadCase.gravity(tower(2)) + LoadCase.point_load(
+        tower(2), "block-1", (0.0, 0.0, -2400.0 * 9.81), at=(0.25, 0.5, 2.0)
+    )
+    needed, at = least_strength(drystone.check(Model.of(tower(2), friction=0.6, load=load)))
+    assert at == 0
+    assert needed == pytest.approx(2.0 * 2400.0 * 9.81 / 0.75)  # 1 - 2 x 0.125 of the face
