@@ -273,7 +273,7 @@ def test_an_answer_shows_its_sentences_tables_picture_and_what_was_asked() -> No
     assert "<b>Falls: 2 of 11 blocks</b>" in text
     assert "UNSTABLE" in text
     assert "forces could balance the loads" in text
-    assert "<td>block-9</td>" in text
+    assert "<td><bdi>block-9</bdi></td>" in text
     assert "friction 0.9 \N{MIDDLE DOT} gravity" in text
     assert text.count("<iframe") == 1
     assert "largest force" not in text

@@ -18,7 +18,6 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
-from drystone.base.units import quantity
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.crossing import Crossing, PlacedTrain
@@ -157,7 +156,7 @@ class TrainEnvelope(Answer):
                          for x in (low, high)])  # fmt: skip
         road = Layer("road", "road", LayerKind.LINES, "load", ends[:1], ends[1:] - ends[:1])
         return road, Layer(
-            "axles", f"axles of '{self.train.name}', up to {quantity(max(self.train.loads), 'N')}",
+            "axles", "axles",
             LayerKind.ARROWS, "load", at, down, single=True, width=3.0, group="axles",
         )  # fmt: skip
 

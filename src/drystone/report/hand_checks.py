@@ -114,9 +114,10 @@ class CrownThrust(OneLine):
             ("thrust by hand, H = (V a + M) / f", self.by_hand, "N"),
             ("thrust from the forces in the joints", self.by_joints, "N"),
         ]
+        least = 1e-9 * self.load * max(self.rise, 1.0)
         columns = {
             "quantity": [name for name, _, _ in told],
-            "value": [quantity(value, unit, digits=4) for _, value, unit in told],
+            "value": [quantity(value, unit, least, 4) for _, value, unit in told],
         }
         return Table("thrust at the crown", columns)
 

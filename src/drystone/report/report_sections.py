@@ -238,7 +238,10 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
     )  # fmt: skip
     units = {name: unit for name, unit in table.units.items() if name in shown}
     shares = dict.fromkeys(("friction_use", "kern_ratio", "edge_ratio"), "1")
-    few = Table("joints nearest to sliding or to a hinge", {name: table[name] for name in shown},
+    told = {name: table[name] for name in shown}
+    rounding = 1e-9 * float(table["normal"].max(initial=0.0))
+    told["tangential"] = np.where(told["tangential"] > rounding, told["tangential"], 0.0)
+    few = Table("joints nearest to sliding or to a hinge", told,
                 {**units, **shares}).take(worst)  # fmt: skip
     yield few
     yield (
@@ -248,18 +251,20 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
     )
     yield tuple(joint_plan(result, table, i) for i in worst)
     needed, at = least_strength(result)
-    if table["edge_ratio"].max(initial=0.0) > HINGED:
-        yield (
-            "Where the edge ratio is 100 % a force acts on an edge, which no finite strength "
-            "carries: give --strength, and crushing is counted."
-        )
-    elif needed > 0.0:
+    if needed > 0.0:
         a, b = (result.assembly.names[i] for i in result.contacts[at].blocks)
-        yield (
-            f"The forces that were found need a strength of {quantity(needed, 'Pa')} in the "
-            f"joint of '{a}' and '{b}' (normal force over the stress block about its centre "
-            "of pressure), and no more in any other."
-        )
+        row = int(result.contacts.joint[at])
+        if table["edge_ratio"][row] > HINGED:
+            yield (
+                f"In the joint of '{a}' and '{b}' {quantity(table['normal'][row], 'N')} act on an "
+                "edge, which no finite strength carries: give --strength, and crushing is counted."
+            )
+        else:
+            yield (
+                f"The forces that were found need a strength of {quantity(needed, 'Pa')} in the "
+                f"joint of '{a}' and '{b}' (normal force over the stress block about its centre "
+                "of pressure), and no more in any other."
+            )
     if result.model is not model:
         yield result.reactions()
     yield Heading("Hand checks")

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.answer import Answer, Scene
+from drystone.answer import Answer, Scene, SceneStage
 from drystone.answer.chart import Chart
 from drystone.answer.drawing import bare_scene
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
+from drystone.geometry.frames import unit
 from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
 from drystone.model import Model
@@ -64,7 +65,7 @@ def dimensions_picture(model: Model) -> Picture:
     )
     for number, (along, toward) in enumerate(views):
         axes: Any = figure.add_subplot(grid[0, number])
-        draw(scene, (_WIDTH, 3.1), toward=toward, layers=(), inside=axes)
+        draw(scene, (_WIDTH, 3.1), toward=toward, layers=(), inside=axes, scaled=False)
         axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
         _dimensions(axes, float(span[along]), float(span[2]), 0.08 * float(span.max()))
     return _picture(figure, f"Overall dimensions; {'xy'[front]} and z in the elevation")
@@ -107,7 +108,27 @@ def signs_picture() -> Picture:
 
 def _drawn(scene: Scene, stage: int = 0) -> Any:
     undated = tuple(replace(one, facts={}) for one in scene.stages)
-    return draw(replace(scene, stages=undated, facts={}, made=""), (_WIDTH, 4.5), stage=stage)
+    shown = replace(scene, stages=undated, facts={}, made="")
+    return draw(shown, (_WIDTH, 4.5), stage=stage, toward=_eye(scene, scene.stages[stage]))
+
+
+def _eye(scene: Scene, stage: SceneStage) -> Floats | None:
+    """From the model to the eye; aslant where forces or motions are seen end on."""
+    known = [one.vector for one in stage.layers if one.group in ("loads", "acceleration")]
+    if stage.motion is not None:
+        known.append(stage.motion[:, :3])
+    across = stage.gravity - (stage.gravity @ stage.up) * stage.up
+    known.append(across[None].round(3))
+    hidden = any(
+        float(np.abs(one @ scene.toward).sum()) > 0.5 * float(lengths(one).sum())
+        for one in known
+        if one is not None
+    )
+    if not hidden:
+        return None
+    side = np.cross(stage.up, scene.toward)
+    eye: Floats = unit(scene.toward + 0.8 * side + 0.4 * stage.up, "view direction")
+    return eye
 
 
 def _toward(along: int) -> Floats:

@@ -164,7 +164,7 @@ class LocalMechanism(Answer):
         ]
         columns: dict[str, Any] = {
             "quantity": [name for name, *_ in told],
-            "value": [f"{value:.4g}" for _, value, *_ in told],
+            "value": ["-" if math.isnan(value) else f"{value:.4g}" for _, value, *_ in told],
             "unit": [unit for _, _, unit, _ in told],
             "from": [source for *_, source in told],
         }

@@ -27,7 +27,8 @@ def draw_scale_bar(sheet: Sheet) -> None:
     """A scale bar of a round length, about a sixth of the width of the drawing."""
     axes = sheet.axes
     low, high = axes.dataLim.min, axes.dataLim.max
-    span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * sheet.width / sheet.height)
+    box = axes.get_window_extent()
+    span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * box.width / box.height)
     if span <= 0.0:
         return
     decade = 10.0 ** np.floor(np.log10(span / 6.0))
@@ -88,7 +89,10 @@ def write_title(
 
 
 def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
-    """What the colours of blocks, the lines and the marks mean, below the drawing."""
+    """What the colours of blocks, the lines and the marks mean, below the drawing.
+
+    Of more than two rows the drawing leaves room.
+    """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -125,16 +129,20 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             text += f", up to {quantity(layer.largest, layer.unit)}"
             wide = 1.6 * layer.width if layer.value is None else 3.0
         handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
-    for columns in (4, 3):
+    for columns in (4, 3, 2):
         legend = figure.legend(
             handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=columns,
             frameon=False, fontsize=8, handlelength=1.6, columnspacing=1.6,
             labelcolor=sheet.colours["edge"],
         )  # fmt: skip
         gravity = figure.bbox.x1 - 0.7 * figure.dpi  # its arrow and its name
-        if columns == 3 or legend.get_window_extent().x1 < gravity:
-            return
+        box = legend.get_window_extent()
+        if columns == 2 or box.x1 < gravity:
+            break
         legend.remove()
+    left, bottom, right, top = sheet.axes.get_position().extents
+    low = max(bottom, box.y1 / figure.bbox.height)
+    sheet.axes.set_position((left, low, right - left, top - low))
 
 
 def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:

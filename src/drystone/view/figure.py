@@ -180,8 +180,12 @@ def draw(
     names: bool = False,
     theme: str = "light",
     inside: Any = None,
+    scaled: bool = True,
 ) -> Figure:
-    """The matplotlib figure of one stage, or of given axes; no state of pyplot is touched."""
+    """The matplotlib figure of one stage, or of given axes; no state of pyplot is touched.
+
+    ``scaled`` with a scale bar, which is true until the limits of the axes are changed.
+    """
     from matplotlib.figure import Figure  # heavy, and only figures need it
 
     stage = scene.still if stage is None else stage
@@ -208,13 +212,15 @@ def draw(
     draw_labels(sheet, numbers=PRESETS[key].numbers, names=names)
     axes.autoscale_view()
     axes.margins(0.03)
-    draw_scale_bar(sheet)
     if inside is not None:
+        if scaled:
+            draw_scale_bar(sheet)
         axes.set_title(shown.headline, fontsize=9, color=sheet.colours["edge"], parse_math=False)
         return axes.figure
     draw_gravity(figure, sheet)
     write_title(figure, scene, shown, size, theme)
     write_legend(figure, sheet, chosen)
+    draw_scale_bar(sheet)
     draw_bar(figure, sheet, chosen)
     return figure
 

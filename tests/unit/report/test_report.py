@@ -9,21 +9,22 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, LoadCase, Model, report
+from drystone import Assembly, InputError, LoadCase, Model, report
 from drystone.answer import Answer
 from drystone.base.table import Table
 from drystone.cli import main
 from drystone.limits import limit_train
 from drystone.loads import Fill, Train
-from drystone.models import arch, segmental_bridge, tower, vault
+from drystone.models import arch, box, segmental_bridge, tower, vault
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
 from drystone.report.hand_checks import balance, crown_thrust, least_strength, weights
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
-from drystone.report.sketches import dimensions_picture
+from drystone.report.sketches import dimensions_picture, loads_picture
 from drystone.sequence import plan
+from drystone.view.figure import draw
 
 
 @pytest.fixture(scope="module")
@@ -205,6 +206,31 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
             ):  # fmt: skip
         assert expected in page, expected
     assert html_of(document_of([found], TitleBlock())) == page
+    axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
+    axes.apply_aspect()
+    assert axes.get_position().y0 > 0.2  # room for three rows of the legend
+    bar = next(line for line in axes.lines if line.get_linewidth() == 2.0)
+    told = next(one.get_text() for one in axes.texts if one.get_text().endswith(" m"))
+    long = np.ptp(axes.get_xlim()) * np.ptp(bar.get_xdata())
+    assert long == pytest.approx(float(told.removesuffix(" m")), rel=0.02)
+
+
+def test_loads_that_are_seen_end_on_are_drawn_aslant(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Any] = []
+
+    def drawn(*given: Any, **named: Any) -> Any:
+        seen.append(named["toward"])
+        return draw(*given, **named)
+
+    monkeypatch.setattr("drystone.report.sketches.draw", drawn)
+    wall = Assembly(
+        [box((2.0, 0.2, 0.2)), box((2.0, 0.2, 0.2), (0.0, 0.0, 0.2), "top")]
+    ).with_fixed(0)
+    for push in ((9.0, 0.0, 0.0), (0.0, 9.0, 0.0)):
+        load = LoadCase.gravity(wall) + LoadCase.point_load(wall, 1, push)
+        loads_picture(Model.of(wall, friction=0.6, load=load))
+    assert seen[0] is None
+    assert abs(seen[1] @ [0.0, 1.0, 0.0]) < 0.9
 
 
 def test_the_strength_that_forces_need_is_that_of_their_stress_block() -> None:
