@@ -60,7 +60,9 @@ class Screen:
         from rich.table import Table
         from rich.text import Text
 
-        made = Table(*head, box=None)
+        made = Table(box=None)
+        for one in head:
+            made.add_column(one, overflow="fold")  # a name is never cut
         for row in rows[:listed]:
             made.add_row(*(Text(clean(cell)) for cell in row))
         if rows:
