@@ -132,7 +132,7 @@ def test_the_first_order_may_be_that_of_the_planner(tmp_path):
 def test_what_cannot_be_asked_is_refused(tmp_path):
     fixed = ARCH.with_supports(range(len(ARCH)))
     apart = Model.of(
-        Assembly((box((1, 1, 1), (0, 0, 0)), box((1, 1, 1), (5, 0, 5)))).with_fixed([0])
+        Assembly((box((1, 1, 1), (0, 0, 0), "a"), box((1, 1, 1), (5, 0, 5), "b"))).with_fixed([0])
     )
     for given, words in (
         ([], "no structure"),
