@@ -419,9 +419,10 @@ def _tasks(number: int, model: Model, options: DatasetOptions) -> Iterator[_Task
         raise InputError("every block is a support", remedy="leave some free")
     if not staged.everything & ~staged.floating(staged.everything):
         raise InputError(
-            "no free block is joined to a support", where=model.origin.file or f"structure {number}",
+            "no free block is joined to a support",
+            where=model.origin.file or f"structure {number}",
             remedy="fix blocks that carry others, or widen the gap within which faces touch",
-        )  # fmt: skip
+        )
     if options.planned:
         yield _Task(number, model, options, True, [_drawn(staged, options, number, 0)])
     while rows < options.rows:
