@@ -118,6 +118,13 @@ def test_a_box_that_slides_off_onto_slivers_of_its_joints_falls() -> None:
     assert "has moved by 0.05" in found.message
 
 
+def test_a_stiffness_that_has_nearly_found_forces_is_not_one_that_has() -> None:
+    """At one of five stiffnesses a millionth of a block's forces is left, and does not go."""
+    found = check(Model.of(random_pack(20, seed=2), friction=0.5), options=CheckOptions.robust())
+    assert found.verdict is Verdict.STABLE
+    assert found.sensitive_to == (Sensitivity.JOINTS,)
+
+
 def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
     model = tilted(wedge("b"), X, 57.8)
     one = replace(MOVING, stiff_shear=None)
