@@ -60,11 +60,16 @@ class Screen:
         from rich.table import Table
         from rich.text import Text
 
-        made = Table(box=None)
-        for one in head:
-            made.add_column(one, overflow="fold")  # a name is never cut
-        for row in rows[:listed]:
-            made.add_row(*(Text(clean(cell)) for cell in row))
+        shown = [[clean(cell) for cell in row] for row in rows[:listed]]
+        columns = [
+            [name, *" ".join(cells).split()] for name, *cells in zip(head, *shown, strict=True)
+        ]
+        narrow = sum(max(map(len, one)) + 2 for one in columns) > self._console.width
+        made = Table(box=None, pad_edge=not narrow)
+        for one in head:  # a name is never cut, and a heading gives way first
+            made.add_column(one.replace(" ", "\n") if narrow else one, overflow="fold")
+        for row in shown:
+            made.add_row(*map(Text, row))
         if rows:
             self._console.print(made)
         if len(rows) > listed:

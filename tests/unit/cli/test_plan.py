@@ -70,6 +70,17 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert all(Path(name).stat().st_size > 200 for name in files)
 
 
+def test_names_stay_whole_in_a_narrow_terminal(tmp_path, capsys, monkeypatch):
+    """The headings are folded in their place."""
+    monkeypatch.setenv("COLUMNS", "80")
+    file = tmp_path / "arch.json"
+    io.write(arch(0.2, 12), file)
+    main(["plan", str(file), "--friction", "0.7"])
+    table = capsys.readouterr().out.split("assembly plan:")[1]
+    assert all(f"voussoir-{i:02}" in table for i in range(12))
+    assert "propped stages" not in table
+
+
 def test_a_person_reads_the_counts_of_a_sweep(stack, capsys):
     assert main(["plan", stack, "--sweep", "0.5"]) == 0
     assert "friction 0.5: 3 free, 0 held, 0 propped" in capsys.readouterr().out
