@@ -24,7 +24,7 @@ from drystone.models.solids import prism, welded
 from drystone.models.source_structures import bridge, shelf, snake
 from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
 from drystone.models.vaults import barrel_vault, vault
-from drystone.models.walls import corbelled_wall, ferris_wall, wall
+from drystone.models.walls import buttressed_wall, corbelled_wall, ferris_wall, wall
 
 __all__ = [
     "a_model",
@@ -35,6 +35,7 @@ __all__ = [
     "bridge",
     "burr",
     "buttressed_arch",
+    "buttressed_wall",
     "concave",
     "corbelled_bridge",
     "corbelled_wall",

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats
 from drystone.models.simple import box
-from drystone.models.solids import prism, require, welded
+from drystone.models.solids import prism, require, shell_faces, welded
 
 
 def dome(
@@ -72,22 +71,13 @@ def dome(
             first = 2 * i + ring % 2 if bonded else i
             span = np.arange(first, first + (3 if bonded else 2)) % parts
             shell = point[:, ring : ring + 2][:, :, span]
-            blocks.append(welded(_shell_faces(shell), f"r{ring:02d}-b{i:02d}"))
+            blocks.append(welded(shell_faces(shell), f"r{ring:02d}-b{i:02d}"))
     return Assembly(tuple(blocks), np.arange(len(blocks)) < slices)
 
 
 def _two(thickness: float | Sequence[float]) -> tuple[float, float]:
     pair = np.broadcast_to(np.asarray(thickness, dtype=np.float64), (2,))
     return float(pair[0]), float(pair[1])
-
-
-def _shell_faces(shell: Floats) -> list[Floats]:
-    """Faces of a piece of shell (2, 2, s, 3): inner and outer, lower and upper, stations."""
-    faces = [shell[:, :, end].reshape(4, 3)[[0, 1, 3, 2]] for end in (0, -1)]
-    for i in range(shell.shape[2] - 1):
-        faces += [shell[side, :, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for side in (0, 1)]
-        faces += [shell[:, bed, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for bed in (0, 1)]
-    return faces
 
 
 def lune(
@@ -132,7 +122,7 @@ def lune(
         point[:, :, side, 2] = sphere[:, None] * np.sin(latitude)
     blocks: list[Block] = []
     for ring in range(rings):
-        blocks.append(welded(_shell_faces(point[:, ring : ring + 2]), f"ring-{ring:02d}"))
+        blocks.append(welded(shell_faces(point[:, ring : ring + 2]), f"ring-{ring:02d}"))
     reach = 1.1 * float(sphere[1])
     depth = 0.1 * radius
     ground = box((2.0 * reach, 2.0 * reach, depth), (-0.5 * reach, -reach, -depth), "ground")

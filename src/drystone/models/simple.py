@@ -10,7 +10,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.polyhedron import BOX, box_corners
-from drystone.models.solids import prism, rectangle, require, welded
+from drystone.models.solids import prism, rectangle, require, shell_faces, welded
 
 
 def box(
@@ -25,15 +25,79 @@ def box(
     return Block(box_corners(low, high), BOX, name, density)
 
 
-def tower(count: int, edge: float = 1.0) -> Assembly:
-    """A tower of ``count`` cubes of ``edge`` [m]; the lowest is fixed.
+def tower(
+    count: int,
+    edge: float = 1.0,
+    *,
+    course: float | None = None,
+    thickness: float = 0.0,
+    stones: int = 4,
+    lean: float = 0.0,
+) -> Assembly:
+    """A tower of courses, solid or hollow, which may lean; a stack of cubes by default.
 
-    Its ``count - 1`` free cubes topple over an edge when tilted by ``atan(1 / (count - 1))``.
+    What stands on a bed joint overturns as one from ``atan(edge / its height)`` on, lean and tilt
+    together: ``count - 1`` free cubes at ``atan(1 / (count - 1))``. It slides where ``tan(lean)``
+    exceeds the friction.
+
+    Parameters
+    ----------
+    count
+        Courses; the lowest is fixed.
+    edge : [m]
+        Width, from flat side to flat side.
+    course : [m]
+        Height of a course; ``edge`` when left out.
+    thickness : [m]
+        Of the walls around a shaft; 0: solid and square, one block in each course.
+    stones
+        In each course of a hollow tower, with a plan of twice as many sides: 2 for a square of
+        L-shaped stones, 4 for an octagon. Courses are turned by half a stone.
+    lean : [degrees]
+        Towards +x, of the whole tower with its joints, as where the ground gave way.
+
+    Returns
+    -------
+    Assembly
+        ``block-i`` upwards; of a hollow tower ``c00-b0``, counter-clockwise in each course.
+
+    Examples
+    --------
+    >>> tower(2).names
+    ('block-0', 'block-1')
+    >>> len(tower(10, 4.0, course=0.5, thickness=0.8))
+    40
     """
-    blocks = [
-        box((edge, edge, edge), (0.0, 0.0, i * edge), name=f"block-{i}") for i in range(count)
-    ]
-    return Assembly(tuple(blocks), np.arange(count) == 0)
+    require(count > 0, f"a tower of {count} courses", "give one or more")
+    require(stones > 1, f"a course of {stones} stones", "give two or more")
+    require(0.0 <= thickness < 0.5 * edge, "the walls leave no shaft", "make them thinner")
+    require(0.0 <= lean < 90.0, f"a lean of {lean:g} degrees", "give 0 to 90, towards +x")
+    rise = edge if course is None else course
+    blocks = (
+        [box((edge, edge, rise), (0.0, 0.0, i * rise), f"block-{i}") for i in range(count)]
+        if thickness == 0.0
+        else _shaft(count, edge, rise, thickness, stones)
+    )
+    upright = Assembly(tuple(blocks), np.arange(len(blocks)) < len(blocks) // count)
+    return upright.transformed(rotation_about(np.array([0.0, 1.0, 0.0]), lean)) if lean else upright
+
+
+def _shaft(count: int, edge: float, rise: float, thickness: float, stones: int) -> list[Block]:
+    """Rings of stones, each over two sides of a polygon."""
+    sides = 2 * stones
+    turn = 2.0 * np.pi * (np.arange(sides) + 0.5) / sides
+    ray = np.column_stack([np.cos(turn), np.sin(turn)])
+    across = np.array([0.5 * edge - thickness, 0.5 * edge]) / np.cos(np.pi / sides)
+    point = np.empty((2, count + 1, sides, 3))  # inner and outer, bed, corner
+    point[..., :2] = 0.5 * edge + across[:, None, None, None] * ray
+    point[..., 2] = (rise * np.arange(count + 1))[:, None]
+    blocks = []
+    for row in range(count):
+        for i in range(stones):
+            span = (2 * i + row % 2 + np.arange(3)) % sides
+            faces = shell_faces(point[:, row : row + 2][:, :, span])
+            blocks.append(welded(faces, f"c{row:02d}-b{i}"))
+    return blocks
 
 
 def incline(angle_deg: float, size: Sequence[float] = (1.0, 0.8, 0.5)) -> Assembly:

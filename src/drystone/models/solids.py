@@ -131,3 +131,12 @@ def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[flo
     (a0, a1), (b0, b1) = first, second
     plane = np.array([(a0, b0), (a1, b0), (a1, b1), (a0, b1)], dtype=np.float64)
     return np.insert(plane, axis, at, axis=1)
+
+
+def shell_faces(shell: Floats) -> list[Floats]:
+    """Faces of a piece of shell (2, 2, s, 3): inner and outer, lower and upper, stations."""
+    faces = [shell[:, :, end].reshape(4, 3)[[0, 1, 3, 2]] for end in (0, -1)]
+    for i in range(shell.shape[2] - 1):
+        faces += [shell[side, :, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for side in (0, 1)]
+        faces += [shell[:, bed, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for bed in (0, 1)]
+    return faces

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.models.simple import box
-from drystone.models.solids import require
+from drystone.models.solids import prism, require
 
 Bond: TypeAlias = Literal["running", "toothed", "stack"]
 
@@ -119,3 +119,78 @@ def corbelled_wall(
         "reduce the step of each course",
     )
     return wall(courses, length, size, corbel=corbel)
+
+
+def buttressed_wall(
+    bays: int = 2,
+    spacing: float = 3.0,
+    courses: int = 10,
+    course: float = 0.3,
+    thickness: float = 0.5,
+    *,
+    buttress_width: float = 0.6,
+    buttress_depth: float = 0.8,
+    stones: int = 2,
+) -> Assembly:
+    """A straight wall along x with buttresses on its side towards +y, bonded into it.
+
+    In every other course a buttress is one stone through the wall, with wings into it; in those
+    between it is cut at the wall. Without bays it is one pier of depth b. A push H at the height h
+    over its lowest joint overturns it when ``H h > W b / 2 - w (b - thickness / 2)``: of the free
+    weight W the lowest stone of the wall, w, is not lifted.
+
+    Parameters
+    ----------
+    bays
+        Between buttresses, of which there is one more; 0: one buttress with its part of the wall.
+    spacing : [m]
+        Of the buttresses, from axis to axis.
+    courses
+        The lowest is fixed.
+    course : [m]
+        Height of a course.
+    thickness : [m]
+        Of the wall.
+    buttress_width, buttress_depth : [m]
+        Along the wall, and from its face.
+    stones
+        Between the wings of two buttresses, in running bond.
+
+    Returns
+    -------
+    Assembly
+        Course by course ``c00-w0`` along the wall and ``c00-b0`` the buttresses.
+
+    Examples
+    --------
+    >>> buttressed_wall(1, courses=2, stones=1).names
+    ('c00-w0', 'c00-b0', 'c00-b1', 'c01-w0', 'c01-w1', 'c01-b0', 'c01-b1')
+    """
+    require(bays >= 0 and courses > 0 and stones > 0, "too few blocks", "bays 0 or more, others 1")
+    require(spacing > buttress_width, "the buttresses leave no wall", "increase the spacing")
+    step = (spacing - buttress_width) / (stones + 1)
+    feet = spacing * np.arange(bays + 1)
+    end, back = feet[-1] + buttress_width, thickness + buttress_depth
+    inner = (feet[:-1, None] + buttress_width + step * np.arange(1, stones + 1)).ravel()
+    whole = list(pairwise([0.0, *inner, end]))
+    halves = list(zip(inner - 0.5 * step, inner + 0.5 * step, strict=True))
+    blocks: list[Block] = []
+    for row in range(courses):
+        name, level = f"c{row:02d}", (row * course, (row + 1) * course)
+        for i, (left, right) in enumerate(whole if row % 2 else halves):
+            size = (right - left, thickness, course)
+            blocks.append(box(size, (left, 0.0, level[0]), f"{name}-w{i}"))
+        for i, (left, right) in enumerate(zip(feet, feet + buttress_width, strict=True)):
+            plan = [(right, thickness), (right, back), (left, back), (left, thickness)]
+            if row % 2 == 0:
+                wings = max(left - 0.5 * step, 0.0), min(right + 0.5 * step, end)
+                plan += [(wings[0], thickness), (wings[0], 0.0)]
+                plan += [(wings[1], 0.0), (wings[1], thickness)]
+            blocks.append(_upright(list(dict.fromkeys(plan)), level, f"{name}-b{i}"))
+    return Assembly(tuple(blocks), np.arange(len(blocks)) < bays * stones + bays + 1)
+
+
+def _upright(plan: Sequence[tuple[float, float]], level: Sequence[float], name: str) -> Block:
+    """A plan (x, y) from level to level."""
+    turned = [(x, -y) for x, y in plan]
+    return prism(turned, level, name).transformed([[1, 0, 0], [0, 0, -1], [0, 1, 0]])

@@ -15,6 +15,8 @@ from tests.oracle import touching_faces
 
 FAMILIES: dict[str, Assembly] = {
     "tower": models.tower(4),
+    "square hollow tower": models.tower(4, 3.0, course=0.5, thickness=0.6, stones=2),
+    "leaning tower": models.tower(4, 3.0, course=0.5, thickness=0.6, lean=5.0),
     "incline": models.incline(25.0),
     "two blocks": models.two_blocks_on_incline(),
     "overhang": models.overhang(models.harmonic_offsets(4)),
@@ -36,6 +38,8 @@ FAMILIES: dict[str, Assembly] = {
     "toothed wall": models.wall(5, 4, bond="toothed"),
     "stacked wall": models.wall(3, 4, bond="stack", ground=True),
     "ferris": models.ferris_wall(1),
+    "buttressed wall": models.buttressed_wall(courses=4),
+    "pier": models.buttressed_wall(0, courses=4),
     "corbelled wall": models.corbelled_wall(),
     **{f"wedge {kind}": models.wedge(kind) for kind in ("a", "b", "c", "d")},
     "H": models.h_model(),
