@@ -37,8 +37,8 @@ def tower(
     """A tower of courses, solid or hollow, which may lean; a stack of cubes by default.
 
     What stands on a bed joint overturns as one from ``atan(edge / its height)`` on, lean and tilt
-    together: ``count - 1`` free cubes at ``atan(1 / (count - 1))``. It slides where ``tan(lean)``
-    exceeds the friction.
+    together: ``count - 1`` free cubes at ``atan(1 / (count - 1))``. Shafts of more than two stones
+    a course fall before, as stones slip. A tower slides where ``tan(lean)`` exceeds the friction.
 
     Parameters
     ----------
