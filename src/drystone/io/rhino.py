@@ -69,7 +69,7 @@ def _tie(text: str, path: Path) -> tuple[str, str]:
     """The names of the two blocks of a tie."""
     kept = parse(text.encode(), path)
     names = [one.text() for one in kept.elements()]
-    if len(names) != 2:
+    if len(names) != 2 or names[0] == names[1]:
         raise kept.error("does not name two blocks")
     return names[0], names[1]
 

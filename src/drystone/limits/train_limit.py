@@ -286,14 +286,11 @@ class TrainEnvelope(Answer):
         scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
         if not len(self.places) or self.falls_alone:
             return replace(scene, title=self.title)
-        axles = self._axle_layers()
         found = () if self.limit is None else self.limit.layers().stages
-        stages = [replace(one, layers=(*one.layers, *axles)) for one in found]
-        still = max(len(stages) - 1, 0)
-        order = [] if stages else [self.worst]
-        for i in order:
-            stages += [replace(one, layers=(*one.layers, *axles)) for one in self._stage(i)]
-        for i in [*np.flatnonzero(np.isfinite(self._near)).tolist()]:
+        worst, axles = found or self._stage(self.worst), self._axle_layers()
+        stages = [replace(one, layers=(*one.layers, *axles)) for one in worst]
+        still = max(len(found) - 1, 0)
+        for i in np.flatnonzero(np.isfinite(self._near)).tolist():
             stages += self._stage(i)
         charts = (self.figure(),)
         return replace(scene, title=self.title, stages=tuple(stages), charts=charts, still=still)

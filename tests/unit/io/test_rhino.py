@@ -209,6 +209,17 @@ def test_good_objects_beside_one_that_cannot_be_read_are_read_on_request(tmp_pat
 
 
 @needs_rhino
+@needs_rhino
+@pytest.mark.parametrize("pair", ['["a", "a"]', '["a"]', '["a", "b", "c"]'])
+def test_a_tie_that_does_not_join_two_blocks_is_refused(tmp_path: Path, pair: str) -> None:
+    file = new_file()
+    file.Objects.AddBrep(cube(), attributes(file, "a"))
+    rope = attributes(file, "tie", **{"drystone-tie": pair})
+    file.Objects.AddLine(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(1, 0, 0), rope)
+    with pytest.raises(FormatError, match="does not name two blocks"):
+        io.read(saved(tmp_path, file))
+
+
 @pytest.mark.parametrize(
     ("key", "value"), [("support", "maybe"), ("density", "heavy"), ("friction", "-1")]
 )
