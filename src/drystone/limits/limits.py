@@ -18,6 +18,7 @@ from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import axis_vector
+from drystone.io.load_options import grown
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
@@ -147,7 +148,7 @@ def limit_friction(
 @checked_call
 def limit_load(
     given: Given,
-    live: LoadCase | float | Sequence[float],
+    live: LoadCase | str | float | Sequence[float],
     *,
     upper: float = 1000.0,
     check: Check | None = None,
@@ -164,8 +165,8 @@ def limit_load(
     ----------
     live
         The load that grows: ``BLOCK:WHAT[@X,Y,Z]`` as for ``--load``, ``seismic:KX,KY``, or a load
-        case of the file by its name. In Python a load case; a number, the multiple of gravity along
-        -z; or an acceleration (3,) [m/s2] of all masses.
+        case of the file by its name. In Python also a load case; a number, the multiple of gravity
+        along -z; or an acceleration (3,) [m/s2] of all masses.
     upper : > 0
         Largest factor of the search.
     options
@@ -174,7 +175,8 @@ def limit_load(
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     chosen = means.options
     model = supported_model(given, **how)
-    case = LoadCase.of(model.assembly, live)
+    words = isinstance(live, str)
+    case = grown(live, model, how.get("gravity")) if words else LoadCase.of(model.assembly, live)
     family = LoadFactor(model, case)
     if not case.wrench[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, meant
 from drystone.base.files import PathLike, as_path, read_bytes
@@ -17,6 +18,8 @@ from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
 from drystone.joint_capacity import DRY, NO_LIMIT
 from drystone.loads import LoadCase
+from drystone.loads.applied import common_acceleration
+from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.load_words import chosen_case
 from drystone.model import Model
 
@@ -149,7 +152,8 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     ------
     InputError
         Something is not known, contradicts another, or has no unit; its place is named. Or a free
-        block has no permanent load, or no case has the load of the model, which is not its weight.
+        block has no permanent load, or no case has the load of the model, which is not its weight,
+        or a combination has the weight of a block twice.
 
     Examples
     --------
@@ -182,6 +186,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
             f"gives {len(made)} combinations, more than {_MOST}",
             "put cases that act together into one, or into groups; or name fewer situations",
         )
+    _refuse_weight_twice(top["case"], actions, made, model)
     return made
 
 
@@ -204,6 +209,34 @@ def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) 
             'write load = "model" in a case, or leave out --gravity, --seismic, --load and --case '
             "(for a load in the file: give --gravity 9.81)",
         )
+
+
+def _refuse_weight_twice(
+    cases: Field, actions: Sequence[Action], made: Sequence[Combination], model: Model
+) -> None:
+    """Refuse combinations in which more than one load is the weight of the same block."""
+    weights = {one.name: _weights(one, model) for one in actions}
+    for each in made:
+        acting = {name: weights[name] for name in each.factors if weights[name].any()}
+        twice = np.flatnonzero(sum(acting.values(), np.zeros(len(model))) > 1)
+        if len(twice):
+            who = f"block '{model.assembly.names[twice[0]]}'"
+            named = " and ".join(f"'{name}'" for name, one in acting.items() if one[twice[0]])
+            raise cases.error(
+                f"has the weight of {who} twice, in {named}",
+                'leave out one; in place of load = "model" write the loads beside weight, '
+                "BLOCK:WHAT or seismic:KX,KY",
+            )
+
+
+def _weights(action: Action, model: Model) -> Ints:
+    """How many parts of an action are, or have, the weight of each block (n,)."""
+    count = np.zeros(len(model), dtype=np.intp)
+    for part in action.parts:
+        down = -common_acceleration(model.assembly, part)[2]
+        if down > 0.5 * STANDARD_GRAVITY:  # less is an earthquake
+            count[model.assembly.free] += part.wrench[model.assembly.free].any(axis=1)
+    return count
 
 
 def _standard(top: Field) -> Field:

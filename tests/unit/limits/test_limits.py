@@ -354,6 +354,17 @@ def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
     assert limit_load(model, 1.0, upper=5.0).best.stands == 5.0
 
 
+def test_a_live_load_may_be_words_as_in_the_command() -> None:
+    """A block of 23,544 N slides at 0.6 of it; a point load along gravity is along that given."""
+    model = Model.of(tower(2), friction=0.6)
+    assert limit_load(model, "seismic:1").best.stands == pytest.approx(0.6, rel=1e-3)
+    pushed = limit_load(model, "block-1:1kN,0,0", options=LimitOptions(equilibrium_only=True))
+    assert pushed.equilibrium.value == pytest.approx(0.6 * 23.544, rel=1e-3)
+    case = LoadCase(LoadCase.seismic(model.assembly, 0.5).wrench, "wind")
+    named = Model(model.assembly, model.contacts, cases=(LoadCase.gravity(model.assembly), case))
+    assert limit_load(named, "wind").best.stands == pytest.approx(1.2, rel=1e-3)
+
+
 def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
     # jammed in its slab the plank could carry any load, so the convex limit tells no scale
     plank = Model.of(concave("short"), friction=0.3)

@@ -156,6 +156,48 @@ def test_a_load_of_the_model_acts_where_a_case_says_so_and_is_refused_elsewhere(
     assert main(asked) == 0
 
 
+ALL = '[case.all]\nkind = "{}"\nload = "model"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        (WEIGHT + ALL.format("permanent"), "block-1' twice, in 'weight' and 'all'"),
+        (WEIGHT + ALL.format("accidental"), "block-1' twice, in 'weight' and 'all'"),
+        (ALL.format("permanent").replace('"model"', '["gravity", "model"]'), "twice, in 'all'"),
+        (WEIGHT + ALL.format("permanent").replace("model", "dead"), "twice, in 'weight' and 'all'"),
+        (WEIGHT + WEIGHT.replace("weight", "more") + 'blocks = "block-1"', "'weight' and 'more'"),
+    ],
+)
+def test_the_weight_of_a_block_acts_once_in_a_combination(
+    text: str, named: str, tmp_path: Path
+) -> None:
+    weight = LoadCase.gravity(STACK.assembly)
+    push = LoadCase.point_load(STACK.assembly, 1, (500.0, 0.0, 0.0))
+    dead = LoadCase(weight.wrench, "dead")
+    load = weight + push if '"model"' in text else weight
+    model = Model(STACK.assembly, STACK.contacts, load=load, cases=(dead,))
+    with pytest.raises(DrystoneError, match=named) as refused:
+        read_combinations(written(tmp_path, text), model)
+    assert "leave out one" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_load_of_the_model_without_weight_and_parts_of_the_weight_are_no_second_weight(
+    tmp_path: Path,
+) -> None:
+    """An earthquake upward and parts of other blocks act beside it."""
+    push = LoadCase.point_load(STACK.assembly, 1, (500.0, 0.0, 0.0))
+    lift = LoadCase(-0.3 * LoadCase.gravity(STACK.assembly).wrench, "lift")
+    model = Model(STACK.assembly, STACK.contacts, load=push, cases=(lift,))
+    quake = '[case.lift]\nkind = "seismic"\nreversible = true\n'
+    parts = [WEIGHT + f'blocks = "block-{i}"' for i in (0, 1)]
+    apart = parts[0].replace("weight", "below") + parts[1]
+    found = read_combinations(written(tmp_path, apart, ALL.format("permanent"), quake), model)
+    characteristic = [one for one in found if one.situation.name == "characteristic"]
+    assert characteristic[0].load.wrench[1, [0, 2]].round().tolist() == [500.0, -23544.0]
+
+
 def test_the_command_tells_the_combination_that_governs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
