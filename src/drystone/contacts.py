@@ -250,7 +250,7 @@ class Contacts(OneLine):
         """The interfaces of others, which are these and more of the same blocks, as strong."""
         if self.capacity is None or others.count == self.count:
             return others.with_capacity(self.capacity)
-        more = others.select(np.arange(self.count, others.count))
+        more = others.select(np.arange(self.count, others.count)).with_capacity(None)
         return others.with_capacity(_joined_capacity(self, more))
 
     def with_areas(self, area: Floats, **changed: Any) -> Contacts:

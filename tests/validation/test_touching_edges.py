@@ -13,6 +13,7 @@ from benchmarks.leaning import reciprocal_frame
 from drystone import (
     Assembly,
     Block,
+    JointCapacity,
     LoadCase,
     Model,
     Verdict,
@@ -64,6 +65,20 @@ def test_a_leaning_slab_slips_where_friction_is_too_low_for_its_edge_as_well() -
     found = check(leaning(60.0), friction=0.1)
     assert found.verdict is Verdict.UNSTABLE
     assert found.mechanism is not None
+
+
+@pytest.mark.parametrize("pull", [0.0, 1.0])
+def test_edges_carry_nothing_where_joints_crush(pull: float) -> None:
+    """Nor do those that are found later, beside joints that pull as well."""
+    model = Model.of(leaning(60.0), friction=0.9)
+    strong = {"tension": pull, "cohesion": pull, "compression": 1e9}
+    found = check(
+        model.with_capacity(JointCapacity.of_stress(model.contacts, **strong, brittle=False))
+    )
+    assert found.verdict is Verdict.UNSTABLE
+    assert "edges and corners have no area and carry nothing" in found.message
+    assert found.contacts.capacity is not None
+    assert found.contacts.capacity.compression[found.contacts.area == 0.0].tolist() == [0.0]
 
 
 def test_a_floor_and_a_wall_of_one_block_are_touched_in_both_places() -> None:

@@ -90,8 +90,10 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
 
 
 def crushing_words(model: Model, found: Carried) -> str:
-    """How much of the loads is carried, and the joint that crushes most."""
+    """How much of the loads is carried, why so little, and the joint that crushes most."""
     words = f"{CRUSHES}, only {found.share:.3g} of them"
+    if (model.contacts.crushes & (model.contacts.area == 0.0)).any():
+        words += "; edges and corners have no area and carry nothing"
     at = None if found.mechanism is None else crushed_most(model, found.mechanism)
     if at is None:
         return words
@@ -130,7 +132,7 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
     found = replace(found, iterations=found.iterations + most.iterations)
     if most.mechanism is not None:
         return replace(
-            undone(found, crushing_words(model, most)),
+            undone(found, crushing_words(crushes, most)),
             verdict=Verdict.UNSTABLE,
             mechanism=most.mechanism,
             falling=moving_blocks(model.assembly, most.mechanism),
