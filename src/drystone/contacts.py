@@ -204,9 +204,7 @@ class Contacts(OneLine):
         k = self.corner_count
         if self.capacity is None:
             return frozen(np.zeros(k)), frozen(np.zeros(k)), frozen(np.full(k, np.inf))
-        joint = self.interface
-        weight = np.where(self.area[joint] > 0.0, self.tributary, 1.0)
-        share = weight / self.corners.sum(weight)[joint]
+        joint, share = self.interface, self.corner_share
         given = self.capacity
         tension, cohesion, shear = (
             np.where(force[joint] >= NO_LIMIT, np.inf, force[joint] * share)
@@ -269,6 +267,12 @@ class Contacts(OneLine):
         weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
         total = self.corners.sum(weight)
         return frozen(self.corners.sum(weight[:, None] * self.point) / total[:, None])
+
+    @cached_property
+    def corner_share(self) -> Floats:
+        """(k,) tributary area of each corner by that of its interface; alike without area."""
+        weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
+        return frozen(weight / self.corners.sum(weight)[self.interface])
 
     @cached_property
     def joint(self) -> Ints:

@@ -405,6 +405,26 @@ def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
     return flat
 
 
+def plane_pressure(contacts: Contacts, force: Floats) -> Floats:
+    """Linear pressure (k,) [Pa] of a plane section at each corner; zero without area."""
+    _, flat, made = joint_sections(contacts)
+    corners, owner = contacts.corners, contacts.interface
+    face = (contacts.area > 0.0) & (corners.counts > 2)
+    area = np.where(face, made.area, 1.0)
+    arm = flat - made.centroid[owner]
+    slope = np.einsum("mij,mj->mi", made.inverse, corners.sum(force[:, :1] * arm)) / area[:, None]
+    mean = corners.sum(force[:, 0]) / area
+    return np.where(face[owner], mean[owner] + dot(slope[owner], arm), 0.0)
+
+
+def linear_strength_use(contacts: Contacts, force: Floats) -> Floats:
+    """Largest linear pressure (m,) by the strength; zero without a finite one."""
+    if contacts.capacity is None or not contacts.count:
+        return np.zeros(contacts.count)
+    most = contacts.corners.max(plane_pressure(contacts, force)) * contacts.area
+    return np.where(contacts.crushes, most / np.maximum(contacts.capacity.compression, 1e-300), 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class ForceNetwork(OneLine):
     """Lines along which the normal forces pass through the blocks.

@@ -229,6 +229,22 @@ def test_the_last_joint_crushes_later_than_the_first():
     assert solve_rbe(loaded.with_load(1.001 * last * loaded.load)).falls is True
 
 
+@pytest.mark.parametrize(("tension", "stands"), [(1e6, True), (5e4, False)])
+def test_a_bridge_of_mortar_that_cracks_and_stone_that_crushes(tension, stands):
+    """Without mortar it carries 162.3 kN; hinges that crush move into their faces."""
+    model, axle = bridge(5e6)
+    mortar = JointCapacity.of_stress(
+        model.contacts, tension=tension, cohesion=2.0 * tension, compression=5e6
+    )
+    found = check(model.with_capacity(mortar).with_load(model.load + 165.0 * axle))
+    assert (found.stable, found.falls) == (stands, not stands)
+    if stands:
+        assert "stands on its mortar, 4 joints of it cracked" in found.message
+        assert 0.95 < found.strength_use.max() <= 1.0
+    else:
+        assert "what is left falls: it crushes" in found.message
+
+
 def test_the_verdict_of_a_bridge_is_that_of_its_strength():
     model, axle = bridge(5e6)
     safe = check(model.with_load(model.load + 160.0 * axle))

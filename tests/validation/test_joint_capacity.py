@@ -1,5 +1,7 @@
 """Joints that pull and cohere against closed forms: cantilever, incline, hanging block, dowel."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -226,3 +228,48 @@ def test_the_verdict_does_not_depend_on_units(scale):
         cube = scale**3
         capacity = JointCapacity(forces.tension * cube, forces.cohesion * cube, brittle=False)
         assert check(scaled.with_capacity(capacity)).verdict == verdict
+
+
+def crushing(model, strength, factor):
+    """The model with joints of a strength, in an earthquake."""
+    capacity = model.contacts.capacity
+    both = replace(capacity, compression=strength * model.contacts.area)
+    quake = LoadCase.seismic(model.assembly, 0.0, factor)
+    return model.with_capacity(both).with_load(model.load + quake)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.99, "stable"), (1.01, "undecided")])
+def test_mortar_that_holds_is_pressed_linearly_up_to_the_strength(share, verdict):
+    """At the foot W/A (1 + 3 k h/t) = f. Beyond it nobody knows how the rest is shared out."""
+    factor = share * (2e5 / 35316.0 - 1.0) / 20.0
+    found = check(crushing(wall(2e5), 2e5, factor))
+    assert found.verdict == verdict
+    if found.stable:
+        assert found.message == "stands on its mortar, uncracked"
+        assert found.joints()["strength_use"].max() == pytest.approx(
+            (1.0 + 20.0 * factor) * 35316.0 / 2e5
+        )
+    else:
+        assert "ductile mortar tells a bound from above" in found.message
+
+
+@pytest.mark.parametrize(("share", "stands"), [(1.01, True), (0.99, False)])
+def test_a_pier_crushes_below_an_arm_that_mortar_holds(share, stands):
+    """The arm, 15 % of the pier, has moved the force by 46 mm: f = N / (b - 2 e)."""
+    ground = box((-2.0, -2.0, -0.2), (2.0, 2.0, 0.0), "ground")
+    pier = box((-0.2, -0.5, 0.0), (0.2, 0.5, 1.0), "pier")
+    arm = box((0.2, -0.5, 0.8), (0.5, 0.5, 1.0), "arm")
+    model = Model.of(Assembly((ground, pier, arm), [True, False, False]), friction=0.6)
+    glued = model.contacts.block_b == 2
+    weight = 9.81 * model.assembly.mass
+    off = 0.35 * weight[2] / (weight[1] + weight[2])
+    strength = share * (weight[1] + weight[2]) / (0.4 - 2.0 * off)
+    mortar = JointCapacity.of_stress(
+        model.contacts, tension=1e6 * glued, cohesion=1e6 * glued, compression=strength
+    )
+    found = check(model.with_capacity(mortar))
+    assert (found.stable, found.falls) == (stands, not stands)
+    if stands:
+        assert found.strength_use.max() == pytest.approx(1.0 / share)
+    else:
+        assert "the joint of 'ground' and 'pier' crushes most" in found.message

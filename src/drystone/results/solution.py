@@ -14,7 +14,13 @@ from drystone.answer import Verdict
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.checks import Residuals, normal_force_by_strength
-from drystone.joints import Resultants, resultants_of, utilisation_of, world_forces
+from drystone.joints import (
+    Resultants,
+    linear_strength_use,
+    resultants_of,
+    utilisation_of,
+    world_forces,
+)
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
 
@@ -173,7 +179,10 @@ class Solution(OfModel, OneLine):
     def strength_use(self) -> Floats:
         """Normal force (m,) by what a stress block around the centre of pressure carries.
 
-        1 crushes; 0 for joints without a finite strength.
+        1 crushes; 0 for joints without a finite strength. Where brittle mortar pulls, or no block
+        carries it, it is the largest linear pressure by the strength.
         """
-        pressed = np.maximum(self._local_force[:, 0], 0.0)
-        return normal_force_by_strength(self.contacts, pressed)[0]
+        contacts, force = self.contacts, self._local_force
+        use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
+        pulls = contacts.corners.any(force[:, 0] < 0.0) | (use > 1.0 + 1e-6)
+        return np.where(contacts.brittle & pulls, linear_strength_use(contacts, force), use)

@@ -7,17 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, dot, lengths
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.errors import counted
 from drystone.base.progress import Clock
-from drystone.checks import check_forces
+from drystone.checks import check_forces, normal_force_by_strength
 from drystone.contacts import Contacts
-from drystone.joint_capacity import NO_LIMIT
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.joints import linear_strength_use, plane_pressure
 from drystone.mechanics import law
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempt
+from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, undone
 from drystone.virtual import joint_sections
@@ -33,6 +34,11 @@ def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: 
     it, until none cracks. Where what is left has no rest state, it must fall even if the joints
     left were ductile.
 
+    Where joints crush as well, the linear pressure of those that hold is below the strength, and
+    those that cracked carry stress blocks. What presses more is lost: a joint that holds cracks,
+    the face of another one shrinks, and forces are found again. So it stands with less than there
+    is. That it falls is shown of what cracks before anything is lost.
+
     Parameters
     ----------
     model
@@ -45,48 +51,95 @@ def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: 
         contacts = model.contacts.carried_to(found.contacts)
         words = f"{found.message}, with every joint of mortar cracked"
         return replace(found, model=found.model.with_contacts(contacts), message=words)
-    capacity = model.contacts.capacity
+    contacts, capacity = model.contacts, model.contacts.capacity
     if capacity is None:
         return found
-    late = clock.late
     mortar = (capacity.tension > 0.0) | (capacity.cohesion > 0.0)
-    intact, steps = mortar, found.iterations
-    while intact.any() and not late():
-        bonded = np.where(intact, NO_LIMIT, 0.0)
-        elastic = model.with_capacity(replace(capacity, tension=bonded, cohesion=bonded))
-        problem = Problem.build(elastic.without_crushing())
-        state = Attempt(problem, law.uniform(problem.statics), late).from_nothing()
+    holds, size, steps = mortar, np.ones(len(mortar)), found.iterations
+    sound: Bools | None = None
+    while holds.any() and size.min() > 0.0 and not clock.late():
+        state = _elastic(model, holds, size, clock)
         steps += state.steps
         if not state.stands:
             break
-        breaking = intact & cracks(model.contacts, state.force)
-        if not breaking.any():
-            cracked = int((mortar & ~intact).sum())
-            told = f"{counted(cracked, 'joint')} of it cracked" if cracked else "uncracked"
+        breaking = holds & cracks(contacts, state.force)
+        use = _strength_use(contacts, state.force, holds)
+        if breaking.any():
+            holds = holds & ~breaking
+        elif use.max() <= 1.0:
             stands = replace(found, model=model, iterations=steps)
-            return _uncracked(elastic, state.force, stands, told)
-        intact = intact & ~breaking
-    if late():
+            return _uncracked(stands, state.force, holds, mortar)
+        else:
+            sound = holds if sound is None else sound
+            size = np.where(holds, 1.0, _smaller(contacts, state.force, use, size))
+            holds = holds & (use <= 1.0)
+    found = replace(found, model=model, iterations=steps)
+    if clock.late():
         words = f"{clock.reason} before it was known which joints of mortar crack"
-        return undone(replace(found, model=model, iterations=steps, stopped=clock.reason), words)
-    ductile = replace(capacity.cracked(~intact), brittle=False)
-    rest = decide(model.with_capacity(ductile)) if intact.any() else found
-    cracks_in = f"its mortar cracks in {counted(int((mortar & ~intact).sum()), 'joint')}"
+        return undone(replace(found, stopped=clock.reason), words)
+    sound = holds if sound is None else sound
+    ductile = model.with_capacity(replace(capacity.cracked(~sound), brittle=False))
+    rest = decide(ductile) if sound.any() else found
+    count = int((mortar & ~sound).sum())
+    words = f"its mortar cracks in {counted(count, 'joint')}, and " if count else ""
     if rest.falls:
-        words = f"{cracks_in}, and what is left falls: {rest.message}"
+        words += f"what is left falls: {rest.message}" if count else rest.message
         return replace(rest, model=model, message=words, iterations=steps)
-    words = f"{cracks_in}, and whether what is left falls was not shown"
-    return undone(replace(found, model=model, iterations=steps), words)
+    words += "whether what is left falls was not shown"
+    if contacts.crushes.any():
+        words += "; some joint crushes in part (ductile mortar tells a bound from above)"
+    return undone(found, words)
 
 
-def _uncracked(elastic: Model, force: Floats, found: Result, told: str) -> Result:
-    """STABLE with forces (k, 3) [N] that the joints which pull elastically carry.
+def _elastic(model: Model, holds: Bools, size: Floats, clock: Clock) -> Candidate:
+    """The state on uniform springs that pull where joints hold, on shares of the size of faces.
 
-    UNDECIDED where these forces crush a joint.
+    Its forces (k, 3) [N] are those at the corners of the whole faces.
     """
-    residuals = check_forces(elastic, force)
+    contacts = _bonded(model, holds).without_crushing().contacts
+    shrunk = (size < 1.0)[contacts.interface]
+    share, centre = size[contacts.interface, None], contacts.centroid[contacts.interface]
+    point = np.where(shrunk[:, None], centre + share * (contacts.point - centre), contacts.point)
+    left = model.with_contacts(contacts.with_areas(contacts.area * size**2, point=point))
+    problem = Problem.build(left)
+    state = Attempt(problem, law.uniform(problem.statics), clock.late).from_nothing()
+    whole = contacts.corners.spread(contacts.corners.sum(state.force))
+    around = contacts.corner_share[:, None] * whole
+    return replace(state, force=share * state.force + (1.0 - share) * around)
+
+
+def _bonded(model: Model, holds: Bools) -> Model:
+    """The model whose joints pull and do not crush where they hold, and neither pull elsewhere."""
+    capacity = model.contacts.capacity or JointCapacity.dry(len(holds))
+    bonded = np.where(holds, NO_LIMIT, 0.0)
+    strength = np.where(holds, NO_LIMIT, capacity.compression)
+    pulls = replace(capacity, tension=bonded, cohesion=bonded, compression=strength)
+    return model.with_capacity(pulls)
+
+
+def _strength_use(contacts: Contacts, force: Floats, holds: Bools) -> Floats:
+    """Share (m,) of its strength that each joint needs: by a linear pressure where it holds."""
+    use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
+    return np.where(holds, linear_strength_use(contacts, force), use)
+
+
+def _smaller(contacts: Contacts, force: Floats, use: Floats, size: Floats) -> Floats:
+    """Shares (m,) of the size of faces on whose rim stress blocks carry what presses too much.
+
+    Of a face under N, bent about one axis, it is ``1 - N / (f A)``; a little less, so that it ends.
+    """
+    strength = np.inf if contacts.capacity is None else contacts.capacity.compression
+    lost = np.maximum(contacts.corners.sum(force[:, 0]) / strength, (1.0 - size) * use)
+    return np.where(use > 1.0, 1.0 - 1.01 * lost, size)
+
+
+def _uncracked(found: Result, force: Floats, holds: Bools, mortar: Bools) -> Result:
+    """STABLE with forces (k, 3) [N] that joints which hold carry elastically, others as dry."""
+    residuals = check_forces(_bonded(found.model, holds), force)
+    cracked = int((mortar & ~holds).sum())
+    told = f"{counted(cracked, 'joint')} of it cracked" if cracked else "uncracked"
     if residuals.largest > FORCE_TOLERANCE:
-        return undone(found, f"its mortar holds ({told}), but some joint crushes in part")
+        return undone(found, f"its mortar holds ({told}), but no exact forces were found")
     words = f"stands on its mortar, {told}"
     stands = replace(undone(found, words), verdict=Verdict.STABLE)
     return replace(stands, force=force, residuals=residuals)
@@ -108,12 +161,11 @@ def cracks(contacts: Contacts, force: Floats) -> Bools:
     area = np.where(face, made.area, 1.0)
     arm = flat - made.centroid[owner]
     total = corners.sum(force) / area[:, None]
-    slope = np.einsum("mij,mj->mi", made.inverse, corners.sum(force[:, :1] * arm)) / area[:, None]
     torque = corners.sum(arm[:, 0] * force[:, 2] - arm[:, 1] * force[:, 1]) / area
     polar = np.where(face, np.trace(made.inertia, axis1=1, axis2=2), 1.0)
     turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1) * (torque / polar)[owner, None]
     inside = face[owner]
-    pressure = np.where(inside, total[owner, 0] + dot(slope[owner], arm), force[:, 0])
+    pressure = np.where(inside, plane_pressure(contacts, force), force[:, 0])
     shear = np.where(inside, lengths(total[owner, 1:] + turned), lengths(force[:, 1:]))
     pull, cohesion, _ = contacts.corner_capacity
     friction = contacts.friction
