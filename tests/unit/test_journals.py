@@ -1,4 +1,4 @@
-"""What work keeps on disk survives what cuts or damages it: plans, searches, many checks."""
+"""What work keeps on disk survives what cuts or damages it: plans, searches, studies, data sets."""
 
 import json
 import logging
@@ -15,6 +15,8 @@ import pytest
 import drystone
 from drystone.design import Parameter, TuneOptions, tune
 from drystone.models import tower
+from drystone.sequence import DatasetOptions, dataset, read_dataset
+from drystone.studies import study
 
 
 def planned(file: Path) -> object:
@@ -33,7 +35,25 @@ def checked(file: Path) -> object:
     return [found[name].tolist() for name in ("number", "verdict", "falling", "message")]
 
 
-WORK = pytest.mark.parametrize("work", [planned, tuned, checked])
+def studied(file: Path) -> object:
+    found = study(tower, {"count": [2, 3, 4]}, out=file, friction=0.6)
+    return [found[name].tolist() for name in ("number", "count", "verdict", "margin", "message")]
+
+
+def gathered(file: Path) -> object:
+    options = DatasetOptions(rows=24)
+    found = dataset([tower(3)], file.parent.parent, options=options, friction=0.6)
+    return [(one.order, one.held, one.verdict, one.margin.tolist()) for one in found.orders]
+
+
+WORK = pytest.mark.parametrize("work", [planned, tuned, checked, studied, gathered])
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """Where a data set has its first records."""
+    (tmp_path / "orders").mkdir()
+    return tmp_path / "orders" / "00000.journal"
 
 
 def again(work: Callable[[Path], object], file: Path, data: bytes) -> object:
@@ -46,8 +66,7 @@ def again(work: Callable[[Path], object], file: Path, data: bytes) -> object:
 
 
 @WORK
-def test_a_file_that_is_cut_anywhere_goes_on_to_the_same_answer(work, tmp_path, caplog) -> None:
-    file = tmp_path / "kept"
+def test_a_file_that_is_cut_anywhere_goes_on_to_the_same_answer(work, file, caplog) -> None:
     whole, data = work(file), file.read_bytes()
     assert work(file) == whole
     assert file.read_bytes().startswith(data)
@@ -61,9 +80,8 @@ def test_a_file_that_is_cut_anywhere_goes_on_to_the_same_answer(work, tmp_path, 
 
 
 @WORK
-def test_a_damaged_byte_never_gives_another_answer(work, tmp_path, caplog) -> None:
+def test_a_damaged_byte_never_gives_another_answer(work, file, caplog) -> None:
     caplog.set_level(logging.CRITICAL)
-    file = tmp_path / "kept"
     whole, data = work(file), file.read_bytes()
     for place in range(0, len(data), 89):
         damaged = bytearray(data)
@@ -73,10 +91,9 @@ def test_a_damaged_byte_never_gives_another_answer(work, tmp_path, caplog) -> No
 
 @WORK
 def test_a_record_of_other_values_is_refused_in_words_though_its_checksum_is_right(
-    work, tmp_path, caplog
+    work, file, caplog
 ) -> None:
     caplog.set_level(logging.CRITICAL)
-    file = tmp_path / "kept"
     work(file)
     head, first, *others = file.read_bytes().splitlines()
     record = json.loads(first.partition(b" ")[2])
@@ -96,8 +113,7 @@ def test_a_record_of_other_values_is_refused_in_words_though_its_checksum_is_rig
     assert refused > len(changed) / 2
 
 
-def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(tmp_path) -> None:
-    file = tmp_path / "kept"
+def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(file) -> None:
     whole = checked(file)
     lines = file.read_bytes().splitlines(keepends=True)
     bad = [*lines[:2], lines[2].replace(b"stable", b"stab1e"), lines[3]]
@@ -109,14 +125,15 @@ def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(tmp_path) -> 
 
 
 @WORK
-def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, tmp_path) -> None:
-    file = tmp_path / "kept"
-    whole = work(tmp_path / "other")
-    room = (tmp_path / "other").stat().st_size * 2 // 3
+def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, file, tmp_path) -> None:
+    other = tmp_path / "other" / "orders" / file.name
+    other.parent.mkdir(parents=True)
+    whole = work(other)
+    room = other.stat().st_size * 2 // 3
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
     try:
-        with pytest.raises(drystone.FormatError, match=r"kept.*cannot be written"):
+        with pytest.raises(drystone.FormatError, match=r"00000.*cannot be written"):
             work(file)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -126,8 +143,7 @@ def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, tmp_
     assert work(file) == whole
 
 
-def test_answers_of_other_options_and_of_other_processes_are_not_mixed(tmp_path) -> None:
-    file = tmp_path / "kept"
+def test_answers_of_other_options_and_of_other_processes_are_not_mixed(file) -> None:
     checked(file)
     with pytest.raises(drystone.FormatError, match="is of other work: friction differ"):
         drystone.check_many([tower(1)], out=file, friction=0.5)
@@ -142,15 +158,25 @@ def test_answers_of_other_options_and_of_other_processes_are_not_mixed(tmp_path)
         drystone.check_many([tower(1), tower(2)], out=file, executor=None, progress=meddle)
 
 
+def test_records_of_models_that_are_not_asked_about_are_not_answered(file: Path) -> None:
+    models = [tower(count) for count in (1, 2, 3)]
+    drystone.check_many(models, out=file, friction=0.6)
+    assert len(drystone.check_many(models[:2], out=file, friction=0.6)) == 2
+    with pytest.raises(drystone.InputError, match="model 0 '' has another content"):
+        drystone.check_many(models[1:], out=file, friction=0.6, time_limit_s=0.0)
+    file.unlink()
+    studied(file)
+    assert study(tower, {"count": [2, 3]}, out=file, friction=0.6)["count"].tolist() == [2, 3]
+
+
 @WORK
-def test_records_of_another_version_are_not_gone_on_from(work, tmp_path) -> None:
-    file = tmp_path / "kept"
+def test_records_of_another_version_are_not_gone_on_from(work, file) -> None:
     work(file)
     head, *records = file.read_bytes().splitlines(keepends=True)
     about = json.loads(head.partition(b" ")[2])
     text = json.dumps({**about, "version": "0.0.1"}).encode()
     file.write_bytes(b"".join([b"%08x %s\n" % (zlib.crc32(text), text), *records]))
-    with pytest.raises(drystone.FormatError, match=r"kept.*is of other work: version differ"):
+    with pytest.raises(drystone.FormatError, match=r"00000.*is of other work: version differ"):
         work(file)
 
 

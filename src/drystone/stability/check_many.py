@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
-from itertools import islice
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
@@ -97,10 +96,11 @@ def check_many(
     clock = Clock(time_limit_s, stop)
     chosen = CheckOptions.of(options)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
-    rows: list[Row] = [] if journal is None else list(journal.records)
+    kept: list[Row] = [] if journal is None else journal.records
+    tasks = _tasks(models, kept, (chosen, each_s, how), out)
+    rows = [row for row, _ in zip(kept, tasks, strict=False)]  # none of models that are not asked about
     total = len(models) if isinstance(models, Sized) else 0
     with WorkerPool(executor) as pool:
-        tasks = islice(_tasks(models, rows, (chosen, each_s, how), out), len(rows), None)
         for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
             rows.append(row)
             if journal is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice, product
 from typing import Any, TypeAlias, Unpack
 
@@ -36,6 +37,8 @@ _FOUND = {
     "limit": ("verdict", "stands", "falls", "mechanism", "message", "time_s"),
 }
 """Columns behind the inputs, of checks and of limits."""
+_NUMBERS = frozenset({"margin", "stands", "falls"})
+"""Those that hold numbers, or nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +141,9 @@ def study(
         "content": content_of(build),
         **{name: repr(value) for name, value in sorted(how.items())},
     }  # fmt: skip
-    journal = None if out is None else Journal(out, about, _listed)
-    done: list[list[Any]] = [] if journal is None else list(journal.records)
+    names = ("number", *rows[0], *_FOUND[kind])
+    journal = None if out is None else Journal(out, about, partial(_listed, names))
+    done: list[list[Any]] = [] if journal is None else journal.records[: len(rows)]
     _require_same(done, rows, out)
     tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
              for number, inputs in enumerate(rows))  # fmt: skip
@@ -151,7 +155,6 @@ def study(
             if journal is not None:
                 journal.add([row])
             clock.tell("studying", len(done), len(rows))
-    names = ("number", *rows[0], *_FOUND[kind])
     columns = {name: _column([row[i] for row in done], name) for i, name in enumerate(names)}
     units = {"time_s": "s"} | ({} if limit else {"margin": "deg"})
     return Table(limit or "verdicts", columns, units)
@@ -233,10 +236,10 @@ def _require_same(
     done: Sequence[Sequence[Any]], rows: Sequence[Mapping[str, Any]], out: PathLike | None
 ) -> None:
     """Refuse rows of a file that are others than those that are asked for."""
-    for row, inputs in zip(done, rows, strict=False):
-        if row[1 : 1 + len(inputs)] != [_plain(one) for one in inputs.values()]:
+    for number, (row, inputs) in enumerate(zip(done, rows, strict=False)):
+        if row[: 1 + len(inputs)] != [number, *(_plain(one) for one in inputs.values())]:
             remedy = "give the same rows in the same order, or another file"
-            raise InputError(f"row {row[0]} has other inputs", where=str(out), remedy=remedy)
+            raise InputError(f"row {number} has other inputs", where=str(out), remedy=remedy)
 
 
 def _rows(parameters: Any) -> list[dict[str, Any]]:
@@ -288,11 +291,14 @@ def _failed(task: _Task) -> list[Any]:
     return task.row("failed", *nothing, "", "its worker was ended twice", 0.0)
 
 
-def _listed(record: Any) -> list[Any]:
-    """The row of a record."""
-    if not isinstance(record, list) or not isinstance(record[0], int):
+def _listed(names: Sequence[str], record: Any) -> list[Any]:
+    """The row of a record, with a value for each column."""
+    row = dict(zip(names, record, strict=True))
+    for name in _NUMBERS & row.keys():
+        row[name] = None if row[name] is None else float(row[name])
+    if not isinstance(row["number"], int) or {list, dict} & {*map(type, row.values())}:
         raise TypeError("it is no row")
-    return record
+    return [*row.values()]
 
 
 def _plain(value: Any) -> Any:
@@ -304,6 +310,6 @@ def _plain(value: Any) -> Any:
 
 
 def _column(values: Sequence[Any], name: str) -> Any:
-    if name in ("margin", "stands", "falls"):
+    if name in _NUMBERS:
         return np.array([np.nan if one is None else one for one in values], dtype=float)
     return list(values)
