@@ -3,6 +3,7 @@
 import os
 import shutil
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from benchmarks.interrupted import Case
 from drystone import FormatError
 from drystone.cli import main
 from drystone.models import tower
+from drystone.report.document import Picture
 from drystone.view import save_figure
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a limit of the size of files")
@@ -36,6 +38,14 @@ def work(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     os.chdir(folder)
     yield folder
     os.chdir(before)
+
+
+@pytest.fixture(scope="module")
+def dot() -> Picture:
+    """A small picture in place of those of reports."""
+    made = BytesIO()
+    Figure(figsize=(1, 1)).savefig(made, format="png", dpi=8)
+    return Picture(made.getvalue(), (8, 8), "a dot")
 
 
 def test_every_command_that_writes_is_among_them() -> None:
@@ -67,10 +77,15 @@ def test_a_disk_that_is_full_in_the_middle_of_a_pdf_is_told_as_one(tmp_path: Pat
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)
 def test_a_full_disk_is_told_with_the_file_and_nothing_is_left(
-    case: Case, work: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    case: Case,
+    work: Path,
+    dot: Picture,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     blank = Figure(figsize=(1, 1))  # what is drawn does not matter, and takes long
     monkeypatch.setattr("drystone.view.figure.draw", lambda *_, **__: blank)
+    monkeypatch.setattr("drystone.report.sketches._picture", lambda *_: dot)
     if case.command in NEEDS:
         pytest.importorskip(NEEDS[case.command])
     disk = work / "disk"
