@@ -1,12 +1,17 @@
 """Ctrl-C: what is known is told, and what is said about files is true."""
 
+import functools
 import json
+import multiprocessing
 import os
 import signal
-import subprocess
 import sys
+import tempfile
 import threading
+import time
+from collections.abc import Callable
 from dataclasses import replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
@@ -22,36 +27,58 @@ from drystone.sequence import LocalWorkers
 posix = pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
 
 
-def child(code: str, *arguments: str) -> subprocess.Popen[str]:
-    """The program with a part replaced: ``tell`` says where it is, ``wait`` stays there."""
-    frame = (
-        "import functools, signal, sys, time\n"
-        "from drystone.cli import main\n"
-        "def tell(words): print(words, file=sys.stderr, flush=True)\n"
-        "def wait(stop=lambda: False):\n"
-        "    end = time.monotonic() + 60.0\n"
-        "    while not stop() and time.monotonic() < end: time.sleep(0.01)\n"
-        f"{code}\n"
-        "sys.exit(main(sys.argv[1:]))\n"
-    )
-    return subprocess.Popen(
-        [sys.executable, "-c", frame, *arguments],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+PARTS = ("cli.check_command", "cli.waiting", "limits.inside", "sequence.solving")
+"""Modules that every child would load."""
 
 
-def interrupt(
-    run: subprocess.Popen[str], *when: str, number: int = signal.SIGINT
-) -> tuple[int, str, str]:
-    """Ctrl-C, or another signal, at each of the words; exit code, stdout, stderr after the last."""
-    assert run.stderr is not None
-    for words in when:
-        for line in run.stderr:
-            if words in line:
-                break
-        run.send_signal(number)
-    out, err = run.communicate(timeout=60.0)
-    return run.returncode, out, err
+def program(code: str, arguments: tuple[str, ...], out: str, told: Connection) -> None:
+    """The program in a child, with a part replaced."""
+    with Path(out).open("wb") as file:
+        os.dup2(file.fileno(), 1)
+    os.dup2(told.fileno(), 2)
+    for one in (signal.SIGTERM, signal.SIGHUP):  # nohup has them ignored
+        signal.signal(one, signal.SIG_DFL)
+
+    def tell(words: str) -> None:
+        os.write(2, f"{words}\n".encode())
+
+    def wait(stop: Callable[[], bool] = lambda: False) -> None:
+        end = time.monotonic() + 60.0
+        while not stop() and time.monotonic() < end:
+            time.sleep(0.01)
+
+    exec(code, {"tell": tell, "wait": wait, "signal": signal, "functools": functools})
+    sys.exit(main(arguments))
+
+
+class Child:
+    """The program, forked from a process that has loaded it.
+
+    ``code`` replaces a part of it: ``tell`` says where it is, ``wait`` stays there.
+    """
+
+    def __init__(self, code: str, *arguments: str) -> None:
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload([__name__, *(f"drystone.{one}" for one in PARTS)])
+        self.out = Path(tempfile.mkdtemp()) / "stdout"
+        told, telling = context.Pipe(duplex=False)
+        self.err = os.fdopen(os.dup(told.fileno()), encoding="utf-8")
+        given = (code, arguments, str(self.out), telling)
+        self.process = context.Process(target=program, args=given)
+        self.process.start()
+        telling.close()
+
+    def ended(self, *when: str, number: int = signal.SIGINT) -> tuple[int | None, str, str]:
+        """A signal at each of the words; exit code, stdout, stderr after the last."""
+        for words in when:
+            for line in self.err:
+                if words in line:
+                    break
+            os.kill(self.process.pid or 0, number)
+        with self.err:
+            err = self.err.read()
+        self.process.join(60.0)
+        return self.process.exitcode, self.out.read_text(encoding="utf-8"), err
 
 
 @posix
@@ -70,8 +97,8 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(
         "        tell('third'); wait(lambda: self.interrupted)\n"
         "Waiting.__call__ = held"
     )
-    run = child(code, "check", str(model), "--strict", "--json", "--html", str(page))
-    number, out, _ = interrupt(run, "third", number=getattr(signal, request_to_end))
+    run = Child(code, "check", str(model), "--strict", "--json", "--html", str(page))
+    number, out, _ = run.ended("third", number=getattr(signal, request_to_end))
     told = json.loads(out)
     assert number == 130
     assert (told["verdict"], told["stopped"]) == ("stable", "it was interrupted")
@@ -91,8 +118,8 @@ def test_a_request_to_end_while_files_are_made_keeps_the_verdict(tmp_path: Path)
         "drystone.results.result.joint_table = joint_table"
     )
     table = tmp_path / "joints.csv"
-    run = child(code, "check", str(tmp_path / "tower.json"), "--json", "--joints", str(table))
-    number, out, _ = interrupt(run, "joints", number=signal.SIGTERM)
+    run = Child(code, "check", str(tmp_path / "tower.json"), "--json", "--joints", str(table))
+    number, out, _ = run.ended("joints", number=signal.SIGTERM)
     told = json.loads(out)
     assert (number, told["verdict"], told["files"]) == (130, "stable", [])
     assert "interrupted: nothing was written" in told["notes"]
@@ -112,8 +139,8 @@ def test_a_request_that_is_ignored_stays_ignored_and_the_others_are_heard(tmp_pa
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "signal.signal(signal.SIGINT, signal.SIG_IGN)"
     )
-    run = child(code, "check", str(tmp_path / "tower.json"))
-    number, out, _ = interrupt(run, "asked False", number=signal.SIGTERM)
+    run = Child(code, "check", str(tmp_path / "tower.json"))
+    number, out, _ = run.ended("asked False", number=signal.SIGTERM)
     assert (number, "it was interrupted" in out) == (130, True)
 
 
@@ -127,8 +154,8 @@ def test_the_second_ctrl_c_ends_at_once_with_nothing_written(tmp_path: Path) -> 
         "drystone.stability.check = check"
     )
     page = str(tmp_path / "page.html")
-    run = child(code, "check", str(tmp_path / "tower.json"), "--html", page)
-    assert interrupt(run, "first", "second") == (
+    run = Child(code, "check", str(tmp_path / "tower.json"), "--html", page)
+    assert run.ended("first", "second") == (
         130, "", "drystone: interrupted; nothing was written\n"
     )  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]
@@ -148,8 +175,8 @@ def test_a_limit_tells_the_bracket_so_far(tmp_path: Path) -> None:
         "    return one(*model, stop=stop, **more)\n"
         "inside.one_stiffness = slow"
     )
-    run = child(code, "limit", "tilt", str(model), "--scan", "8", "--json")
-    exit_code, out, err = interrupt(run, "fourth")
+    run = Child(code, "limit", "tilt", str(model), "--scan", "8", "--json")
+    exit_code, out, err = run.ended("fourth")
     told = json.loads(out)
     assert (exit_code, err, told["stopped"]) == (130, "", "it was interrupted")
     assert len(told["evaluations"]) == 3
@@ -170,8 +197,8 @@ def test_a_limit_of_which_nothing_is_known_yet_has_no_picture_and_says_so(tmp_pa
         "    tell('first'); wait(stop); return one(*model, stop=stop, **more)\n"
         "inside.one_stiffness = slow"
     )
-    run = child(code, "limit", "load", str(model), "block-1:1kN", "--json", "--html", str(page))
-    exit_code, out, err = interrupt(run, "first")
+    run = Child(code, "limit", "load", str(model), "block-1:1kN", "--json", "--html", str(page))
+    exit_code, out, err = run.ended("first")
     told = json.loads(out)
     assert (exit_code, err, told["files"]) == (130, "", [])
     assert "interrupted: nothing was written: there is no picture" in told["notes"][-1]
@@ -197,8 +224,8 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
         "solving.PartSolver.solve = slow"
     )
     arguments = ["plan", str(model), "--checkpoint", str(kept)]
-    run = child(code, *arguments, "--json", "--html", str(page))
-    exit_code, out, _ = interrupt(run, "third")
+    run = Child(code, *arguments, "--json", "--html", str(page))
+    exit_code, out, _ = run.ended("third")
     told = json.loads(out)
     assert (exit_code, told["stopped"]) == (130, "it was interrupted")
     assert told["ends_with"][-1] == {"blocks": ["block-4"], "propped": []}
