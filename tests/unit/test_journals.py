@@ -124,6 +124,24 @@ def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(file) -> None
     assert checked(file) == whole
 
 
+def test_a_data_set_that_does_not_say_what_was_asked_is_refused(file: Path) -> None:
+    gathered(file)
+    head, *records = file.read_bytes().splitlines(keepends=True)
+    about = json.loads(head.partition(b" ")[2])
+    odd = (
+        None,
+        [],
+        {"each_s": "x"},
+        {**about["options"], "rows": -1},
+        {**about["options"], "x": 1},
+    )
+    for options in odd:
+        text = json.dumps({**about, "options": options}).encode()
+        file.write_bytes(b"".join([b"%08x %s\n" % (zlib.crc32(text), text), *records]))
+        with pytest.raises(drystone.InputError):
+            read_dataset(file.parent.parent)
+
+
 @WORK
 def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, file, tmp_path) -> None:
     other = tmp_path / "other" / "orders" / file.name

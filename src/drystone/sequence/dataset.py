@@ -321,11 +321,18 @@ def read_dataset(folder: PathLike) -> Dataset:
     if not files or not first.exists():
         raise FormatError("has no data set", where=str(folder), remedy="name the folder of one")
     about = Journal.about(first)
+    try:
+        kept = dict(about["options"])
+        options = DatasetOptions(**{**kept, "each_s": float(kept["each_s"])})
+        total = int(about["orders"])
+    except (LookupError, TypeError, ValueError, OverflowError) as error:
+        raise FormatError(
+            "does not say what was asked of a data set", where=str(first),
+            remedy="make the data set anew",
+        ) from error  # fmt: skip
     shards = _Shards(place, about)
     structures = tuple(supported_model(file) for file in files)
-    kept: dict[str, Any] = about["options"]
-    options = DatasetOptions(**{**kept, "each_s": float(kept["each_s"])})
-    made, total = len(shards.found), int(about["orders"])
+    made = len(shards.found)
     stopped = f"{made} of {total} orders" if made < total else ""
     names = tuple(file.stem for file in files)
     return Dataset(place, names, structures, tuple(shards.found), options=options, stopped=stopped)

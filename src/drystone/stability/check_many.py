@@ -98,7 +98,7 @@ def check_many(
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     kept: list[Row] = [] if journal is None else journal.records
     tasks = _tasks(models, kept, (chosen, each_s, how), out)
-    rows = [row for row, _ in zip(kept, tasks, strict=False)]  # none of models that are not asked about
+    rows = [row for row, _ in zip(kept, tasks, strict=False)]  # of the models that are asked about
     total = len(models) if isinstance(models, Sized) else 0
     with WorkerPool(executor) as pool:
         for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
