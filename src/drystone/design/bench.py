@@ -105,15 +105,15 @@ class Bench:
             raise Stopped
         return stands
 
-    def holds(self, model: Model, margin: DesignMargin) -> Result:
-        """The check of a model at a margin.
+    def holds(self, model: Model, margin: DesignMargin, near: Near = None) -> Result:
+        """The check of a model at a margin; ``near`` as for :meth:`DesignMargin.holds`.
 
         Raises
         ------
         Stopped
             As above.
         """
-        result = margin.holds(model, self.stop)
+        result = margin.holds(model, self.stop, near=near)
         if result.stopped:
             raise Stopped
         return result
@@ -135,6 +135,8 @@ class Bench:
         def stands(value: float) -> bool:
             return self.stands(change.make(value), near, change.beyond)
 
+        if self.large and change.grows and not stands(steps[-1]):  # one slow trial, not several
+            return None
         found = least(stands, steps, change.close, change.low)
         return None if found is None or found >= below else found
 

@@ -79,6 +79,8 @@ class Change(OneLine):
         Number of things that are added.
     beyond
         Blocks of the whole model, that the region does not touch, of which the change makes use.
+    grows
+        Whether a larger value hardly ever holds less, so that the largest one is tried first.
     """
 
     kind: str
@@ -90,6 +92,7 @@ class Change(OneLine):
     joints: int = 0
     added: int = 0
     beyond: tuple[int, ...] = ()
+    grows: bool = False
 
     @classmethod
     def single(
@@ -130,7 +133,7 @@ def friction_change(model: Model, group: Sequence[int], where: str) -> Change:
     low = FRICTION * float(np.floor(own / FRICTION))
     steps = tuple(x for x in (1.0, 2.0, ROUGHEST) if x > low)
     words = partial(friction_words, where)
-    return Change("friction", make, words, steps, FRICTION, low, len(group))
+    return Change("friction", make, words, steps, FRICTION, low, len(group), grows=True)
 
 
 def joint_change(
@@ -206,7 +209,7 @@ def glue_changes(
     return {
         joints: Change(
             "glue", partial(make, joints), partial(glue_words, model, joints), steps, close, 0.0,
-            len(joints), len(joints),
+            len(joints), len(joints), grows=True,
         )
         for joints in groups
     }  # fmt: skip

@@ -19,7 +19,7 @@ from drystone.checks import first_motion_of
 from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states, sentence
-from drystone.design.margin import quickly_stands
+from drystone.design.margin import soon_at_rest
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
 from drystone.design.regions import (
     interfaces_of,
@@ -186,5 +186,5 @@ def _friction_of_all(model: Model, regions: list[Region], late: Callable[[], boo
     most = max(value for value in each if value is not None)
     rough = np.maximum(model.contacts.friction, most)
     with contextlib.suppress(Stopped):
-        return most if quickly_stands(model.with_friction(rough), late) else None
+        return most if soon_at_rest(model.with_friction(rough), late).stable else None
     return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,9 +17,9 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
 from drystone.stability.check_options import SAMPLES
-from drystone.stability.resting import stands_for_all, try_rest
+from drystone.stability.resting import try_rest
+from drystone.stability.screening import PATIENT
 from drystone.stability.screening import QUICK as QUICKLY
-from drystone.stability.screening import SMOOTH
 
 SMALL_REGION = 4
 """Largest number of blocks with which all places are tried; with more blocks only the middle of
@@ -54,55 +54,32 @@ def rest_found(model: Model, stop: Callable[[], bool] | None = None) -> Result:
     Stopped
         As above.
     """
-    quick = quick_check(model, stop)
+    quick = soon_at_rest(model, stop)
     result = quick if quick.stable else check(model, stop=stop)
     if result.stopped:
         raise Stopped
     return result
 
 
-def quickly_stands(model: Model, stop: Callable[[], bool] | None = None) -> bool:
-    """Whether :func:`quick_check` finds a model to stand; without the proof where it falls.
+def soon_at_rest(
+    model: Model, stop: Callable[[], bool] | None = None, start: Floats | None = None
+) -> Result:
+    """The rest state with uniform stiffness, if one is soon found; it is never shown to fall.
+
+    In a large region as quickly as in the stages of a plan: of 51 trials on a wall, a vault and a
+    dome of 97 to 160 blocks it missed none that the check found, in a tenth to all of its time on
+    what falls. Of few blocks it missed larger shares (props with twice the force on an overhang).
 
     Raises
     ------
     Stopped
-        As there.
+        As above.
     """
-    stands = stands_evenly(model, stop)
-    if not stands and stop is not None and stop():
+    level = QUICKLY if model.assembly.free.size > LARGE_REGION else PATIENT
+    found = try_rest(model, screening=level, start=start, stop=stop)
+    if found.stopped and not found.stable:
         raise Stopped
-    return stands
-
-
-def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
-    """Whether a model stands with uniform stiffness, for searches.
-
-    Of few blocks the rest state is looked for as in the stages of a plan. In 176 trials on the
-    shelf one that stands was missed, and what falls took half of the time.
-    """
-    free = model.assembly.free.size
-    if free > SMALL_REGION:
-        return stands_for_all(model, samples=0, stop=stop)
-    return any(try_rest(model, screening=level, stop=stop).stable for level in (QUICKLY, SMOOTH))
-
-
-def stands_near(
-    model: Model,
-    near: dict[int, Floats],
-    samples: int,
-    stop: Callable[[], bool] | None = None,
-) -> bool:
-    """Whether a model stands for all contact stiffnesses, begun at a rest state that it updates.
-
-    For large models: from there rest is found in a tenth of the time, and more often.
-    """
-    options = CheckOptions(samples=samples, settle=False, uniform=True)
-    result = check(model, options=options, start=near.get(0), stop=stop)
-    stands = result.stable and result.samples.standing == result.samples.tried == samples + 1
-    if stands and result.displacement is not None:
-        near[0] = result.displacement
-    return stands
+    return found
 
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
@@ -191,7 +168,12 @@ class DesignMargin(Options):
         return cases
 
     def holds(
-        self, model: Model, stop: Callable[[], bool] | None = None, *, settle: bool = True
+        self,
+        model: Model,
+        stop: Callable[[], bool] | None = None,
+        *,
+        settle: bool = True,
+        near: list[dict[int, Floats]] | None = None,
     ) -> Result:
         """The check of the model, or of the first case in which it does not stand.
 
@@ -202,16 +184,20 @@ class DesignMargin(Options):
             Asked often; True ends a check with what is known.
         settle
             Follow settlement also where it cannot make the structure meet the margin.
+        near
+            As for :meth:`stands`. What uniform stiffness does not hold is then not followed.
         """
-        options = self.options(settle)
-        first = check(model, options=options, stop=stop)
-        if not self.meets(first):
-            return first
-        for case in self.cases(model):
-            result = check(case, options=options, stop=stop)
+        options = replace(self.options(settle), uniform=near is not None)
+        found: list[Result] = []
+        cases = (model, *self.cases(model))
+        for case, rests in zip(cases, _rests(near, len(cases)), strict=True):
+            result = check(case, options=options, start=rests.get(0), stop=stop)
             if not self.meets(result):
                 return result
-        return first
+            if result.displacement is not None:
+                rests[0] = result.displacement
+            found.append(result)
+        return found[0]
 
     def stands(
         self,
@@ -235,10 +221,7 @@ class DesignMargin(Options):
             blocks; changed.
         """
         cases = (model, *self.cases(model))
-        if near is None:
-            return all(self._stands(case, quick, stop) for case in cases)
-        near.extend({} for _ in cases[len(near) :])
-        pairs = zip(cases, near, strict=True)
+        pairs = zip(cases, _rests(near, len(cases)), strict=True)
         return all(self._stands(case, quick, stop, rests) for case, rests in pairs)
 
     def _stands(
@@ -246,14 +229,21 @@ class DesignMargin(Options):
         case: Model,
         quick: bool,
         stop: Callable[[], bool] | None,
-        rests: dict[int, Floats] | None = None,
+        rests: dict[int, Floats],
     ) -> bool:
         """Whether a model stands in one case."""
         if not (quick or self.robust):
             return check(case, stop=stop).stable
-        if rests is not None:
-            return stands_near(case, rests, 0 if quick else SAMPLES, stop)
-        return stands_evenly(case, stop) if quick else stands_for_all(case, stop=stop)
+        start = rests.get(0)
+        if quick:
+            result = soon_at_rest(case, stop, start)
+        else:
+            options = CheckOptions(samples=SAMPLES, uniform=True)
+            result = check(case, options=options, start=start, stop=stop)
+        stands = result.stable and result.samples.standing == result.samples.tried
+        if stands and result.displacement is not None:
+            rests[0] = result.displacement
+        return stands and not result.stopped
 
     def options(self, settle: bool = False) -> CheckOptions:
         """Of the check of each case; with ``settle`` blocks are followed in any case."""
@@ -269,3 +259,10 @@ class DesignMargin(Options):
 def tilted(model: Model, axis: tuple[float, float, float], angle: float) -> Model:
     """The model turned counter-clockwise about an axis; its load keeps its direction in space."""
     return model.with_load(model.load.turned(rotation_about(np.array(axis), angle)))
+
+
+def _rests(near: list[dict[int, Floats]] | None, count: int) -> list[dict[int, Floats]]:
+    """Rest states in each of some cases, to change."""
+    rests: list[dict[int, Floats]] = [] if near is None else near
+    rests.extend({} for _ in range(count - len(rests)))
+    return rests

@@ -14,7 +14,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
-from drystone.design.margin import LARGE_REGION, quickly_stands, rest_found
+from drystone.design.margin import LARGE_REGION, soon_at_rest
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -208,9 +208,8 @@ def find_props(
     for low in (False, True):
         some = blocks if single is None else single
         places = [one for i in some for one in seats(model, int(i), motion[i], shares, low=low)]
-        hold = [one for one in places if quickly_stands(with_props(model, [one]), stop)]
-        if hold:
-            forces = [_forces(model, [one], stop)[0] for one in hold]
+        forces = [force for one in places for force in _forces(model, [one], stop)]
+        if forces:
             return PropSearch((min(forces, key=lambda one: one.size),), "")
         tried += places
     said = f"one prop at {counted(len(tried), 'place')} on free parts of faces"
@@ -219,14 +218,13 @@ def find_props(
         said += f", {covered} of them beside joints"
     if len(blocks) > LARGE_REGION:
         return PropSearch((), said)
-    chosen = _few_props(model, blocks, motion, stop)
     said += ", one under each of its blocks, and one under every free part of their faces"
-    return PropSearch(tuple(_forces(model, chosen, stop)) if chosen else (), said)
+    return PropSearch(tuple(_few_props(model, blocks, motion, stop)), said)
 
 
 def _few_props(
     model: Model, blocks: Sequence[int], motion: Floats, stop: Callable[[], bool] | None
-) -> list[PropSeat]:
+) -> list[PropForce]:
     """Props that hold a model together, none of which can be left out; empty where none do."""
     places = [
         [
@@ -237,20 +235,20 @@ def _few_props(
         for i in blocks
     ]
     for chosen in ([some[0] for some in places if some], [one for some in places for one in some]):
-        if chosen and quickly_stands(with_props(model, chosen), stop):
-            return _needed(model, chosen, stop)
+        held = _forces(model, chosen, stop) if chosen else []
+        if held:
+            return _needed(model, held, stop)
     return []
 
 
 def _needed(
-    model: Model, chosen: list[PropSeat], stop: Callable[[], bool] | None
-) -> list[PropSeat]:
+    model: Model, held: list[PropForce], stop: Callable[[], bool] | None
+) -> list[PropForce]:
     """Those of some props that hold a model that are needed, the first ones left out first."""
-    for seat in list(chosen):
-        fewer = [one for one in chosen if one is not seat]
-        if fewer and quickly_stands(with_props(model, fewer), stop):
-            chosen = fewer
-    return chosen
+    for seat in [one.seat for one in held]:
+        fewer = [one.seat for one in held if one.seat is not seat]
+        held = (_forces(model, fewer, stop) if fewer else []) or held
+    return held
 
 
 def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
@@ -263,7 +261,10 @@ def with_props(model: Model, some: Sequence[PropSeat]) -> Model:
 def _forces(
     model: Model, some: Sequence[PropSeat], stop: Callable[[], bool] | None
 ) -> list[PropForce]:
-    """The forces of props that hold a model."""
-    found = rest_found(with_props(model, some), stop).resultants
+    """The forces of some props, if they are soon found to hold a model; else none."""
+    rest = soon_at_rest(with_props(model, some), stop)
+    if not rest.stable:
+        return []
+    found = rest.resultants
     last = zip(some, found.position[-len(some) :], found.force[-len(some) :], strict=True)
     return [PropForce(seat, frozen(at), frozen(force)) for seat, at, force in last]

@@ -92,6 +92,7 @@ class _WholeCheck:
         self.held = tuple(bench.model.assembly.names[i] for i in held)
         self.near = bench.nearby()
         self.why: dict[float, str] = {}
+        self.stood: dict[float, Result] = {}
         self.largest = value
 
     def mend(self) -> Changed | None:
@@ -196,12 +197,14 @@ class _WholeCheck:
         both, bench = self._changed(value), self.bench
         if both is None:
             return None
-        # a large model that does not stand for all stiffnesses is not followed while it settles
-        sieved = bench.large and bench.margin.robust and not settles
-        if sieved and not bench.keeps_margin(both[1], near=self.near):
-            return None
         margin = replace(bench.margin, robust=False) if settles else bench.margin
-        result = bench.holds(both[1], margin)
+        result = self.stood.get(value) if settles else None
+        if result is None:
+            # a large model that uniform stiffness does not hold is followed only to settle
+            near = self.near if bench.margin.robust and not settles else None
+            result = bench.holds(both[1], margin, near)
+        if not bench.margin.cases(both[1]):
+            self.stood[value] = result
         self.why[value] = result.message
         return _Held(value, both[0], result, settles) if margin.meets(result) else None
 

@@ -43,10 +43,15 @@ class AfterMoving(DesignMargin):
         return cls(motion={names[i]: tuple(motion[i]) for i in np.flatnonzero(motion.any(axis=1))})
 
     def holds(
-        self, model: Model, stop: Callable[[], bool] | None = None, *, settle: bool = True
+        self,
+        model: Model,
+        stop: Callable[[], bool] | None = None,
+        *,
+        settle: bool = True,
+        near: list[dict[int, Floats]] | None = None,
     ) -> Result:
         """The answer after the motion; of what falls, of the blocks where they fall."""
-        del settle  # the blocks are followed
+        del settle, near  # the blocks are followed
         found = self._followed(model, stop, 1.0)
         if found is None:
             return check(model, stop=stop)

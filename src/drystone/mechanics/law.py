@@ -217,6 +217,16 @@ class Compliance:
         share = self.tension / np.where(size > 0.0, size, 1.0)
         return elastic * share, self.normal * share**3
 
+    def gap_of(self, normal: Floats, gap: Floats) -> Floats:
+        """The gap (k,) at which the force is ``normal`` (k,), a pull below zero; else ``gap``."""
+        pressed = -normal / self.normal
+        if self.tension is None:
+            return np.where(normal > 0.0, pressed, np.maximum(gap, 0.0))
+        pulls = (normal < 0.0) & (self.tension > 0.0)
+        share = np.where(pulls, -normal / np.where(pulls, self.tension, 1.0), 0.0)
+        opened = pressed / np.sqrt(1.0 - np.minimum(share, MOBILISED) ** 2)
+        return np.where(pulls, opened, np.where(normal > 0.0, pressed, np.maximum(gap, 0.0)))
+
     def resisted(self, bearing: Floats, slide: Floats, before: Floats | None) -> FrictionResponse:
         """Friction at normal forces (k,). Only stick and slip remembers what was before."""
         law = self.friction

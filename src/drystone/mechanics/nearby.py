@@ -98,14 +98,14 @@ def with_forces(
         The tangent is singular.
     """
     moved = statics.displacement(motion)
-    normal = np.maximum(force[:, 0], 0.0)
-    gap = np.where(normal > 0.0, -normal / compliance.normal, np.maximum(moved[:, 0], 0.0))
+    normal = force[:, 0] if compliance.tension is not None else np.maximum(force[:, 0], 0.0)
+    gap = compliance.gap_of(normal, moved[:, 0])
     slide = compliance.friction.slide_of(normal, -force[:, 1:], moved[:, 1:])
     response = respond(compliance, gap, slide)
     tangent, place = response.tangent, np.concatenate([gap[:, None], slide], axis=1)
     pushed = response.force + (tangent @ place[:, :, None])[:, :, 0]
     solve = statics.maps.factorise(tangent, options.ground * statics.mass_matrix)
-    return Start(solve(statics.wrench(pushed) + statics.load), normal)
+    return Start(solve(statics.wrench(pushed) + statics.load), np.maximum(normal, 0.0))
 
 
 def descend(

@@ -118,8 +118,7 @@ class Asked:
             statics, count, options.seed, tangential=options.settlement.tangential
         )
         self.report("stiffness samples", 2)
-        known = rest if statics.dry else None
-        task = partial(_attempted, self.problem, self.clock, known)
+        task = partial(_attempted, self.problem, self.clock, rest)
         for number, found in enumerate(pool.answers(task, springs, self.clock.late), start=1):
             self.count(found)
             if not (found.stands or self.clock.late()):

@@ -1,5 +1,7 @@
 """Friction laws: inside the cone, against the slide, with right derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,3 +79,12 @@ def test_friction_that_was_there_before_goes_on_from_there():
     np.testing.assert_allclose(second.force, once.force)
     slid = respond(springs, np.array([-1.0]), np.array([[5.0, 0.0]]), -first.force[:, 1:])
     np.testing.assert_allclose(slid.force, [[1.0, -1.0, 0.0]])
+
+
+@pytest.mark.parametrize("tension", [None, np.array([2.0, 2.0, 2.0, 0.0])])
+def test_a_corner_is_found_where_its_force_has_it(tension):
+    springs = Compliance(np.full(4, 3.0), StickSlip(FrictionBound(np.ones(4)), np.ones(4)))
+    springs = replace(springs, tension=tension)
+    gap = np.array([-0.5, 0.2, 0.9, 0.1])
+    force = respond(springs, gap, np.zeros((4, 2))).force[:, 0]
+    np.testing.assert_allclose(springs.gap_of(force, gap), gap)
