@@ -64,6 +64,18 @@ def test_an_unloaded_joint_uses_nothing() -> None:
     assert next(iter(table))["strength_use"] == 0.0
 
 
+def test_the_forces_of_corners_add_up_to_those_of_joints() -> None:
+    result = solve_rbe(Model.of(arch(0.3, 8), friction=0.7))
+    table, joints = result.corners(), result.joints()
+    world = sum(table[f"force_{axis}"][:, None] * table[axis] for axis in "nuv")
+    for row, name in enumerate(("force_x", "force_y", "force_z")):
+        total = np.bincount(table["joint"], world[:, row])
+        np.testing.assert_allclose(total, joints[name], atol=1e-9 * joints["normal"].max())
+    np.testing.assert_array_equal(table["point"], result.contacts.point)
+    np.testing.assert_allclose(table["pressure"] * table["area"], table["force_n"])
+    assert table["block_a"].tolist()[::4] == joints["block_a"].tolist()
+
+
 def test_rows_are_plain_values_and_the_worst_come_first() -> None:
     assembly = wall(3, 2)
     contacts = touching_faces(assembly, 0.6)
@@ -84,6 +96,8 @@ def test_without_forces_there_is_no_table_and_no_line() -> None:
     empty = Result("rbe", Verdict.UNSTABLE, Model(TOWER, SQUARE, LoadCase.gravity(TOWER)))
     with pytest.raises(InputError, match="no forces"):
         empty.joints()
+    with pytest.raises(InputError, match="no forces"):
+        empty.corners()
     with pytest.raises(InputError, match="no forces"):
         empty.thrust_line()
 

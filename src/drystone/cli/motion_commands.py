@@ -77,9 +77,9 @@ def settle(
             where="--time-limit",
             remedy="leave it out, or add --to",
         )
-    if (to is not None or model.load.motion is None) and wanted.joints:
+    if (to is not None or model.load.motion is None) and (wanted.joints or wanted.corners):
         raise InputError(
-            "there is no table of joints without --move, nor with --to",
+            "there is no table of joints or corners without --move, nor with --to",
             remedy="ask for --html, --png or --json",
         )
     # work is imported when there is some

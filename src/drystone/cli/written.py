@@ -17,6 +17,7 @@ from drystone.cli.offered import OUTPUT, Option
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.base.files import Job
+    from drystone.base.table import Table
     from drystone.cli.told import Files
     from drystone.io.registry import Format
     from drystone.results import Result
@@ -83,7 +84,7 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Written(Pictures):
-    """The tables of joints too."""
+    """The tables of joints and of their corners too."""
 
     cad: options.Cad = None
     joints: Annotated[
@@ -95,27 +96,39 @@ class Written(Pictures):
             kind=kinds.target(".csv", ".json", ".html"),
         ),
     ] = ()
+    corners: Annotated[
+        tuple[Path, ...],
+        Option(
+            "Write the force at every corner of contact, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+        ),
+    ] = ()
 
     def of(self, answer: Any) -> Files:
         """The files of an answer that is a result or has one, and remarks on them."""
         jobs, said = super().of(answer)
-        if not self.joints:
+        if not self.joints and not self.corners:
             return jobs, said
         result: Result = getattr(answer, "result", answer)
         if result.force is None:
-            return jobs, ["no joint table: there are no forces"]
-        from drystone.view import save_report
-
-        table = result.joints()
+            return jobs, ["no table of joints or corners: there are no forces"]
         for path in self.joints:
             if path.suffix.lower() == ".html":
+                from drystone.view import save_report
+
                 jobs.append((path, partial(save_report, result)))
-            elif path.suffix.lower() == ".csv":
-                jobs.append((path, table.to_csv))
             else:
-                content = json.dumps(table.to_dict())
-                jobs.append((path, partial(write_text, text=content)))
+                jobs.append(_table(path, result.joints()))
+        jobs += [_table(path, result.corners()) for path in self.corners]
         return jobs, []
+
+
+def _table(path: Path, table: Table) -> Job:
+    """A file with a table, .csv or .json."""
+    if path.suffix.lower() == ".csv":
+        return path, table.to_csv
+    return path, partial(write_text, text=json.dumps(table.to_dict()))
 
 
 @dataclass(frozen=True)

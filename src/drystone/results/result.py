@@ -18,6 +18,7 @@ from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
     ThrustLine,
     by_joint,
+    corner_pressure,
     joint_table,
     on_an_edge,
     thrust_line,
@@ -349,6 +350,62 @@ class Result(Solution, Answer):
         self._require_forces()
         names, found = self.assembly.names, (self.resultants, self.utilisation)
         return joint_table(self.contacts, names, *found, self.strength_use)
+
+    def corners(self) -> Table:
+        """The force at every corner of contact, in the order and the frames of ``force``.
+
+        Returns
+        -------
+        Table
+            One row per corner; those of one interface follow each other.
+
+        Columns
+        -------
+        joint
+            As in :meth:`joints`.
+        interface
+            Position in :attr:`contacts`.
+        block_a, block_b
+            Names.
+        point [m]
+        n, u, v
+            The frame of the interface, world axes; n points from block a to block b.
+        force_n, force_u, force_v [N]
+            On block b; n is positive in compression.
+        area [m2]
+            The part of the interface that belongs to the corner; 0 where it is a line.
+        pressure [Pa]
+            Normal force by that area; 0 without area.
+
+        Raises
+        ------
+        InputError
+            There are no forces.
+
+        Examples
+        --------
+        >>> import drystone
+        >>> from drystone.models import tower
+        >>> table = drystone.check(tower(2)).corners()
+        >>> len(table), table["force_n"].round(1).tolist(), table["pressure"][0].round(1)
+        (4, [5886.0, 5886.0, 5886.0, 5886.0], np.float64(23544.0))
+        """
+        self._require_forces()
+        contacts, names = self.contacts, np.array(self.assembly.names, dtype=object)
+        of = contacts.interface
+        columns = {
+            "joint": contacts.joint[of],
+            "interface": of,
+            "block_a": names[contacts.block_a[of]],
+            "block_b": names[contacts.block_b[of]],
+            "point": contacts.point,
+            **{axis: contacts.frame[of, i] for i, axis in enumerate("nuv")},
+            **{f"force_{axis}": self._local_force[:, i] for i, axis in enumerate("nuv")},
+            "area": np.where(contacts.area[of] > 0.0, contacts.tributary, 0.0),
+            "pressure": corner_pressure(contacts, self._local_force),
+        }
+        units = {"point": "m", "area": "m2", "pressure": "Pa"}
+        return Table("corners", columns, units | {f"force_{axis}": "N" for axis in "nuv"})
 
     def thrust_line(self, blocks: Blocks | None = None) -> ThrustLine:
         """The polyline through the centres of pressure of successive joints.

@@ -1,6 +1,7 @@
 """What the limits, the loads and the joint tables answer on the command line."""
 
 import csv
+import json
 from pathlib import Path
 from typing import Any
 
@@ -192,6 +193,20 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
     rows = list(csv.DictReader(Path(names[0]).read_text(encoding="utf-8").splitlines()))
     assert float(rows[0]["normal [N]"]) == pytest.approx(2400.0 * 9.81)
     assert float(rows[0]["strength_use"]) == pytest.approx(0.024 * 9.81)
+
+
+def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: Capsys) -> None:
+    names = [str(tmp_path / f"corners.{suffix}") for suffix in ("csv", "json")]
+    options = [part for name in names for part in ("--corners", name)]
+    code, told = answer(capsys, "check", model, *options)
+    assert (code, told["files"]) == (0, names)
+    rows = list(csv.DictReader(Path(names[0]).read_text(encoding="utf-8").splitlines()))
+    assert sum(float(row["force_n [N]"]) for row in rows) == pytest.approx(2400.0 * 9.81)
+    made = json.loads(Path(names[1]).read_text(encoding="utf-8"))
+    assert made["units"]["force_n"] == "N"
+    for row, same in zip(made["rows"], rows, strict=True):
+        assert row["point"][2] == float(same["point_z [m]"])
+        assert row["force_n"] == float(same["force_n [N]"])
 
 
 @pytest.mark.parametrize(

@@ -160,7 +160,7 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
         (["--move", "0,0,1"], "--move: '0,0,1' names no block"),
         (["--move", "b:0,0,0"], "--move: no support moves"),
         (["--to", "0.1"], "--move: no support moves"),
-        (["--joints", "a.csv"], "there is no table of joints without --move"),
+        (["--joints", "a.csv"], "there is no table of joints or corners without --move"),
         ([*DROP, "--compliance", "0"], "--compliance: is 0;"),
         ([*DROP, "--html", "nowhere/a.html"], "--html: there is no folder"),
     ],

@@ -294,6 +294,7 @@ def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: 
     assert curve.read_text(encoding="utf-8").startswith("displacement [m],load [N]\n")
     for more, told in (
         (["--to", "1", "--joints", "a.csv"], "no table of joints"),
+        (["--to", "1", "--corners", "a.csv"], "no table of joints"),
         (["--time-limit", "1"], "--time-limit: small motions"),
     ):
         assert main([*asked[:4], *more]) == 2
