@@ -15,7 +15,7 @@ from drystone.cli.waiting import Waiting
 
 
 @command(
-    "drystone dataset arch.json --out data --rows 5000",
+    "drystone dataset arch.json --out data --rows 100",
     "drystone dataset arch.json --rows 20 --out planned --planned",
 )
 def dataset(

@@ -133,7 +133,7 @@ def parameter_range(text: str, known: families.Parameters) -> Parameter:
 
 
 @command(
-    "drystone tune arch --vary thickness_ratio=0.05:0.3 --friction 0.8 --trials 40",
+    "drystone tune arch --vary thickness_ratio=0.05:0.3 --friction 0.8 --trials 20",
     "drystone tune tower --vary edge=0.5:2 --vary count=2:6 --least volume --most height",
 )
 def tune(

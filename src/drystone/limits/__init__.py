@@ -72,7 +72,7 @@ LIMITS: Mapping[str, Offered] = {
         "arch.json --offset 0.01 --draws 2",
         ("draws", "loading", "kinds.friction_range", "kinds.tolerance"),
     ),
-    "load": Offered(limit_load, "arch.json voussoir-10:1kN", ("upper",)),
+    "load": Offered(limit_load, "arch.json voussoir-05:1kN", ("upper",)),
     "shrink": Offered(limit_shrink, "arch.json --seismic 0.05"),
     "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),
     "thrust": Offered(thrust_bounds, "arch.json springer-right", ("direction",)),

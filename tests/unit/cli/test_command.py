@@ -124,7 +124,7 @@ def test_the_examples_of_a_command_run(
 ) -> None:
     """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
     monkeypatch.chdir(tmp_path)
-    io.write(arch(voussoirs=12), "arch.json")
+    io.write(arch(voussoirs=8), "arch.json")
     cases = 'situations = ["STR"]\n[case.gravity]\nkind = "permanent"\n'
     Path("cases.toml").write_text(cases, encoding="utf-8")
     for example in commands()[name].examples:

@@ -75,25 +75,50 @@ class Written(text_io.BytesIO):
         super().close()
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "utf-16"])
-def test_names_that_stdout_cannot_encode_are_written_escaped(
-    encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert {*GIVEN} | WITHOUT_NAMES == {*commands()}
+@pytest.fixture
+def model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model whose name and blocks no page of 256 letters has."""
     monkeypatch.chdir(tmp_path)
     blocks = tuple(one.renamed(name) for one, name in zip(tower(3).blocks, NAMES, strict=True))
     drystone.write(drystone.Model.of(Assembly(blocks, tower(3).fixed)), MODEL)
-    for name, given in GIVEN.items():
-        written = Written()
-        with monkeypatch.context() as patch:
-            patch.setattr(sys, "stdout", text_io.TextIOWrapper(written, encoding=encoding))
-            patch.setattr(
-                sys, "stderr", text_io.TextIOWrapper(Written(), encoding, "backslashreplace")
-            )
-            assert main([*name.split(), *given]) in (0, 1, 2, 3), name
-            sys.stdout.close()
-        told = written.data.decode(encoding)
-        if name in SAYS_NO_NAME or not told:
-            continue
-        assert (max(told) > "\u2fff") == (encoding == "utf-16"), name
-        assert ("\\u" in told.lower()) == (encoding != "utf-16"), name
+
+
+def told(name: str, encoding: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    """What a command writes to a standard output of an encoding."""
+    written = Written()
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", text_io.TextIOWrapper(written, encoding=encoding))
+        patch.setattr(sys, "stderr", text_io.TextIOWrapper(Written(), encoding, "backslashreplace"))
+        assert main([*name.split(), *GIVEN[name]]) in (0, 1, 2, 3), name
+        sys.stdout.close()
+    return written.data.decode(encoding)
+
+
+def test_every_command_is_here() -> None:
+    assert {*GIVEN} | WITHOUT_NAMES == {*commands()}
+
+
+@pytest.mark.parametrize("name", sorted(GIVEN.keys() - SAYS_NO_NAME))
+@pytest.mark.usefixtures("model")
+def test_names_that_stdout_cannot_encode_are_written_escaped(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = told(name, "cp1252", monkeypatch)
+    assert max(said, default=" ") < "\u2fff"
+    assert not said or "\\u" in said.lower()
+
+
+@pytest.mark.parametrize("name", sorted(SAYS_NO_NAME))
+@pytest.mark.usefixtures("model")
+def test_what_says_no_name_ends_as_well(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert told(name, "cp1252", monkeypatch)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp437", "cp1252", "utf-16", "utf-8"])
+@pytest.mark.usefixtures("model")
+def test_an_encoding_that_has_a_name_writes_it(
+    encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = told("inspect", encoding, monkeypatch)
+    assert (NAMES[0] in said) == encoding.startswith("utf")
+    assert ("\\u" in said) != encoding.startswith("utf")

@@ -120,9 +120,8 @@ def test_a_depth_does_not_depend_on_the_mesh(grade: int) -> None:
     assert found.depth == pytest.approx(0.005, rel=1e-3)
 
 
-@pytest.mark.parametrize("grade", [8, 12])
-def test_a_peg_that_is_drawn_into_its_sleeve_touches_all_round(grade: int) -> None:
-    model = peg_in_sleeve(grade, -0.0005)
+def test_a_peg_that_is_drawn_into_its_sleeve_touches_all_round() -> None:
+    model = peg_in_sleeve(8, -0.0005)
     found = find_contacts(model)
     assert found.contacts.area.sum() == pytest.approx(2.0 * np.pi * 0.0195 * 0.08, rel=0.01)
     assert [pair.off for pair in found.report.inexact] == pytest.approx([0.0005], rel=0.01)

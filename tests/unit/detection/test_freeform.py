@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,24 @@ from drystone import (
     read,
     write,
 )
-from drystone.detection import DetectionOptions
+from drystone.detection import Detection, DetectionOptions
 from drystone.models import concave, cube_curve, curve_three_blocks, tower
 
 AREA = 2.460
+VAULT = curved_vault(9, 3, wave=0.08)
 ALL = DetectionOptions(curve=0.0)
+
+
+@cache
+def pieces_of_vault() -> Detection:
+    """The joints of a vault of small facets as plane pieces."""
+    return find_contacts(VAULT)
+
+
+@cache
+def facets_of_vault() -> Contacts:
+    """All facets of its joints."""
+    return find_contacts(VAULT, options=ALL).contacts
 
 
 def mixed(base: int, cradle: int, roller: int) -> Assembly:
@@ -64,9 +78,7 @@ def test_joints_of_exact_models_keep_their_faces() -> None:
 
 
 def test_vault_of_small_facets_has_as_many_pieces_as_its_curvature_needs() -> None:
-    model = curved_vault(9, 3, wave=0.08)
-    every = find_contacts(model, options=ALL).contacts
-    found = find_contacts(model)
+    every, found = facets_of_vault(), pieces_of_vault()
     pieces, report = found.contacts, found.report
     assert every.count > 10 * pieces.count
     assert pieces.area.sum() == pytest.approx(every.area.sum(), rel=2e-3)
@@ -74,7 +86,7 @@ def test_vault_of_small_facets_has_as_many_pieces_as_its_curvature_needs() -> No
     assert sum(pair.pieces for pair in report.resampled) == pieces.count
     assert sum(pair.points for pair in report.resampled) == pieces.corner_count
     (said,) = (line for line in report.summary() if "plane pieces" in line)
-    assert said in Model.of(model).notes
+    assert said in Model.of(VAULT).notes
     assert report.to_dict()["resampled"][0]["pieces"] == report.resampled[0].pieces
 
 
@@ -90,25 +102,23 @@ def test_limits_of_pieces_differ_by_less_than_they_turn() -> None:
 
 
 def test_vault_of_pieces_falls_within_what_they_turn_of_all_facets() -> None:
-    model = curved_vault(9, 3, wave=0.08)
-    found, every = find_contacts(model), find_contacts(model, options=ALL)
+    found, every = pieces_of_vault(), facets_of_vault()
     turn = max(pair.turn for pair in found.report.resampled)
 
     def verdict(contacts: Contacts, degrees: float) -> Verdict:
-        return check(Model(model, contacts, LoadCase.tilt(model, (1.0, 0.0, 0.0), degrees))).verdict
+        return check(Model(VAULT, contacts, LoadCase.tilt(VAULT, (1.0, 0.0, 0.0), degrees))).verdict
 
     stands, falls = 32.0, 34.0
     assert falls - stands < turn
     assert verdict(found.contacts, stands) is Verdict.STABLE
     assert verdict(found.contacts, falls) is Verdict.UNSTABLE
-    assert verdict(every.contacts, falls - turn) is Verdict.STABLE
-    assert verdict(every.contacts, stands + turn) is Verdict.UNSTABLE
+    assert verdict(every, falls - turn) is Verdict.STABLE
+    assert verdict(every, stands + turn) is Verdict.UNSTABLE
 
 
 def test_contacts_of_a_file_are_all_kept_and_their_number_is_told(tmp_path: Path) -> None:
-    model = curved_vault(9, 3, wave=0.08)
     file = tmp_path / "vault.json"
-    write(Model(model, find_contacts(model, options=ALL).contacts), file)
+    write(Model(VAULT, facets_of_vault()), file)
     kept, searched = read(file), read(file, search=True)
     assert kept.contacts.count > 10 * searched.contacts.count
     (said,) = (note for note in kept.notes if "of the file are used" in note)

@@ -368,15 +368,18 @@ def test_a_live_load_may_be_words_as_in_the_command() -> None:
 def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
     # jammed in its slab the plank could carry any load, so the convex limit tells no scale
     plank = Model.of(concave("short"), friction=0.3)
-    asked = LimitOptions(robust=True)
+    asked = LimitOptions(robust=True, width=0.01)
     limit = limit_load(plank, (9.81, 0.0, 0.0), options=asked)
     assert limit.equilibrium.falls is None
     assert limit.robust is not None
     assert limit.robust.stands is not None
     assert limit.robust.falls is not None
-    assert limit.robust.falls - limit.robust.stands <= 2e-3 * limit.robust.falls
-    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9)
-    assert near.best.stands == pytest.approx(limit.best.stands, rel=2e-3)
+    assert limit.robust.falls - limit.robust.stands <= 2e-2
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9, options=LimitOptions(width=0.05)).best
+    assert near.stands is not None
+    assert near.falls is not None
+    assert near.stands < limit.robust.falls
+    assert limit.robust.stands < near.falls
 
 
 def test_a_least_friction_does_not_depend_on_the_largest() -> None:

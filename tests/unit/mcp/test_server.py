@@ -301,6 +301,9 @@ def test_the_command_refuses_a_folder_that_is_not_there(
     assert "--time-limit: is 0" in capsys.readouterr().err
 
 
+posix = pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
+
+
 def heeding() -> None:
     """Heed the requests to end that the tests were started without, as by nohup."""
     for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -340,25 +343,33 @@ class Raw:
         text: str = answered["result"]["content"][0]["text"]
         return text
 
+    def ends_with(self, number: int) -> None:
+        self.run.send_signal(number)
+        assert self.run.wait(30.0) == 0
+        assert self.run.stderr is not None
+        assert self.run.stderr.read() == ""
 
-@pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
-@pytest.mark.parametrize("request_to_end", ["SIGINT", "SIGTERM"])
-def test_every_line_is_answered_and_a_request_to_end_ends_it_while_none_comes(
-    folder: Path, request_to_end: str
-) -> None:
-    raw = Raw(folder)
-    try:
-        assert "a?.json: there is no such file" in raw.call("check", "a\ud800.json")
-        assert "there is no such file" in raw.call("check", "x" * 5000)
-        assert "there is no tool 'chekc'; did you mean check" in raw.call("chekc", "shelf.json")
-        for line in ("no JSON", '{"id": 5}', "[" * 5000, '{"id": %s}' % ("1" * 5000)):
-            answered = raw.ask(line)
-            assert (answered["id"], answered["error"]["code"]) == (None, -32700)
-        assert '"verdict": "unstable"' in raw.call("check", "shelf.json")
-        raw.run.send_signal(getattr(signal, request_to_end))
-        assert raw.run.wait(30.0) == 0
-        assert raw.run.stderr is not None
-        assert raw.run.stderr.read() == ""
-    finally:
-        raw.run.kill()
-        raw.run.communicate()
+
+@pytest.fixture
+def raw(folder: Path) -> Iterator[Raw]:
+    made = Raw(folder)
+    yield made
+    made.run.kill()
+    made.run.communicate()
+
+
+@posix
+def test_every_line_is_answered_and_a_request_to_end_ends_it_while_none_comes(raw: Raw) -> None:
+    assert "a?.json: there is no such file" in raw.call("check", "a\ud800.json")
+    assert "there is no such file" in raw.call("check", "x" * 5000)
+    assert "there is no tool 'chekc'; did you mean check" in raw.call("chekc", "shelf.json")
+    for line in ("no JSON", '{"id": 5}', "[" * 5000, '{"id": %s}' % ("1" * 5000)):
+        answered = raw.ask(line)
+        assert (answered["id"], answered["error"]["code"]) == (None, -32700)
+    assert '"verdict": "unstable"' in raw.call("check", "shelf.json")
+    raw.ends_with(signal.SIGTERM)
+
+
+@posix
+def test_ctrl_c_ends_it_while_no_line_comes(raw: Raw) -> None:
+    raw.ends_with(signal.SIGINT)

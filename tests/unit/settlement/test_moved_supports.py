@@ -104,13 +104,12 @@ def test_a_wall_is_followed_to_the_end_on_a_foot_that(motion: tuple[float, ...])
     np.testing.assert_allclose(driven.states[-1].positions, found.displacement, atol=2e-4)
 
 
-@pytest.mark.parametrize(("share", "rests"), [(0.98, True), (1.02, False)])
-def test_an_arch_on_a_spreading_support_falls_at_its_capacity(share: float, rests: bool) -> None:
+def test_an_arch_on_a_spreading_support_falls_at_its_capacity() -> None:
     model = Model.of(arch(0.15, 12), friction=1.5)
     capacity = move_supports(model, {RIGHT: (1.0, 0.0, 0.0)}).capacity
     assert capacity == pytest.approx(0.1411, rel=1e-3)
-    found = moved(model, {RIGHT: (share * capacity, 0.0, 0.0)}, 1e-6)
-    assert found.outcome is (Outcome.RESTS if rests else Outcome.FALLS)
+    for share, outcome in ((0.98, Outcome.RESTS), (1.02, Outcome.FALLS)):
+        assert moved(model, {RIGHT: (share * capacity, 0.0, 0.0)}, 1e-6).outcome is outcome
 
 
 def test_a_support_that_turns_does_work_until_blocks_slide() -> None:

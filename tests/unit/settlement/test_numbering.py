@@ -116,15 +116,13 @@ def test_many_blocks_go_the_same_way_in_every_order() -> None:
     assert other.travel == pytest.approx(first.travel, rel=1e-3)
 
 
-@pytest.mark.parametrize("order", [(2, 1, 0), (1, 2, 0), (0, 2, 1)], ids=str)
-def test_large_displacements_have_the_same_curve_in_every_order(order: tuple[int, ...]) -> None:
+def test_large_displacements_have_the_same_curve_in_every_order() -> None:
     blocks = (
         box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "base"),
         box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), "lower"),
         box((1.0, 1.0, 2.0), (0.0, 0.0, 1.0), "upper"),
     )
     plain = Assembly(blocks).with_fixed(["base"])
-    other = in_order(plain, order)
     for work in (
         lambda one: push(one, friction=0.7, to=0.2),
         lambda one: move_supports(one, {"base": (0.0, 0.0, 0.0, 0.0, 0.2, 0.0)}, friction=0.7),
@@ -132,14 +130,16 @@ def test_large_displacements_have_the_same_curve_in_every_order(order: tuple[int
             Model.of(one, friction=0.7, load=LoadCase.tilt(one, (0.0, 1.0, 0.0), 5.0))
         ),
     ):
-        first, second = work(plain), work(other)
-        assert first.end is second.end
-        assert second.load.max() == pytest.approx(first.load.max(), rel=1e-6, abs=1e-3)
-        np.testing.assert_allclose(
-            second.states[-1].displacement, first.states[-1].displacement, rtol=1e-4
-        )
-        pressing = second.states[-1].force[:, 0]
-        assert pressing.sum() == pytest.approx(first.states[-1].force[:, 0].sum(), rel=1e-5)
+        first = work(plain)
+        for order in ((2, 1, 0), (1, 2, 0), (0, 2, 1)):
+            second = work(in_order(plain, order))
+            assert first.end is second.end
+            assert second.load.max() == pytest.approx(first.load.max(), rel=1e-6, abs=1e-3)
+            np.testing.assert_allclose(
+                second.states[-1].displacement, first.states[-1].displacement, rtol=1e-4
+            )
+            pressing = second.states[-1].force[:, 0]
+            assert pressing.sum() == pytest.approx(first.states[-1].force[:, 0].sum(), rel=1e-5)
 
 
 @pytest.mark.parametrize("carrier", list(Carrier))
