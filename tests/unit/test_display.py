@@ -122,7 +122,7 @@ def values(folder: Path) -> Iterator[object]:
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     site = seismic.SeismicDemand(seismic.Spectrum.ec8(1.0, "A"))
-    yield from (site, site.spectrum, seismic.local_mechanism(tower(2), part="block-1"))
+    yield from (site, site.spectrum, site.state, seismic.local_mechanism(tower(2), part="block-1"))
     cases = folder / "cases.toml"
     cases.write_text('[case.gravity]\nkind = "permanent"', encoding="utf-8")
     combined = studies.combinations(tower(2), cases)

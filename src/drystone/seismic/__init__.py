@@ -1,6 +1,6 @@
 """Masonry in earthquakes: local collapse mechanisms by the kinematic method."""
 
 from drystone.seismic.local_mechanism import LocalMechanism, local_mechanism
-from drystone.seismic.spectrum import SeismicDemand, Spectrum
+from drystone.seismic.spectrum import LimitState, SeismicDemand, Spectrum
 
-__all__ = ["LocalMechanism", "SeismicDemand", "Spectrum", "local_mechanism"]
+__all__ = ["LimitState", "LocalMechanism", "SeismicDemand", "Spectrum", "local_mechanism"]

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from drystone.base.arrays import Floats, dot
 from drystone.base.display import OneLine
 from drystone.geometry.frames import rotation_about
+from drystone.loads.case import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,12 @@ class Oscillator(OneLine):
 
     @property
     def mass(self) -> float:
-        """M* [kg] by g = 9.81 m/s2."""
-        return self.share * self.weight / 9.81
+        """M* [kg]."""
+        return self.share * self.weight / STANDARD_GRAVITY
 
     def acceleration(self, confidence: float) -> float:
         """a0* [m/s2]."""
-        return self.multiplier * 9.81 / (self.share * confidence)
+        return self.multiplier * STANDARD_GRAVITY / (self.share * confidence)
 
     @property
     def displacement(self) -> float:

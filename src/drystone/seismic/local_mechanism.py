@@ -1,6 +1,7 @@
 """Local collapse mechanisms in earthquakes, compared with a spectrum.
 
-Source: Circolare 617/2009 on the Italian code, C8A.4: linear and non-linear kinematic analysis.
+Source: linear and non-linear kinematic analysis of the Italian code, by Circolare 617/2009, C8A.4,
+or Circolare 7/2019, C8.7.1.2.
 """
 
 from __future__ import annotations
@@ -29,10 +30,11 @@ from drystone.io.opening import Given, How, kept_of, supported_model
 from drystone.limits import limit_load
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
+from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.load_words import vector
 from drystone.model import Model
 from drystone.seismic.kinematics import Oscillator, Turning
-from drystone.seismic.spectrum import SeismicDemand
+from drystone.seismic.spectrum import LimitState, SeismicDemand
 from drystone.settlement import push
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -97,16 +99,22 @@ class LocalMechanism(Answer):
         return self.oscillator.acceleration(self.confidence)
 
     @property
+    def state(self) -> LimitState:
+        """The limit state of the site; without one SLV of Circolare 617/2009."""
+        return LimitState.named() if self.site is None else self.site.state
+
+    @property
     def ultimate(self) -> float:
-        """du* [m], 0.4 of d0*."""
-        return 0.4 * self.oscillator.displacement
+        """du* [m], a share of d0*; NaN where displacements are not compared."""
+        return (self.state.ultimate or float("nan")) * self.oscillator.displacement
 
     @property
     def secant_period(self) -> float:
-        """Ts [s], at ds* = 0.4 du* of the line from a0* to d0*."""
-        there = 0.4 * self.ultimate
+        """Ts [s], at ds*, a share of du*, on the line from a0* to d0*."""
+        there = self.state.secant * self.ultimate
         level = self.acceleration * (1.0 - there / self.oscillator.displacement)
-        return 2.0 * math.pi * math.sqrt(there / level) if level > 0.0 else float("nan")
+        factor = self.state.factor * math.pi
+        return factor * math.sqrt(there / level) if level > 0.0 else float("nan")
 
     @property
     def verifications(self) -> Sequence[tuple[str, str, float, float, str]]:
@@ -132,7 +140,8 @@ class LocalMechanism(Answer):
         if self.site is None:
             return begins
         ends = {True: "fulfilled", False: "not fulfilled"}
-        told = [f"{one} {ends[self.fulfils(one)]}" for one in ("linear", "non-linear")]
+        methods = dict.fromkeys(one for one, *_ in self.verifications)
+        told = [f"{one} {ends[self.fulfils(one)]}" for one in methods]
         return f"{begins}: verification {', '.join(told)}"
 
     def sentences(self) -> Sequence[Sentence]:
@@ -151,7 +160,8 @@ class LocalMechanism(Answer):
 
     def tables(self) -> Sequence[Table]:
         """The numbers of the method, and the verifications."""
-        one = self.oscillator
+        one, state = self.oscillator, self.state
+        secant = f"{state.factor:g} pi (ds*/as*)^0.5, ds* = {state.secant:g} du*"
         told = [
             ("multiplier alpha0", one.multiplier, "", "virtual work"),
             ("weight that moves, P", one.weight / 1e3, "kN", ""),
@@ -159,8 +169,8 @@ class LocalMechanism(Answer):
             ("share e*", one.share, "", "g M* / P"),
             ("acceleration a0*", self.acceleration, "m/s2", "alpha0 g / (e* FC)"),
             ("displacement d0*", one.displacement, "m", "where alpha is zero"),
-            ("displacement du*", self.ultimate, "m", "0.4 d0*"),
-            ("period Ts", self.secant_period, "s", "2 pi (ds*/as*)^0.5, ds* = 0.4 du*"),
+            ("displacement du*", self.ultimate, "m", f"{state.ultimate:g} d0*"),
+            ("period Ts", self.secant_period, "s", secant),
         ]
         columns: dict[str, Any] = {
             "quantity": [name for name, *_ in told],
@@ -183,7 +193,9 @@ class LocalMechanism(Answer):
         """The capacity curve: d* [m] and a* [m/s2]."""
         columns = {
             "displacement": self.displacement / self.oscillator.share,
-            "acceleration": self.load * 9.81 / (self.oscillator.share * self.confidence),
+            "acceleration": self.load
+            * STANDARD_GRAVITY
+            / (self.oscillator.share * self.confidence),
         }
         return Table("capacity curve", columns, {"displacement": "m", "acceleration": "m/s2"})
 
@@ -276,7 +288,7 @@ def local_mechanism(
         direction through the lowest edge of the part on the side to which it falls.
     ties
         Each ``BLOCK:FORCE[@X,Y,Z]``, such as ``wall-7:20kN@0,0,3``: a rod that pulls against the
-        direction with its strength while the part turns.
+        direction with its strength.
     shaken
         Whether vertical loads, as of a roof, have masses that are shaken with the part.
     site
@@ -286,7 +298,7 @@ def local_mechanism(
     ------
     InputError
         The part has no free block, the line is vertical or along the direction, or a tie has no
-        unit or holds no block of the part.
+        unit, holds no block of the part, or pulls the blocks over at every acceleration tried.
 
     Examples
     --------
@@ -327,20 +339,44 @@ def local_mechanism(
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(model, motion, found, moved, load, told, site, asked)
-    if line is not None or ties:
-        where = "ties" if line is None else "line"
-        raise InputError("is for a part", where=where, remedy="name its blocks: --part")
+    if line is not None:
+        raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
-    return replace(_found(model, along, shaken, site, late), options=asked)
+    return replace(_found(model, along, ties, shaken, site, late), options=asked)
+
+
+def _held(model: Model, along: Floats, ties: Sequence[str]) -> Model:
+    """The model with the pulls of ties among its loads."""
+    assembly, loads = model.assembly, [model.load]
+    for text in ties:
+        point, pull = _tie(text, model, along, assembly.free)
+        block = text.rpartition(":")[0].strip()
+        loads.append(replace(LoadCase.point_load(assembly, block, pull, point), name=f"tie {text}"))
+    return model.with_load(sum(loads[1:], loads[0]))
 
 
 def _found(
-    model: Model, along: Floats, shaken: bool, site: SeismicDemand | None, late: dict[str, Any]
+    model: Model,
+    along: Floats,
+    ties: Sequence[str],
+    shaken: bool,
+    site: SeismicDemand | None,
+    late: dict[str, Any],
 ) -> LocalMechanism:
     """The mechanism of all blocks."""
     assembly = model.assembly
     live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
     limit = limit_load(model, live, upper=100.0, **late)
+    starts = 0.0
+    if ties and limit.best.stands is not None:
+        # ties may pull blocks over where no earthquake pushes: then it begins at an acceleration
+        held, alone = _held(model, along, ties), limit.best.stands
+        for starts in (0.0, alone, 2.0 * alone, 4.0 * alone):
+            model = held.with_load(held.load + starts * live)
+            limit = limit_load(model, live, upper=100.0, **late)
+            if limit.best.stands is not None:
+                break
+        model = held
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
@@ -353,13 +389,13 @@ def _found(
     told = "the mechanism just beyond the largest load at which it stands"
     if best is limit.equilibrium:
         told = "the mechanism of the largest load at which forces balance"
-    if model.contacts.plain.all():
+    if model.contacts.plain.all() and not starts:
         pushed = push(model, live, **late)
         moved, load = share * pushed.displacement, pushed.load
         reach = float("nan") if pushed.capacity is None else share * pushed.capacity
         told += f"; followed: {pushed.message}"
     # between what stands and what falls nothing is known, but where the limit was computed
-    begins = best.stands if best.computed is None else best.computed
+    begins = starts + (best.stands if best.computed is None else best.computed)
     found = Oscillator.of(begins, weight[moving], virtual[moving], reach)
     return LocalMechanism(model, motion, found, moved, load, told, site)
 
@@ -370,7 +406,7 @@ def _shaken(
     """Forces of an earthquake of 1 g; places (p, 3), weights (p,) and blocks of the masses."""
     assembly = model.assembly
     part = part[~assembly.fixed[part]]
-    place, weight, block = assembly.centroid[part], 9.81 * assembly.mass[part], part
+    place, weight, block = assembly.centroid[part], STANDARD_GRAVITY * assembly.mass[part], part
     if loads:
         applied = applied_loads(assembly, model.load)
         down = np.isin(applied.block, part) & (applied.force[:, 2] < 0.0)
@@ -452,7 +488,7 @@ def _tie(text: str, model: Model, along: Floats, part: Ints) -> tuple[Floats, Fl
         pull = units.measured(size.strip(), units.FORCES, what="strength")
         block = int(model.assembly.indices([name.strip()])[0])
         if block not in part:
-            raise InputError(f"'{name}' is not in the part", remedy="tie a block that turns")
+            raise InputError(f"'{name}' is not in the part", remedy="tie a block that moves")
         point = np.array(vector(place)) if at else model.assembly.centroid[block]
     except InputError as error:
         raise error.located("ties") from error

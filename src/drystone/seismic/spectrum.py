@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib import resources
 from pathlib import Path
 
@@ -84,6 +84,43 @@ class Spectrum(OneLine):
         """SDe [m] at a period [s]."""
         return self.acceleration(period) * (period / (2.0 * math.pi)) ** 2
 
+    def damped(self, percent: float) -> Spectrum:
+        """With another damping [%]: eta = (10 / (5 + percent))^0.5, at least 0.55."""
+        return replace(self, damping=max(math.sqrt(10.0 / (5.0 + percent)), 0.55))
+
+
+@dataclass(frozen=True)
+class LimitState(OneLine):
+    """How an edition of the Italian Circolare verifies a mechanism at a limit state.
+
+    Attributes
+    ----------
+    edition, name
+        ``2009`` or ``2019``; ``SLD``, ``SLV`` or, of 2019, ``SLC``.
+    behaviour
+        Factor q of the linear verification where no other is given; 0 where there is none.
+    ultimate
+        The displacement that counts by d0*; 0 where there is no non-linear verification.
+    secant, factor
+        Ts = factor pi (d/a)^0.5, where d is ``secant`` times that displacement.
+    damping : [%]
+    """
+
+    edition: str
+    name: str
+    behaviour: float
+    ultimate: float
+    secant: float
+    factor: float
+    damping: float
+
+    @classmethod
+    def named(cls, edition: str = "2009", name: str = "SLV") -> LimitState:
+        """From the data of an edition."""
+        row = _known(_known(_data("kinematic")["states"], edition, "edition"), name, "state")
+        numbers = ("q", "ultimate", "secant", "factor", "damping")
+        return cls(edition, name, *(row.get(one, 0.0).number() for one in numbers))
+
 
 @dataclass(frozen=True)
 class SeismicDemand(OneLine):
@@ -102,6 +139,10 @@ class SeismicDemand(OneLine):
         Psi, the first mode at the height of the part.
     participation
         Gamma, the modal participation.
+    state
+        What is verified; by Circolare 617/2009 at SLV when left out.
+    building_damping : [%]
+        By which Circolare 7/2019 takes the acceleration of a storey.
     """
 
     spectrum: Spectrum
@@ -110,14 +151,18 @@ class SeismicDemand(OneLine):
     period: float = 0.0
     shape: float = 1.0
     participation: float = 1.0
+    state: LimitState = field(default_factory=LimitState.named)
+    building_damping: float = 5.0
 
     @classmethod
     def named(cls, path: PathLike) -> SeismicDemand:
         """From a TOML file.
 
         ``code`` (``ec8`` or ``ntc``), ``ag`` with its unit (``"0.15g"``), ``soil`` (A to E), ``q``,
-        ``confidence``; ``type`` (ec8); ``F0``, ``TC_star`` [s] and ``topography`` (ntc);
-        ``T1`` [s], ``psi`` and ``gamma`` of a part above the ground.
+        ``confidence`` (a number, or LC1 to LC3); ``type`` (ec8); ``F0``, ``TC_star`` [s] and
+        ``topography`` (ntc); ``T1`` [s], ``psi`` and ``gamma`` of a part above the ground;
+        ``edition`` of the Circolare (``"2009"``, or ``"2019"`` with ``damping`` [%] of the
+        building) and ``state`` (SLV; SLD; SLC of 2019), to which ``ag`` belongs.
 
         Raises
         ------
@@ -130,7 +175,8 @@ class SeismicDemand(OneLine):
         if code.text() not in own:
             raise code.error(f"is '{code.text()}'", "give ec8 or ntc")
         above = ("T1", "psi", "gamma")
-        top.only(("code", "ag", "soil", "q", "confidence", *above, *own[code.text()]))
+        more = ("edition", "state", "q", "confidence", "damping")
+        top.only(("code", "ag", "soil", *more, *above, *own[code.text()]))
         ground, soil = _acceleration(top["ag"]), top["soil"].text()
         try:
             if code.text() == "ec8":
@@ -145,36 +191,93 @@ class SeismicDemand(OneLine):
         given = [one for one in above if top.has(one)]
         if given and len(given) < len(above):
             raise top.error(f"has {given[0]}, not all of {', '.join(above)}", "give all three")
-        behaviour, confidence = top.get("q", 2.0), top.get("confidence", 1.0)
+        edition = top.get("edition", "2009").text()
+        try:
+            state = LimitState.named(edition, top.get("state", "SLV").text())
+        except InputError as error:
+            raise top.error(error.what, error.remedy) from error
+        behaviour = top.get("q", state.behaviour or 1.0)
+        confidence = _confidence(top, edition)
         for one in (behaviour, confidence):
             if one.number() < 1.0:
                 raise one.error(f"is {one.number():g}", "give 1 or more")
-        more = [_positive(top[one]) for one in given]
-        return cls(spectrum, behaviour.number(), confidence.number(), *more)
+        period, shape, participation = [_positive(top[one]) for one in given] or (0.0, 1.0, 1.0)
+        return cls(
+            spectrum,
+            behaviour.number(),
+            confidence.number(),
+            period,
+            shape,
+            participation,
+            state,
+            _positive(top.get("damping", 5.0)),
+        )
 
     def accelerations(self) -> dict[str, float]:
         """The least accelerations a0* [m/s2] of the linear verification, by their formulas."""
+        if not self.state.behaviour:
+            return {}
         asked = {"ag S / q": self.spectrum.ground * self.spectrum.soil / self.behaviour}
-        if self.period:
+        if self.period and self.state.edition == "2009":
             top = self.spectrum.acceleration(self.period) * self.shape * self.participation
             asked["Se(T1) psi gamma / q"] = top / self.behaviour
+        elif self.period:
+            asked["aZ(z) / q"] = self._storey / self.behaviour
         return asked
 
     def displacements(self, period: float) -> dict[str, float]:
         """What displacement [m] is asked of a mechanism with a secant period [s]."""
-        asked = {"SDe(Ts)": self.spectrum.displacement(period)}
-        if self.period:
+        ground = self.spectrum
+        if self.state.edition != "2009":
+            ground = ground.damped(self.state.damping)
+        asked = {"SDe(Ts)": ground.displacement(period)}
+        if self.period and self.state.edition == "2009":
             ratio = period / self.period
             grown = ratio**2 / math.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
             top = self.spectrum.displacement(self.period) * self.shape * self.participation
             asked["SDe(T1) psi gamma (Ts/T1)^2 / ((1 - Ts/T1)^2 + 0.02 Ts/T1)^0.5"] = top * grown
+        elif self.period:
+            asked["SeZ(Ts) (Ts / 2 pi)^2"] = self._storey_displacement(ground, period)
         return asked
 
-    def told(self) -> dict[str, float]:
+    @property
+    def _storey(self) -> float:
+        """The largest acceleration aZ [m/s2] of the storey, of the first mode.
+
+        Source: Circolare 7/2019, eq. C7.2.7.
+        """
+        at = self.spectrum.damped(self.building_damping).acceleration(self.period)
+        top = at * self.shape * self.participation
+        return top * math.sqrt(1.0 + 0.0004 * self.building_damping**2)
+
+    def _storey_displacement(self, ground: Spectrum, period: float) -> float:
+        """The displacement [m] asked in a storey; it does not fall with the period.
+
+        Source: Circolare 7/2019, eq. C7.2.5, C7.2.6 and C8.7.1.12, with the first mode. The damping
+        in C7.2.6 is read as a share: as a percentage a storey would amplify nothing.
+        """
+        first, last = (_data("kinematic")["storey"][one].number() for one in ("first", "last"))
+        most = 1.1 * (0.01 * self.building_damping) ** -0.5 * ground.damping
+
+        def at(one: float) -> float:
+            ratio, less = one / self.period, 0.0
+            if ratio < first:
+                less = (1.0 - ratio / first) ** 1.6
+            elif ratio >= last:
+                less = (ratio / last - 1.0) ** 1.2
+            level = most * self._storey / (1.0 + (most - 1.0) * less)
+            if one > self.period:
+                level = max(level, ground.acceleration(one))
+            return level * (one / (2.0 * math.pi)) ** 2
+
+        reached = at(period)
+        return reached if period <= last * self.period else max(reached, at(last * self.period))
+
+    def told(self) -> dict[str, float | str]:
         """Its numbers by name."""
         spectrum = {one.name: getattr(self.spectrum, one.name) for one in fields(Spectrum)}
         own = {one.name: getattr(self, one.name) for one in fields(SeismicDemand)[1:]}
-        return {**spectrum, **own}
+        return {**spectrum, **own, "edition": self.state.edition, "state": self.state.name}
 
 
 def _data(name: str) -> Field:
@@ -187,6 +290,18 @@ def _known(table: Field, key: str, what: str) -> Field:
         names = ", ".join(name.removeprefix("type") for name in table.value if name != "plateau")
         raise InputError(f"{what} is '{key.removeprefix('type')}'", remedy=f"give one of {names}")
     return table[key]
+
+
+def _confidence(top: Field, edition: str) -> Field:
+    """The factor FC: a number, or a level of knowledge; that of the edition when left out."""
+    data = _data("kinematic")
+    given = top.get("confidence", data["level"][edition].text())
+    if not isinstance(given.value, str):
+        return given
+    try:
+        return _known(data["confidence"], given.text(), "level")
+    except InputError as error:
+        raise given.error(error.what, error.remedy) from error
 
 
 def _acceleration(one: Field) -> float:

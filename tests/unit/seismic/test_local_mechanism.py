@@ -158,6 +158,57 @@ def test_the_nonlinear_verification_compares_displacements(tmp_path: Path) -> No
     assert asked[3] == pytest.approx(ground * 0.8 * 1.2 * grown)
 
 
+def test_the_edition_of_2019_takes_the_displacement_at_the_ultimate_state(tmp_path: Path) -> None:
+    """D0* = 0.25 m, a0* = g/6/FC: T = 1.68 pi (0.1/0.6 a0)^0.5 with 8 %; SLC 0.15 m with 10 %."""
+    rows = (("SLV", 0.4, 1.68, 8.0), ("SLC", 0.6, 1.56, 10.0))
+    for state, share, factor, damping in rows:
+        asked = 'edition = "2019"', f'state = "{state}"', 'confidence = "LC2"'
+        found = verified(tmp_path, 0.3, *asked)
+        reached = 0.25 * share
+        period = factor * math.pi * math.sqrt(reached / ((1.0 - share) * G / 6.0 / 1.2))
+        assert (found.ultimate, found.secant_period) == pytest.approx((reached, period))
+        eta = math.sqrt(10.0 / (5.0 + damping))
+        (row,) = [one for one in found.verifications if one[0] == "non-linear"]
+        level = 0.3 * G * eta * 2.5 * 0.4 / period * min(2.0 / period, 1.0)
+        asked_for = level * (period / 2.0 / math.pi) ** 2
+        assert row[2] == pytest.approx(asked_for)
+    assert {one[0] for one in found.verifications} == {"non-linear"}  # SLC has no q
+    assert verified(tmp_path, 0.1, 'edition = "2019"').confidence == 1.35
+    damage = verified(tmp_path, 0.1, 'edition = "2019"', 'state = "SLD"')
+    assert [one[0] for one in damage.verifications] == ["linear"]
+    assert math.isnan(damage.ultimate)
+
+
+def test_a_storey_amplifies_by_the_edition_of_2019(tmp_path: Path) -> None:
+    """Se(T1) psi gamma (1 + 0.0004 25)^0.5; at T1 it grows by 1.1 0.05^-0.5 eta."""
+    found = verified(
+        tmp_path, 0.1, 'edition = "2019"', "T1 = 0.3", "psi = 0.8", "gamma = 1.2"
+    )  # fmt: skip
+    site = found.site
+    assert site is not None
+    storey = 0.1 * G * 2.5 * 0.96 * math.sqrt(1.01)
+    assert site.accelerations()["aZ(z) / q"] == pytest.approx(storey / 2.0)
+    most = 1.1 / math.sqrt(0.05) * math.sqrt(10.0 / 13.0)
+    name = "SeZ(Ts) (Ts / 2 pi)^2"
+    for period, less in ((0.12, 0.5**1.6), (0.3, 0.0)):
+        level = most * storey / (1.0 + (most - 1.0) * less)
+        asked = level * (period / 2.0 / math.pi) ** 2
+        assert site.displacements(period)[name] == pytest.approx(asked)
+    least = most * storey * (0.33 / 2.0 / math.pi) ** 2
+    assert site.displacements(0.4)[name] == pytest.approx(least)
+    far = site.displacements(1.5)
+    assert far[name] >= far["SDe(Ts)"]
+
+
+@pytest.mark.parametrize("pull", [3e3, 15e3])
+def test_ties_hold_the_mechanism_that_is_found_too(pull: float) -> None:
+    """W b/2 + T z = alpha W h/2, also where the tie pulls the wall over without an earthquake."""
+    weight = 0.4 * 2.0 * 3.0 * 2400.0 * G
+    found = local_mechanism(courses(1, 0.4, 3.0), ties=[f"wall-0:{pull}N@0,1,2.8"])
+    expected = (weight * 0.2 + pull * 2.8) / (weight * 1.5)
+    assert found.oscillator.multiplier == pytest.approx(expected, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
@@ -168,7 +219,7 @@ def test_the_nonlinear_verification_compares_displacements(tmp_path: Path) -> No
         ({"part": "wall-0", "line": (0, 0, 0)}, "has 3 numbers"),
         ({"part": "wall-0", "ties": ["wall-0:15"]}, "not a number with a unit"),
         ({"part": "wall-0", "ties": ["base:15kN"]}, "not in the part"),
-        ({"ties": ["wall-0:15kN"]}, "is for a part"),
+        ({"line": (0, 0, 0, 0, 1, 0)}, "is for a part"),
     ],
 )
 def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> None:
@@ -187,6 +238,9 @@ def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> 
         ('code = "ntc"\nag = "0.15g"\nsoil = "A"', "'F0' is missing"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nq = 0.5', "q: is 0.5"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nT1 = 0.5', "has T1, not all"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nedition = "2014"', "edition is '2014'"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLC"', "state is 'SLC'"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nconfidence = "LC4"', "level is 'LC4'"),
     ],
 )
 def test_a_site_that_is_not_known_is_refused_in_one_line(
