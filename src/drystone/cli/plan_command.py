@@ -60,7 +60,7 @@ class PlanFiles(Pictures):
         if self.work is not None:
             from drystone.sequence import handling
 
-            placed, flat = handling(plan, robots), self.work.suffix == ".csv"
+            placed, flat = handling(plan, robots, margins=margins), self.work.suffix == ".csv"
             jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
         if self.csv is not None:
             jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))

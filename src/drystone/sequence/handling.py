@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -27,6 +27,7 @@ from drystone.base.workers import WorkerPool
 from drystone.model import Model
 from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import GripFace, grip_faces, grip_pairs
+from drystone.sequence.margins import Margin, Margins
 from drystone.sequence.path_search import PathFinder
 from drystone.sequence.plans import Plan
 from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
@@ -43,14 +44,21 @@ class Placement(OneLine):
     step
         Number of the step in the plan, from 0.
     name
+    status
+        How it is placed: free, held or propped (:class:`drystone.sequence.Status`).
     robot
         The robot that places it; empty if no robots were given, or none can place it.
+    reach_left : [m]
+        What is left of the reach of that robot where the block is in place; infinite without limit.
     frame : (4, 4)
         Frame of the block in place.
     approach : (p, 4, 4)
         Frames on the path into place, the last one in place; empty if no path was found.
     clearance : (p,) [m]
         Distance from the blocks in place at each of them.
+    insertion : (3,) unit
+        Direction in which its centroid moves into place: that of the end of the path; where no path
+        was found, a direction that the joints leave free.
     turning
         Whether the block rotates on the path.
     mass : [kg]
@@ -59,18 +67,30 @@ class Placement(OneLine):
     pairs
         Pairs of opposite faces: positions in ``grips``, and the distance [m] that a gripper must
         open.
+    props
+        Names of the blocks that are propped after the step.
+    friction_used
+        Largest share of its friction that a joint uses after the step.
+    margin
+        Of the stage after the step; None where it was not asked.
     """
 
     step: int
     name: str
+    status: str
     robot: str
+    reach_left: float
     frame: Floats
     approach: Floats
     clearance: Floats
+    insertion: Floats
     turning: bool
     mass: float
     grips: tuple[GripFace, ...]
     pairs: tuple[tuple[int, int, float], ...]
+    props: tuple[str, ...]
+    friction_used: float
+    margin: Margin | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,15 +178,19 @@ class Handling(Answer):
         }
 
     def table(self) -> Table:
-        """A row per placement: robot, mass, position, path and grips, and its hold."""
-        keys = (
-            "step", "block", "robot", "mass", "at", "turning", "poses", "grip_faces", "grip",
-            "held_until", "hold",
-        )  # fmt: skip
+        """A row per placement: robot, mass, position, path, grips, hold, props and margins."""
         held = {one.name: one for one in self.holds}
         rows = [_row(one, held.get(one.name)) for one in self.placements]
-        columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
-        return Table("handling", columns, {"mass": "kg", "at": "m", "grip": "m", "hold": "N"})
+        columns = {key: [row[key] for row in rows] for key in rows[0]} if rows else {"step": []}
+        units = {
+            "mass": "kg",
+            "reach_left": "m",
+            "at": "m",
+            "grip": "m",
+            "hold": "N",
+            "tilt": "deg",
+        }
+        return Table("handling", columns, {key: units[key] for key in columns if key in units})
 
     def save_json(self, path: PathLike) -> None:
         """Write everything as JSON, to a temporary name beside it that is then renamed."""
@@ -179,6 +203,7 @@ def handling(
     plan: Plan,
     robots: Sequence[Robot] = (),
     *,
+    margins: Margins | None = None,
     options: PathOptions | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -197,6 +222,8 @@ def handling(
         A plan; without steps it has no placements.
     robots
         When left out, placements have no robot.
+    margins
+        Of the stages of the plan, from :func:`margins`, to be told with the placements.
     options
         Options of the search for paths; up is opposite to the load unless given.
 
@@ -238,11 +265,13 @@ def handling(
         if who is None and team:
             free = [robot for i, robot in enumerate(team) if i not in busy]
             notes.append(f"'{body.name}': {_why_none(free, body)}")
-        robot = "" if who is None else team[who].name
+        arm = None if who is None else team[who]
+        robot = "" if arm is None else arm.name
         if isinstance(found, NoPath):
             notes.append(f"'{body.name}': no path was found: {found.reason}")
         grips = grip_faces(body, Joints.of(model.contacts, block, here))
-        placements.append(_placed(number, body, robot, found, grips))
+        margin = None if margins is None else margins.stages[number]
+        placements.append(_placed(plan, number, block, arm, found, grips, margin))
         if block != step.blocks[-1]:
             wrench = [a.reaction[block] for a in step.during if block in a.reaction]
             most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
@@ -290,25 +319,64 @@ def _why_none(free: Sequence[Robot], body: Block) -> str:
 
 
 def _placed(
-    step: int, body: Block, robot: str, found: RemovalPath | NoPath, grips: list[GripFace]
+    plan: Plan,
+    number: int,
+    block: int,
+    robot: Robot | None,
+    found: RemovalPath | NoPath,
+    grips: list[GripFace],
+    margin: Margin | None,
 ) -> Placement:
+    step, body, names = (
+        plan.steps[number],
+        plan.model.assembly.blocks[block],
+        plan.model.assembly.names,
+    )
     frame = np.eye(4)
     frame[:3, 3] = body.centroid
     approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False
+    insertion = step.motion[step.blocks.index(block)]
     if isinstance(found, RemovalPath):
         approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
-    pairs = tuple(grip_pairs(grips))
+        last = np.diff(approach[-2:, :3, 3], axis=0).sum(axis=0)
+        insertion = last / np.linalg.norm(last) if last.any() else insertion
     return Placement(
-        step, body.name, robot, frame, approach, clearance, turning, body.mass, tuple(grips), pairs
+        step=number,
+        name=body.name,
+        status=plan.status[block].value,
+        robot="" if robot is None else robot.name,
+        reach_left=np.inf if robot is None else robot.reach - float(robot.distance(body.centroid)),
+        frame=frame,
+        approach=approach,
+        clearance=clearance,
+        insertion=insertion,
+        turning=turning,
+        mass=body.mass,
+        grips=tuple(grips),
+        pairs=tuple(grip_pairs(grips)),
+        props=tuple(names[b] for b in step.props),
+        friction_used=step.answer.used,
+        margin=margin,
     )
 
 
-def _row(one: Placement, hold: Hold | None) -> tuple[object, ...]:
-    faces = " ".join(str(grip.face) for grip in one.grips)
-    wide = one.pairs[0][2] if one.pairs else np.nan
-    until, force = ("", 0.0) if hold is None else (hold.until, float(np.linalg.norm(hold.force)))
-    at = tuple(one.frame[:3, 3].tolist())
-    return (
-        one.step + 1, one.name, one.robot, one.mass, at, one.turning, len(one.approach), faces,
-        wide, until, force,
-    )  # fmt: skip
+def _row(one: Placement, hold: Hold | None) -> dict[str, object]:
+    told: dict[str, object] = {
+        "step": one.step + 1,
+        "block": one.name,
+        "status": one.status,
+        "robot": one.robot,
+        "mass": one.mass,
+        "at": tuple(one.frame[:3, 3].tolist()),
+        "insertion": tuple(one.insertion.tolist()),
+        "reach_left": one.reach_left,
+        "turning": one.turning,
+        "poses": len(one.approach),
+        "grip_faces": " ".join(str(grip.face) for grip in one.grips),
+        "grip": one.pairs[0][2] if one.pairs else np.nan,
+        "held_until": "" if hold is None else hold.until,
+        "hold": 0.0 if hold is None else float(np.linalg.norm(hold.force)),
+        "props": " ".join(one.props),
+        "friction_used": one.friction_used,
+    }
+    return told if one.margin is None else {**told, **asdict(one.margin)}

@@ -8,7 +8,7 @@ import pytest
 
 from drystone import InputError, Model, plan
 from drystone.models import arch, bayonet, bridge, tower
-from drystone.sequence import PlanOptions, Robot, Rules, handling, take_turns
+from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, take_turns
 from drystone.sequence.freedom import Joints
 from drystone.sequence.grips import grip_faces
 
@@ -75,6 +75,30 @@ def test_held_blocks_have_a_hold_until_their_partner_is_in():
         assert placed[hold.name].robot == hold.robot
         assert placed[hold.until].robot != hold.robot
         assert np.linalg.norm(hold.force) > 0.0
+
+
+def test_a_placement_says_how_a_cell_places_it(tmp_path):
+    """Status, direction, what is left of the reach, props, and the margins of its stage."""
+    found = plan(arch(0.3, 7), friction=0.7)
+    known = margins(found, tilt_width=5.0, directions=1)
+    work = handling(found, [LEFT, RIGHT], margins=known)
+    status = {row["block"]: row["status"] for row in found.table()}
+    for one in work.placements:
+        robot, step = (LEFT if one.robot == "left" else RIGHT), found.steps[one.step]
+        assert one.status == status[one.name]
+        last = one.approach[-1, :3, 3] - one.approach[-2, :3, 3]
+        np.testing.assert_allclose(one.insertion, last / np.linalg.norm(last))
+        away = np.linalg.norm(one.frame[:3, 3] - np.array(robot.base))
+        assert one.reach_left == pytest.approx(robot.reach - away)
+        assert one.props == tuple(found.model.assembly.names[b] for b in step.props)
+        assert one.margin == known.stages[one.step]
+    assert "propped" in status.values()
+    work.table().to_csv(tmp_path / "work.csv")
+    with (tmp_path / "work.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == [one.status for one in work.placements]
+    assert float(rows[0]["tilt [deg]"]) == known.stages[0].tilt
+    assert float(rows[0]["insertion_z"]) == pytest.approx(work.placements[0].insertion[2])
 
 
 def test_json_and_csv_hold_what_was_found(tmp_path):
