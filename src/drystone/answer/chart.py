@@ -97,6 +97,32 @@ class Chart(OneLine):
         return low, high if self.top is None else self.top
 
 
+@dataclass(frozen=True, eq=False)
+class HeatMap(OneLine):
+    """Values by two parameters, as cells.
+
+    Attributes
+    ----------
+    title
+    across, up
+        What the axes are.
+    columns, rows
+        Values of the parameters, in words, from left to right and from below.
+    values : (r, c)
+        NaN where there is none.
+    quantity
+        What the values are, with its unit.
+    """
+
+    title: str
+    across: str
+    up: str
+    columns: tuple[str, ...]
+    rows: tuple[str, ...]
+    values: Floats
+    quantity: str
+
+
 def ends_of(values: Sequence[Floats]) -> tuple[float, float]:
     """The least and the largest finite value."""
     every = np.concatenate([np.ravel(one) for one in values])

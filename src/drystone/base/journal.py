@@ -15,6 +15,8 @@ from typing import Any
 from drystone.base.display import shortened
 from drystone.base.errors import FormatError
 from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
+from drystone.base.progress import Workers
+from drystone.base.workers import WorkerPool
 
 _LOG = logging.getLogger(__name__)
 _LARGEST = 2**30
@@ -140,6 +142,37 @@ class Journal:
         self.records = values[1:]
 
 
+def add_answers(
+    done: list[Any],
+    journal: Journal | None,
+    executor: Workers | None,
+    task: Callable[[Any], Any],
+    items: Iterable[Any],
+    *,
+    failed: Callable[[Any], Any],
+    late: Callable[[], bool],
+    tell: Callable[[int], None],
+) -> None:
+    """Add the answers of a task to a list, each kept in a journal as soon as it is known.
+
+    Parameters
+    ----------
+    done
+        Answers that are known; the others are added in the order of the items.
+    journal, executor
+    task, items, failed, late
+        As of :meth:`drystone.base.workers.WorkerPool.answers`.
+    tell
+        Called with the number of answers.
+    """
+    with WorkerPool(executor) as pool:
+        for found in pool.answers(task, items, late, failed=failed):
+            done.append(found)
+            if journal is not None:
+                journal.add([found])
+            tell(len(done))
+
+
 def _no_journal(path: PathLike) -> FormatError:
     return FormatError(
         "is no journal, or its first line is damaged",
@@ -173,4 +206,4 @@ def _value(line: bytes) -> Any:
     return json.loads(text)
 
 
-__all__ = ["Journal"]
+__all__ = ["Journal", "add_answers"]

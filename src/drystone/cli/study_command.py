@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @command(
     "drystone study arch --set thickness_ratio=0.12:0.2:3 --limit tilt --csv study.csv",
     "drystone study arch.json --set friction=0.4 --set friction=0.6 --png study.png",
+    "drystone study arch --set thickness_ratio=0.12:0.2:3 --set friction=0.4:0.7:2 --map map.png",
 )
 def study(
     *,
@@ -49,6 +50,15 @@ def study(
     ] = None,
     csv: options.Csv = None,
     png: options.Png = None,
+    map: Annotated[
+        Path | None,
+        Option(
+            "Draw the first two parameters as a map, .png, .svg or .pdf.",
+            OUTPUT,
+            kind=kinds.target(".png", ".svg", ".pdf"),
+        ),
+    ] = None,
+    html: options.Html = None,
     workers: options.Workers = 1,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
@@ -59,13 +69,14 @@ def study(
     """
     from drystone.answer import Role, Sentence, Statement  # work is imported when there is some
     from drystone.base.table import Table
+    from drystone.report import save_study
     from drystone.studies import study as studied
-    from drystone.studies import study_chart
-    from drystone.studies.limit_words import require_two_sides
+    from drystone.studies import study_chart, study_map
+    from drystone.studies.limit_words import measures
     from drystone.view import save_chart
 
     if limit:
-        require_two_sides(limit)
+        measures(limit)
     build, parameters = _asked(subject, set)
     waiting.stage("solve", "studying")
     with waiting.keywords(time_limit, workers) as common:
@@ -74,6 +85,10 @@ def study(
     jobs: list[Job] = [] if csv is None else [(csv, found.to_csv)]
     if png is not None:
         jobs.append((png, partial(save_chart, study_chart(found))))
+    if map is not None:
+        jobs.append((map, partial(save_chart, study_map(found))))
+    if html is not None:
+        jobs.append((html, partial(save_study, found)))
     text = f"{counted(len(found), 'row')}, {refused} refused"
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
     shown = Table(found.title, columns, found.units)

@@ -3,6 +3,6 @@
 from drystone.report.assess import assess
 from drystone.report.report_pdf import require_pdf
 from drystone.report.title_block import TitleBlock
-from drystone.report.write_report import write_report
+from drystone.report.write_report import save_study, write_report
 
-__all__ = ["TitleBlock", "assess", "require_pdf", "write_report"]
+__all__ = ["TitleBlock", "assess", "require_pdf", "save_study", "write_report"]

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes, write_text
+from drystone.base.table import Table
+from drystone.base.version import version
+from drystone.report.document import Document, Part, Picture, Section
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
 from drystone.report.title_block import TitleBlock
+from drystone.studies import study_chart, study_map
+from drystone.view.plots import chart_png
 
 
 def write_report(
@@ -62,3 +68,26 @@ def write_report(
         write_bytes(path, pdf_of(document))
     else:
         write_text(path, html_of(document))
+
+
+def save_study(table: Table, path: PathLike) -> None:
+    """Write a page on a study: its chart, its map where it has two parameters, and its table.
+
+    Parameters
+    ----------
+    table
+        Of :func:`drystone.studies.study`.
+    path
+        HTML. Written to a temporary name beside it and renamed.
+    """
+    pictures: list[Part] = []
+    for draw in (study_chart, study_map):
+        with suppress(InputError):  # it has not the parameters, or not the numbers, for it
+            chart = draw(table)
+            pictures.append(
+                Picture(*chart_png(chart), f"{table.title}: {chart.across}, {chart.up}")
+            )
+    sections = Section("Charts", tuple(pictures)), Section("Rows", (table,))
+    entries = {"studied": table.title, "rows": str(len(table)), "drystone": version()}
+    document = Document(f"Study: {table.title}", entries, f"drystone {version()}", sections)
+    write_text(path, html_of(document))

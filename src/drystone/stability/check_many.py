@@ -11,12 +11,11 @@ from drystone.base.declared import refuse_unknown
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
-from drystone.base.journal import Journal
+from drystone.base.journal import Journal, add_answers
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
-from drystone.base.workers import WorkerPool
 from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, content_of, supported_model
 from drystone.model import Model
@@ -93,20 +92,17 @@ def check_many(
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     refuse_unknown(how, [*How.__annotations__])
-    clock = Clock(time_limit_s, stop)
+    clock = Clock(time_limit_s, stop, progress)
     chosen = CheckOptions.of(options)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     kept: list[Row] = [] if journal is None else journal.records
     tasks = _tasks(models, kept, (chosen, each_s, how), out)
     rows = [row for row, _ in zip(kept, tasks, strict=False)]  # of the models that are asked about
     total = len(models) if isinstance(models, Sized) else 0
-    with WorkerPool(executor) as pool:
-        for row in pool.answers(_answered, tasks, clock.late, failed=_failed):
-            rows.append(row)
-            if journal is not None:
-                journal.add([row])
-            if progress is not None:
-                progress("checking models", len(rows), max(total, len(rows)))
+    add_answers(
+        rows, journal, executor, _answered, tasks, failed=_failed, late=clock.late,
+        tell=lambda count: clock.tell("checking models", count, max(total, count)),
+    )  # fmt: skip
     told = [[*row[:2], *row[3:]] for row in rows]
     columns = {name: [row[i] for row in told] for i, name in enumerate(COLUMNS)}
     return Table("verdicts", columns, {"time_s": "s"})

@@ -2,7 +2,7 @@
 
 from drystone.studies.combination_file import Action, Combination, Situation, read_combinations
 from drystone.studies.combinations import Combinations, combinations
-from drystone.studies.study import study, study_chart
+from drystone.studies.study import study, study_chart, study_map
 
 __all__ = [
     "Action",
@@ -13,4 +13,5 @@ __all__ = [
     "read_combinations",
     "study",
     "study_chart",
+    "study_map",
 ]

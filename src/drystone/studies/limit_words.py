@@ -3,30 +3,68 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, get_type_hints
 
 from drystone.answer import Answer
 from drystone.base.declared import Offered, declared, declared_at, nested, refuse_unknown
 from drystone.base.errors import InputError, meant
 from drystone.io.load_options import grown
-from drystone.limits import LIMITS, Limit
+from drystone.limits import LIMITS, Limit, StandingShare, ThrustBounds, TiltSweep, TrainEnvelope
 from drystone.loads import LoadCase
 from drystone.model import Model
+from drystone.settlement import LargeDisplacement
 
 
-def require_two_sides(words: str) -> None:
-    """Refuse words that no limit with two sides has, before there is a model.
+def _bracket(limit: Limit) -> tuple[list[float | None], tuple[str, ...]]:
+    best = limit.best
+    moves = () if best.falling is None else best.falling.falling_names
+    return [best.stands, best.falls], moves
+
+
+def measures(words: str) -> Mapping[str, str]:
+    """The columns of a limit in words, and their units; :func:`measured` has their values.
 
     Raises
     ------
     InputError
-        As :func:`limit_of_words`; or what is found is no :class:`drystone.limits.Limit`.
+        As :func:`limit_of_words`.
     """
     offered, _ = _asked(words)
-    if get_type_hints(offered.analysis)["return"] is not Limit:
-        remedy = "ask for tilt, friction, load or shrink"
-        raise InputError(f"'{words}' has no two sides", where="limit", remedy=remedy)
+    return _MEASURES[get_type_hints(offered.analysis)["return"]]
+
+
+_MEASURES: Mapping[type[Answer], Mapping[str, str]] = {
+    Limit: {"stands": "", "falls": ""},
+    TiltSweep: {"stands": "deg", "falls": "deg", "towards": "deg"},
+    TrainEnvelope: {"factor": "", "place": "m", "stands": "", "falls": ""},
+    ThrustBounds: {"least": "N", "most": "N"},
+    StandingShare: {"share": "", "least": "", "most": ""},
+    LargeDisplacement: {"share": "", "moved": "m"},
+}
+
+
+def measured(answer: Answer) -> tuple[list[float | None], tuple[str, ...]]:
+    """The values of the columns of a limit that was found, and the blocks that move beyond it."""
+    match answer:
+        case TiltSweep():
+            lowest = answer.lowest
+            values, moves = _bracket(answer.limits[lowest])
+            return [*values, float(answer.azimuth[lowest])], moves
+        case TrainEnvelope():
+            worst = answer.worst
+            factor, place = float(answer.factors[worst]), float(answer.places[worst])
+            values, moves = ([], ()) if answer.limit is None else _bracket(answer.limit)
+            return [factor, place, *(values or (None, None))], moves
+        case ThrustBounds():
+            return [answer.least, answer.most], ()
+        case StandingShare():
+            return [answer.share, *answer.interval], ()
+        case LargeDisplacement():
+            return [float(answer.load[-1]), answer.capacity], ()
+        case Limit():
+            return _bracket(answer)
+    raise TypeError(f"no limit: {answer!r}")
 
 
 def limit_of_words(words: str, model: Model) -> Callable[[Model, dict[str, Any]], Answer]:

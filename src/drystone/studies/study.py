@@ -10,35 +10,26 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import of_type
 from drystone.base.declared import refuse_unknown
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
-from drystone.base.journal import Journal
+from drystone.base.journal import Journal, add_answers
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
-from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, content_of, supported_model
-from drystone.limits import Limit
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.limit_words import limit_of_words, require_two_sides
+from drystone.studies.limit_words import limit_of_words, measured, measures
 
 Parameters: TypeAlias = Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]]
 """Values of each parameter, in all their combinations; or rows."""
-_FOUND = {
-    "": ("verdict", "margin", "mechanism", "message", "time_s"),
-    "limit": ("verdict", "stands", "falls", "mechanism", "message", "time_s"),
-}
-"""Columns behind the inputs, of checks and of limits."""
-_NUMBERS = frozenset({"margin", "stands", "falls"})
-"""Those that hold numbers, or nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +54,11 @@ class _Task(OneLine):
 
     def row(self, *found: Any) -> list[Any]:
         """The row of what was found."""
-        return [self.number, *self.inputs.values(), *found]
+        return [_plain(one) for one in (self.number, *self.inputs.values(), *found)]
+
+    def without(self, word: str, why: str, time_s: float = 0.0) -> list[Any]:
+        """The row of what was not found."""
+        return self.row(word, *(None for _ in _columns(self.limit)), "", why, time_s)
 
 
 _READING = frozenset(How.__annotations__)
@@ -111,14 +106,15 @@ def study(
     Table
         A row for each: number and inputs; of a check the verdict and the margin, the tilt [deg] up
         to which forces balance the loads; of a limit the last value at which it stands and the
-        first one at which it falls; the blocks that move, a message, and the time [s].
+        first one at which it falls, or what else it finds, such as both bounds of a thrust; the
+        blocks that move, a message, and the time [s].
         ``refused`` stands where there is no model, ``failed`` where a worker ended twice.
 
     Raises
     ------
     InputError
         No row, rows with other parameters, a parameter that is called like another column, a limit
-        that is none of tilt, friction, load and shrink, or a file of another study.
+        that is not known, or a file of another study.
 
     Examples
     --------
@@ -129,10 +125,8 @@ def study(
     """
     rows = _rows(parameters)
     refuse_unknown(how, [*_READING])
-    kind = "limit" if limit else ""
-    if limit:
-        require_two_sides(limit)
-    _require(rows[0], _FOUND[kind], build)
+    found = ("verdict", *_columns(limit), "mechanism", "message", "time_s")
+    _require(rows[0], found, build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
     about = {
         "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
@@ -141,23 +135,22 @@ def study(
         "content": content_of(build),
         **{name: repr(value) for name, value in sorted(how.items())},
     }  # fmt: skip
-    names = ("number", *rows[0], *_FOUND[kind])
-    journal = None if out is None else Journal(out, about, partial(_listed, names))
+    names = ("number", *rows[0], *found)
+    journal = None if out is None else Journal(out, about, partial(_listed, names, _columns(limit)))
     done: list[list[Any]] = [] if journal is None else journal.records[: len(rows)]
     _require_same(done, rows, out)
     tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
              for number, inputs in enumerate(rows))  # fmt: skip
-    with WorkerPool(executor) as pool:
-        left = islice(tasks, len(done), None)
-        for found in pool.answers(_answered, left, clock.late, failed=_failed):
-            row = [_plain(one) for one in found]
-            done.append(row)
-            if journal is not None:
-                journal.add([row])
-            clock.tell("studying", len(done), len(rows))
-    columns = {name: _column([row[i] for row in done], name) for i, name in enumerate(names)}
-    units = {"time_s": "s"} | ({} if limit else {"margin": "deg"})
-    return Table(limit or "verdicts", columns, units)
+    add_answers(
+        done, journal, executor, _answered, islice(tasks, len(done), None), failed=_failed,
+        late=clock.late, tell=lambda count: clock.tell("studying", count, len(rows)),
+    )  # fmt: skip
+    columns = {name: [row[i] for row in done] for i, name in enumerate(names)}
+    for name in _columns(limit):
+        known = [np.nan if one is None else one for one in columns[name]]
+        columns[name] = np.array(known, dtype=float)  # type: ignore[assignment]
+    units = {name: unit for name, unit in _columns(limit).items() if unit}
+    return Table(limit or "verdicts", columns, {"time_s": "s", **units})
 
 
 def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> Chart:
@@ -186,19 +179,80 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     'thickness_ratio'
     """
     across, by = _parameters(table, across, by)
-    up = up or ("stands" if "stands" in table.columns else "margin")
-    x, y = (np.asarray(table[one]) for one in (across, up))
-    for name, values in ((across, x), (up, y)):
-        if values.dtype.kind not in "iuf":
-            raise InputError("has no numbers", where=name, remedy="choose another column")
+    up = up or _first_found(table)
+    x, y = (_numbers(table, one) for one in (across, up))
     unit = table.units.get(up, "")
     return Chart(table.title, tuple(_curves(table, x, y, by)), across, up, ("", unit))
 
 
+def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:
+    """A study of two parameters as a map, whose cells have the limit or the margin.
+
+    Parameters
+    ----------
+    table
+        Of :func:`study`.
+    across, by
+        Parameters; when left out, the first one and the second one.
+    value
+        Column; when left out, the limit or the margin.
+
+    Raises
+    ------
+    InputError
+        There is no such column, it has no numbers, or there are not two parameters and neither is
+        named, or several rows have the same two values.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> asked = {"thickness_ratio": [0.15, 0.2], "friction": [0.4, 0.7]}
+    >>> study_map(study(arch, asked, limit="tilt --axis y")).values.round(1).tolist()
+    [[3.0, 5.6], [8.2, 15.8]]
+    """
+    across, by = _parameters(table, across, by)
+    if not by:
+        raise InputError("a map is of two parameters", where="by", remedy="draw one as a chart")
+    value = value or _first_found(table)
+    found = _numbers(table, value)
+    x, y = (sorted(set(table[one])) for one in (across, by))
+    cells = np.full((len(y), len(x)), np.nan)
+    taken = set()
+    for one, other, number in zip(table[across], table[by], found, strict=True):
+        place = y.index(other), x.index(one)
+        if place in taken:
+            said = f"several rows have {across} {one} and {by} {other}"
+            raise InputError(said, where="map", remedy="take rows that differ in these two only")
+        taken.add(place)
+        cells[place] = number
+    unit = table.units.get(value, "")
+    quantity = f"{value} [{unit}]" if unit else value
+    columns, rows = (
+        tuple(f"{one:.4g}" if isinstance(one, float) else str(one) for one in ends)
+        for ends in (x, y)
+    )
+    return HeatMap(table.title, across, by, columns, rows, cells, quantity)
+
+
+def _first_found(table: Table) -> str:
+    """The column behind the verdict: the limit or the margin."""
+    names = list(table.columns)
+    return names[names.index("verdict") + 1]
+
+
+def _numbers(table: Table, name: str) -> Any:
+    """A column of numbers."""
+    values = np.asarray(table[name])
+    if values.dtype.kind not in "iuf":
+        raise InputError("has no numbers", where=name, remedy="choose another column")
+    return values
+
+
 def _parameters(table: Table, across: str, by: str) -> tuple[str, str]:
-    """The parameters of a chart: those that are named, else the first and, of two, the other."""
+    """The parameters of a chart: those named, else of those that vary the first and the second."""
     names = list(table.columns)
     inputs = names[1 : names.index("verdict")]
+    inputs = [one for one in inputs if len(set(table[one])) > 1] or inputs
     if not across and len(inputs) > 2:
         remedy = f"name two of {', '.join(inputs)}"
         raise InputError(f"there are {len(inputs)} parameters", where="across", remedy=remedy)
@@ -220,6 +274,11 @@ def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
         shape = shapes[number % len(shapes)]
         marks.append(Marks(shape, x[order].astype(float), y[order], ink))
     return marks
+
+
+def _columns(limit: str) -> Mapping[str, str]:
+    """The columns of what is found, with their units."""
+    return measures(limit) if limit else {"margin": "deg"}
 
 
 def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:
@@ -265,36 +324,32 @@ def _rows(parameters: Any) -> list[dict[str, Any]]:
 def _answered(task: _Task) -> list[Any]:
     """The row of a task."""
     clock = Clock(task.each_s)
-    nothing = (None,) if not task.limit else (None, None)
     try:
         model = task.model
         if task.limit:
             answer = limit_of_words(task.limit, model)(model, {"stop": clock.late})
-            found = of_type(answer, Limit, "the limit")
-            falling, best = found.best.falling, found.best
-            moves = () if falling is None else falling.falling_names
-            word = "stopped" if found.stopped else "found"
-            numbers: tuple[Any, ...] = (best.stands, best.falls)
-            message = found.title
-        else:
-            result = check(model, options=task.options, stop=clock.late)
-            word, moves, message = result.verdict.value, result.falling_names, result.message
-            numbers = (tilt_margin(model, stop=clock.late) if result.stable else None,)
+            word = "stopped" if getattr(answer, "stopped", "") else "found"
+            numbers, moves = measured(answer)
+            return task.row(word, *numbers, " ".join(moves), answer.title, clock.elapsed_s)
+        result = check(model, options=task.options, stop=clock.late)
+        margin = tilt_margin(model, stop=clock.late) if result.stable else None
     except DrystoneError as error:
-        return task.row("refused", *nothing, "", str(error), clock.elapsed_s)
-    return task.row(word, *numbers, " ".join(moves), message, clock.elapsed_s)
+        return task.without("refused", str(error), clock.elapsed_s)
+    moves = result.falling_names
+    return task.row(
+        result.verdict.value, margin, " ".join(moves), result.message, clock.elapsed_s
+    )  # fmt: skip
 
 
 def _failed(task: _Task) -> list[Any]:
     """The row of a task that ended its worker twice."""
-    nothing = (None,) if not task.limit else (None, None)
-    return task.row("failed", *nothing, "", "its worker was ended twice", 0.0)
+    return task.without("failed", "its worker was ended twice")
 
 
-def _listed(names: Sequence[str], record: Any) -> list[Any]:
+def _listed(names: Sequence[str], numbers: Iterable[str], record: Any) -> list[Any]:
     """The row of a record, with a value for each column."""
     row = dict(zip(names, record, strict=True))
-    for name in _NUMBERS & row.keys():
+    for name in numbers:
         row[name] = None if row[name] is None else float(row[name])
     if not isinstance(row["number"], int) or {list, dict} & {*map(type, row.values())}:
         raise TypeError("it is no row")
@@ -307,9 +362,3 @@ def _plain(value: Any) -> Any:
         value = value.item()
     plain = value is None or isinstance(value, bool | int | float | str)
     return value if plain else shortened(repr(value), 120)
-
-
-def _column(values: Sequence[Any], name: str) -> Any:
-    if name in _NUMBERS:
-        return np.array([np.nan if one is None else one for one in values], dtype=float)
-    return list(values)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.answer.chart import Chart, MarkKind, Marks
+from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError
 from drystone.base.files import PathLike, write_bytes
@@ -40,10 +40,12 @@ _SHAPES = {
     MarkKind.CROSS: "x",
     MarkKind.DIAMOND: "D",
 }
+_WRITTEN = 100
+"""Cells of a map up to which their values are written in them: they are wide enough for them."""
 _INK = {"accent": "pressure", "good": "resultant", "bad": "help", "unsure": "missed", "ink": "edge"}
 
 
-def save_chart(chart: Chart, path: PathLike | None = None, *, title: str = "") -> Figure:
+def save_chart(chart: Chart | HeatMap, path: PathLike | None = None, *, title: str = "") -> Figure:
     """Draw a chart, such as the ``plot`` of an answer, and write it if there is a path.
 
     Parameters
@@ -59,7 +61,37 @@ def save_chart(chart: Chart, path: PathLike | None = None, *, title: str = "") -
     FormatError
         Another suffix, or the file cannot be written.
     """
+    if isinstance(chart, HeatMap):
+        return save_plot(path, lambda: _map_figure(chart, title or chart.title))
     return save_plot(path, lambda: _chart_figure(chart, title))
+
+
+def chart_png(chart: Chart | HeatMap) -> tuple[bytes, tuple[int, int]]:
+    """A chart as the bytes of a PNG, and its width and height [pixels]."""
+    figure, made = save_chart(chart), BytesIO()
+    figure.savefig(made, format="png", dpi=150.0, metadata=_UNDATED["png"])
+    wide, high = figure.get_size_inches()
+    return made.getvalue(), (round(150.0 * wide), round(150.0 * high))
+
+
+def _map_figure(chart: HeatMap, title: str) -> Figure:
+    """Cells that are darker where values are larger, with their values where there is room."""
+    figure, axes = _axes(title, chart.across, chart.up)
+    axes.grid(visible=False)
+    drawn = axes.imshow(chart.values, origin="lower", aspect="auto", cmap="YlGnBu")
+    figure.colorbar(drawn, ax=axes, label=chart.quantity)
+    axes.set_facecolor("white")
+    for axis, names in ((axes.xaxis, chart.columns), (axes.yaxis, chart.rows)):
+        every = range(0, len(names), -(-len(names) // 12))
+        axis.set_ticks([*every], [names[i] for i in every])
+    if chart.values.size > _WRITTEN:
+        return figure
+    for (row, column), value in np.ndenumerate(chart.values):
+        dark = np.isfinite(value) and drawn.norm(value) > 0.55
+        told = f"{value:.3g}" if np.isfinite(value) else "-"
+        ink = "white" if dark else "black"
+        axes.text(column, row, told, ha="center", va="center", fontsize=9, color=ink)
+    return figure
 
 
 def _chart_figure(chart: Chart, title: str) -> Figure:

@@ -10,8 +10,9 @@ import drystone
 from drystone import DrystoneError, InputError
 from drystone.answer.chart import MarkKind
 from drystone.cli import main
-from drystone.models import box, tower
-from drystone.studies import study, study_chart
+from drystone.models import arch, box, tower
+from drystone.report import save_study
+from drystone.studies import study, study_chart, study_map
 from drystone.view import save_chart
 
 
@@ -100,7 +101,6 @@ def test_what_is_no_study_is_refused(build: object, asked: dict[str, object], me
 @pytest.mark.parametrize(
     ("limit", "message"),
     [
-        ("train --steps 2", "has no two sides"),
         ("foo", "there is no limit 'foo'"),
         ("tilt --side y", "side"),
         ("load", "live is missing"),
@@ -132,17 +132,63 @@ def test_one_and_two_parameters_are_drawn_as_curves(tmp_path: Path) -> None:
         study_chart(found, up="message")
 
 
+LIMITED = {
+    "thrust springer-right": ("least", "most"),
+    "sweep --directions 4": ("stands", "falls", "towards"),
+    "imperfections --offset 0.01 --draws 2": ("share", "least", "most"),
+    "train --steps 3": ("factor", "place", "stands", "falls"),
+    "decay": ("share", "moved"),
+}
+
+
+@pytest.mark.parametrize("limit", LIMITED)
+def test_every_limit_of_the_command_has_columns_of_its_own(limit: str, tmp_path: Path) -> None:
+    """Of an arch of five blocks; what is kept in a file gives the same table."""
+    asked = {"thickness_ratio": [0.3], "voussoirs": [5]}
+    found = study(arch, asked, limit=limit, out=tmp_path / "found.jsonl", friction=0.9)
+    columns = list(found.columns)
+    assert (
+        tuple(columns[columns.index("verdict") + 1 : columns.index("mechanism")])
+        == (LIMITED[limit])
+    )
+    assert found["verdict"].tolist() == ["found"]
+    assert math.isfinite(found[LIMITED[limit][0]][0])
+    again = study(arch, asked, limit=limit, out=tmp_path / "found.jsonl", friction=0.9)
+    assert [*map(str, again)] == [*map(str, found)]
+
+
+def test_two_parameters_are_drawn_as_a_map_and_written_as_a_page(tmp_path: Path) -> None:
+    rows = {"width": [0.5, 0.4], "friction": [0.3, 0.9]}
+    found = study(pier, rows, limit="tilt --axis y")
+    drawn = study_map(found)
+    assert (drawn.columns, drawn.rows, drawn.quantity) == (("0.4", "0.5"), ("0.3", "0.9"), "stands")
+    slides, wide, narrow = (math.degrees(math.atan(one)) for one in (0.3, 0.25, 0.2))
+    expected = [min(slides, narrow), min(slides, wide), narrow, wide]
+    assert drawn.values.ravel() == pytest.approx(expected, abs=0.1)
+    save_chart(drawn, tmp_path / "map.svg")
+    save_study(found, tmp_path / "study.html")
+    text = (tmp_path / "study.html").read_text("utf-8")
+    assert text.count("<img") == 2
+    assert "Study: tilt --axis y" in text
+    with pytest.raises(InputError, match="a map is of two parameters"):
+        study_map(study(pier, {"width": [0.5]}, limit="tilt --axis y"))
+    with pytest.raises(InputError, match=r"several rows have width 0\.5"):
+        study_map(study(pier, [{"width": 0.5, "friction": 0.3}] * 2))
+
+
 def test_the_command_studies_a_family_and_writes_table_and_chart(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rows = ["count=2", "edge=1:2:2", "friction=0.3", "friction=2"]
     told = ["study", "tower", *(word for row in rows for word in ("--set", row))]
     files = ["--csv", str(tmp_path / "study.csv"), "--out", str(tmp_path / "study.jsonl")]
+    files += ["--map", str(tmp_path / "map.png"), "--html", str(tmp_path / "study.html")]
     assert main([*told, "--limit", "tilt", *files]) == 0
     assert "4 rows, 0 refused" in capsys.readouterr().out
     lines = (tmp_path / "study.csv").read_text("utf-8").splitlines()
     assert lines[0].startswith("number,count,edge,friction,verdict,stands,falls")
     assert len(lines) == 5
+    assert (tmp_path / "study.html").exists()
     assert main(["study", "tower", "--set", "edge=1:2"]) == 2
     assert main(["study", "tower"]) == 2
     assert "--set: is missing" in capsys.readouterr().err
