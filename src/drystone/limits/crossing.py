@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -10,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.answer import Verdict
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
@@ -29,12 +31,58 @@ _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
 
 
-class PlacedTrain(NamedTuple):
-    """A train with its middle at a place [m], and the largest factor of it by equilibrium."""
+class Position(NamedTuple):
+    """A train with its middle at a place [m].
+
+    Attributes
+    ----------
+    place
+    train
+    axles : (n, 6)
+        Wrenches of its axles.
+    ends : (p, 2) [m]
+        Pieces of the road on which its line load may act.
+    pieces : (p, n, 6)
+        Wrenches of the line load on each.
+    """
 
     place: float
     train: Train
+    axles: Floats
+    ends: Floats
+    pieces: Floats
+
+    def load(self, adverse: Bools) -> LoadCase:
+        """The axles, and the line load on some pieces (p,)."""
+        wrench = self.axles + self.pieces[adverse].sum(axis=0)
+        return LoadCase(wrench, f"{self.train.name} at x = {self.place:.4g} m")
+
+
+class PlacedTrain(NamedTuple):
+    """The largest factor of a train by equilibrium, its line load on the pieces ``adverse``."""
+
+    at: Position
     found: FactorSolution
+    adverse: Bools
+
+    @property
+    def factor(self) -> float:
+        """Infinite where none was found."""
+        return math.inf if math.isnan(self.found.factor) else self.found.factor
+
+    @property
+    def live(self) -> LoadCase:
+        """What the factor multiplies."""
+        return self.at.load(self.adverse)
+
+    @property
+    def line(self) -> Floats:
+        """Stretches (s, 2) [m] of the road on which the line load acts."""
+        ends = self.at.ends[self.adverse]
+        if not len(ends):
+            return ends
+        gap = ends[1:, 0] > ends[:-1, 1] + 1e-9
+        return np.stack([ends[np.append(True, gap), 0], ends[np.append(gap, True), 1]], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,28 +115,65 @@ class Crossing:
         free = ~self.problem.model.assembly.fixed
         return np.flatnonzero(free & self.resisting.any(axis=1))
 
-    def live(self, place: float, train: Train) -> LoadCase:
-        """A train with its middle at a place."""
-        return LoadCase(train.on(self.tops, place), f"{train.name} at x = {place:.4g} m")
-
     def __call__(self, place: float) -> PlacedTrain:
         """The largest factor of the train at a place: the lesser one of both ways it may move."""
-        both = [PlacedTrain(place, train, self._largest(place, train)) for train in self.train.ways]
-        return min(both, key=lambda one: np.nan_to_num(one.found.factor, nan=np.inf))
+        return min((self._placed(place, one) for one in self.train.ways), key=_factor)
 
-    def _largest(self, place: float, train: Train) -> FactorSolution:
+    def _placed(self, place: float, train: Train) -> PlacedTrain:
+        """The least of the largest factors over all stretches of the line load.
+
+        From none of it and the whole, or a quarter where both are carried whatever the factor, as
+        on a plank that tips to either side; and from the best with its ends moved by two pieces. At
+        20 places of four bridges it is what 24 starts find; without moved ends 2.7 % more at one.
+        """
+        at = Position(place, train, train.on(self.tops, place), *train.pieces(self.tops, place))
+        known: dict[bytes, PlacedTrain] = {}
+
+        def under(adverse: Bools) -> PlacedTrain:
+            key = adverse.tobytes()
+            if key not in known:
+                known[key] = PlacedTrain(at, self._largest(at.load(adverse)), adverse)
+            return known[key]
+
+        count = len(at.ends)
+        starts = [np.full(count, True)]
+        if count and at.axles[self.problem.model.assembly.free].any():
+            starts.append(np.full(count, False))
+        best = min((self._descended(under, each) for each in starts), key=_factor)
+        if best.factor == math.inf and count:
+            starts = [np.arange(count) * 4 // count == i for i in range(4)]
+            best = min((self._descended(under, each) for each in starts), key=_factor)
+        while True:
+            others = [self._descended(under, each) for each in _moved(best.adverse)]
+            one = min(others, key=_factor, default=best)
+            if not _less(one, best):
+                return best
+            best = one
+
+    def _descended(self, under: Callable[[Bools], PlacedTrain], adverse: Bools) -> PlacedTrain:
+        """The line load where the mechanism moves down, again as long as the factor decreases."""
+        best = under(adverse)
+        while len(adverse) and 0.0 < best.factor < math.inf:
+            motion = self.problem.mechanism(best.found.state.multiplier)
+            one = under(np.einsum("pni,ni->p", best.at.pieces, motion) > 0.0)
+            if not _less(one, best):
+                break
+            best = one
+        return best
+
+    def _largest(self, live: LoadCase) -> FactorSolution:
         statics = self.problem.statics
         count, each = len(self.problem.model.assembly), []
         for block in self.resisted.tolist():
             alone = np.zeros((count, 6))
             alone[block] = self.resisting[block]
             each.append(scaled_wrench(statics, LoadCase(alone)).ravel())
-        live = scaled_wrench(statics, self.live(place, train))
-        if not live.any():
+        wrench = scaled_wrench(statics, live)
+        if not wrench.any():
             raise InputError("no axle is on a free block", remedy="give fewer steps")
         return solve_load_factor(
             statics,
-            live,
+            wrench,
             cone=self.options.cone,
             reserve=sparse.csc_matrix(np.array(each).T) if each else None,
         )
@@ -138,5 +223,22 @@ class Crossing:
         wrench = np.zeros_like(dead.wrench)
         wrench[self.resisted] = reserve[:, None] * self.resisting[self.resisted]
         acts = LoadCase(wrench, "what the fill resists") if reserve.any() else None
-        load = dead + factor * self.live(placed.place, placed.train)
+        load = dead + factor * placed.live
         return load if acts is None else load + acts
+
+
+def _factor(one: PlacedTrain) -> float:
+    return one.factor
+
+
+def _less(one: PlacedTrain, other: PlacedTrain) -> bool:
+    """Whether a factor is less than another by more than rounding."""
+    return one.factor < other.factor - 1e-6 * abs(other.factor)
+
+
+def _moved(adverse: Bools) -> list[Bools]:
+    """The same pieces (p,) with the ends of all stretches moved by two."""
+    wide = np.pad(adverse, 2)
+    left, right = wide[:-4], wide[4:]
+    others = (adverse | left, adverse | right, adverse & left, adverse & right)
+    return [one for one in others if (one != adverse).any()]

@@ -49,7 +49,7 @@ class TrainEnvelope(Answer):
         That of the full verdict at the worst place; ``None`` where fill resists, of which no
         verdict knows.
     asked_for
-        Number of places.
+        Number of places, without those between.
     stopped
         Why some are missing; else empty.
     """
@@ -77,8 +77,8 @@ class TrainEnvelope(Answer):
         return self._crossing.tops.fill
 
     def live(self, place: float) -> LoadCase:
-        """The train with its middle at a place [m], spread through the fill."""
-        return self._crossing.live(place, self.train)
+        """The train at the known place nearest to one [m], spread through the fill."""
+        return self._placed[int(np.argmin(np.abs(self.places - place)))].live
 
     @property
     def worst(self) -> int:
@@ -129,20 +129,26 @@ class TrainEnvelope(Answer):
     def axles(self) -> Table:
         """The axles at the worst place: where they are, what they weigh, how they spread."""
         one, tops = self._placed[self.worst], self._crossing.tops
-        x = one.place - 0.5 * one.train.length + np.array(one.train.places)
+        train = one.at.train
+        x = one.at.place - 0.5 * train.length + np.array(train.places)
         low, high = tops.ends
         depth = np.array([tops.depth(at) for at in x.tolist()])
         columns = {
             "axle": np.arange(1, len(x) + 1),
             "x": x,
             "road": tops.level(x),
-            "load": np.array(one.train.loads),
+            "load": np.array(train.loads),
             "fill_below": depth,
-            "spread_along": one.train.contact + 2.0 * self.fill.spread * depth,
+            "spread_along": train.contact + 2.0 * self.fill.spread * depth,
             "on_the_bridge": (x >= low) & (x <= high),
         }
         units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
         return Table("axles at the worst place, at factor 1", columns, {**units, "load": "N"})
+
+    @property
+    def line(self) -> Floats:
+        """Stretches (s, 2) [m] of the road with the line load at the worst place."""
+        return self._placed[self.worst].line
 
     def _axle_layers(self) -> tuple[Layer, ...]:
         axles = self.axles()
@@ -155,10 +161,19 @@ class TrainEnvelope(Answer):
         ends = np.array([[x, middle, float(self._crossing.tops.level(np.array(x)))]
                          for x in (low, high)])  # fmt: skip
         road = Layer("road", "road", LayerKind.LINES, "load", ends[:1], ends[1:] - ends[:1])
-        return road, Layer(
+        layers = [road, Layer(
             "axles", "axles",
             LayerKind.ARROWS, "load", at, down, single=True, width=3.0, group="axles",
-        )  # fmt: skip
+        )]  # fmt: skip
+        for a, b in self.line.tolist():
+            cuts = np.linspace(a, b, int(b - a) + 2)  # arrows a metre apart at most
+            x, size = 0.5 * (cuts[1:] + cuts[:-1]), self.train.line * np.diff(cuts)
+            at = np.column_stack([x, 0.0 * x + middle, self._crossing.tops.level(x)])
+            down = np.column_stack([0.0 * x, 0.0 * x, -size])
+            layers.append(Layer(
+                "line", "line load", LayerKind.ARROWS, "load", at, down, single=True, group="axles",
+            ))  # fmt: skip
+        return tuple(layers)
 
     @property
     def _near(self) -> Floats:
@@ -225,6 +240,10 @@ class TrainEnvelope(Answer):
         least = float(self.factors[self.worst])
         more = "any factor" if np.isinf(least) else f"{least:.4g} and more"
         said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
+        if self.train.line:
+            each = " and ".join(f"{a:.3g} to {b:.3g}" for a, b in self.line.tolist())
+            where = f"it acts at x = {each} m" if each else "it is adverse nowhere"
+            said.append(Sentence(f"line load at the worst place: {where}"))
         if self._ductile:
             said.append(
                 Sentence(
@@ -267,12 +286,14 @@ class TrainEnvelope(Answer):
         train, fill = self.train, self.fill
         return {
             "train": {"name": train.name, "places": train.places, "loads": train.loads,
-                      "contact": train.contact, "across": train.across, "source": train.source},
+                      "contact": train.contact, "across": train.across, "line": train.line,
+                      "lane": train.lane, "clear": train.clear, "source": train.source},
             "fill": fill,
             "places": self.places,
             "factors": self.factors,
             "carries": self.carries,
             "worst": float(self.places[self.worst]) if len(self.places) else None,
+            "line": self.line if len(self.places) else (),
             "proven": bool(len(self.places)) and self.proven,
             "limit": None if self.limit is None else self.limit.numbers(),
             "stopped": self.stopped,
@@ -300,9 +321,10 @@ class TrainEnvelope(Answer):
         result = self._crossing.result(one)
         if result is None:
             return []
-        stage = result.stage(f"x = {one.place:.3g} m")
-        way = "" if one.train == self.train else ", turned round"
-        headline = f"Load factor {one.found.factor:.4g} at x = {one.place:.4g} m{way}"
+        place = one.at.place
+        stage = result.stage(f"x = {place:.3g} m")
+        way = "" if one.at.train == self.train else ", turned round"
+        headline = f"Load factor {one.found.factor:.4g} at x = {place:.4g} m{way}"
         return [replace(stage, headline=headline)]
 
     def figure(self) -> Chart:
@@ -345,8 +367,10 @@ def limit_train(
     """The largest load factor of a train at every place on a bridge along x.
 
     One conic program at each place gives the largest factor that forces balance; at the worst place
-    the full verdict is searched as well. Fill is added to the load, spreads the axles, and resists
-    what moves into it. A train that is not symmetric moves both ways, and the lesser factor counts.
+    the full verdict is searched as well. Beside the worst place more are tried, twice at half
+    the distance. A line load acts on the stretches where it is adverse. Fill is added to the load,
+    spreads the axles, and resists what moves into it. A train that is not symmetric moves both
+    ways, and the lesser factor counts.
 
     Parameters
     ----------
@@ -405,21 +429,47 @@ def limit_train(
             found.append(one)
             if progress is not None:
                 progress("places", len(found), steps)
-    factors = np.array([one.found.factor for one in found])
-    known = places[: len(found)]
+        for _ in range(2):
+            between = _between(found)
+            if clock.late() or not between:
+                break
+            found += pool.answers(crossing, between, clock.late)
+            found.sort(key=lambda one: one.at.place)
     envelope = TrainEnvelope(
-        known, factors, None, steps, clock.reason, crossing, tuple(found), chosen
+        np.array([one.at.place for one in found]),
+        np.array([one.found.factor for one in found]),
+        None,
+        max(steps, len(found)),
+        clock.reason,
+        crossing,
+        tuple(found),
+        chosen,
     )
     if clock.late() or not found or tops.fill.passive > tops.fill.k:
         return envelope
-    worst, factor = found[envelope.worst], float(factors[envelope.worst])
+    worst, factor = found[envelope.worst], float(envelope.factors[envelope.worst])
     if envelope.falls_alone or not np.isfinite(factor):
         return envelope
     limit = limit_load(
         model,
-        crossing.live(worst.place, worst.train),
+        worst.live,
         upper=max(2.0 * factor, 1e-3),
         options=chosen,
         stop=clock.late,
     )
     return replace(envelope, limit=limit, stopped=clock.reason)
+
+
+def _between(found: Sequence[PlacedTrain]) -> list[float]:
+    """Places [m] halfway between the first and the last one of the least factor and those beside.
+
+    None where no least factor is finite.
+    """
+    place = np.array([one.at.place for one in found])
+    factor = np.array([one.factor for one in found])
+    least = float(factor.min(initial=np.inf))
+    if not np.isfinite(least):
+        return []
+    alike = np.flatnonzero(factor <= least + _ALIKE * abs(least))
+    spaces = {i for at in (alike[0], alike[-1]) for i in (at - 1, at) if 0 <= i < len(place) - 1}
+    return [0.5 * float(place[i] + place[i + 1]) for i in sorted(spaces)]

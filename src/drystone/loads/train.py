@@ -1,4 +1,4 @@
-"""Trains of axles that move over a bridge: from a small library, or a TOML of one's own."""
+"""Trains that move over a bridge, axles and a line load: of a small library, or one's own TOML."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from drystone.base.arrays import Floats, frozen_floats, of_type
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import read_bytes
@@ -18,12 +20,22 @@ from drystone.base.units import quantity
 from drystone.loads.fill import Tops
 from drystone.loads.ground_words import force, length
 
-_KEYS = ("source", "contact", "across", "axles")
+
+def _line_load(text: str) -> float:
+    """A load by length [N/m]."""
+    size, slash, _ = text.partition("/m")
+    if not slash:
+        raise InputError(f"line '{text}' has no unit", remedy="write 80kN/m")
+    return force(size)
+
+
+_READ = {"contact": length, "across": length, "line": _line_load, "lane": length, "clear": length}
+_KEYS = ("source", "axles", *_READ)
 
 
 @dataclass(frozen=True)
 class Train(Options):
-    """Axles at fixed distances.
+    """Axles at fixed distances, and a line load where it is adverse.
 
     Attributes
     ----------
@@ -34,6 +46,13 @@ class Train(Options):
     contact, across : [m]
         Length and width of the road on which an axle acts; over the whole width of the bridge
         where ``across`` is zero.
+    line : [N/m]
+        Load by length along x on any parts of the road; none at zero.
+    lane : [m]
+        Width on which the line load acts; the whole width of the bridge at zero.
+    clear : [m]
+        Between the line load and the first and the last axle; it acts between axles as well when
+        left out.
     source
 
     Examples
@@ -47,6 +66,9 @@ class Train(Options):
     loads: tuple[float, ...]
     contact: float = 0.0
     across: float = 0.0
+    line: float = 0.0
+    lane: float = 0.0
+    clear: float | None = None
     source: str = ""
 
     def __post_init__(self) -> None:
@@ -64,7 +86,12 @@ class Train(Options):
                 "a load is not above zero, or its places do not grow", where=where,
                 remedy="list axles from the first one on",
             )  # fmt: skip
-        self._refuse_below(0.0, "contact", "across")
+        self._refuse_below(0.0, "contact", "across", "line", "lane", "clear")
+        if not self.line and (self.lane or self.clear is not None):
+            raise InputError(
+                "it has no line load, but a lane or what is clear of one", where=where,
+                remedy="give line, such as 27kN/m",
+            )  # fmt: skip
         if self.places[0] != 0.0:
             raise InputError("its first axle is not at 0 m", where=where, remedy="count from it")
 
@@ -82,13 +109,19 @@ class Train(Options):
 
         Examples
         --------
-        >>> Train.named("lm1").words
-        'axles of 300 kN at 0 m, 300 kN at 1.2 m, each on 0.4 m along x and 2.4 m along y'
+        >>> Train.named("lm1-axle").words
+        'axles of 300 kN at 0 m, each on 0.4 m along x and 2.4 m along y'
+        >>> Train.named("lm1").words.partition("; ")[2]
+        '27 kN/m on 3 m along y, where it is adverse'
         """
         each = zip(self.loads, self.places, strict=True)
         axles = ", ".join(f"{quantity(load, 'N')} at {place:g} m" for load, place in each)
-        wide = f"{self.across:g} m" if self.across else "the whole width"
-        return f"axles of {axles}, each on {self.contact:g} m along x and {wide} along y"
+        wide, lane = (f"{x:g} m" if x else "the whole width" for x in (self.across, self.lane))
+        told = f"axles of {axles}, each on {self.contact:g} m along x and {wide} along y"
+        if not self.line:
+            return told
+        told += f"; {quantity(self.line, 'N')}/m on {lane} along y, where it is adverse"
+        return told if self.clear is None else f"{told} from {self.clear:g} m beside the axles on"
 
     @property
     def turned(self) -> Train:
@@ -132,6 +165,13 @@ class Train(Options):
         if odd or not isinstance(axles, list):
             what = f"'{odd[0]}' is no key" if odd else "it has no axles"
             raise InputError(what, where=where, remedy=f"give {', '.join(_KEYS)}")
+        known: dict[str, float] = {}
+        try:
+            for key, read in _READ.items():
+                if key in found:
+                    known[key] = read(str(found[key]))
+        except InputError as error:
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
         try:
             each = [str(one).partition(" at ") for one in axles]
             for load, at, _ in each:
@@ -141,9 +181,8 @@ class Train(Options):
                 name,
                 tuple(length(place) for _, _, place in each),
                 tuple(force(load) for load, _, _ in each),
-                length(str(found.get("contact", 0.0))),
-                length(str(found.get("across", 0.0))),
-                str(found.get("source", "")),
+                source=str(found.get("source", "")),
+                **known,
             )
         except InputError as error:
             remedy = "write '300kN at 1.2m'"
@@ -157,6 +196,33 @@ class Train(Options):
             tops.spread(load, first + place, self.contact, self.across) for place, load in each
         ]
         return sum(wrenches[1:], wrenches[0])
+
+    def pieces(self, tops: Tops, middle: float) -> tuple[Floats, Floats]:
+        """Pieces of the road that the line load may act on, its middle at a place [m] along x.
+
+        Returns
+        -------
+        ends : (p, 2) [m]
+        wrenches : (p, n, 6)
+            Of the line load on each piece alone. Pieces are a 48th of the bridge at most: where it
+            ceases to be adverse, its work is nearly zero.
+        """
+        if not self.line:
+            return np.zeros((0, 2)), np.zeros((0, len(tops.assembly), 6))
+        low, high = tops.ends
+        reach = tops.fill.spread * max(tops.depth(low), tops.depth(high))
+        cuts = np.linspace(low - reach, high + reach, 49)
+        free = np.zeros(48, dtype=bool)
+        if self.clear is not None:
+            away = 0.5 * self.length + self.clear
+            cuts = np.union1d(cuts, np.clip([middle - away, middle + away], cuts[0], cuts[-1]))
+            free = np.abs(0.5 * (cuts[1:] + cuts[:-1]) - middle) < away
+        ends = np.stack([cuts[:-1], cuts[1:]], axis=1)[~free]
+        each = [
+            tops.spread(self.line * (b - a), 0.5 * (a + b), b - a, self.lane)
+            for a, b in ends.tolist()
+        ]
+        return ends, np.array(each)
 
 
 @cache

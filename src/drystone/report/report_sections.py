@@ -190,7 +190,8 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
         yield {
             "Axles": train.words,
             "Source": train.source or "own",
-            "Load factor": f"multiplies all axles, {quantity(sum(train.loads), 'N')} in all; "
+            "Load factor": f"multiplies all axles, {quantity(sum(train.loads), 'N')} in all, "
+            f"{'and the line load' if train.line else 'and nothing else'}; "
             "the weight of blocks and fill is not multiplied",
             "Dispersal": fill.words,
             "Passive pressure": f"up to {fill.passive:g} times the vertical one"

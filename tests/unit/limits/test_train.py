@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import InputError, JointCapacity, Model, check
+from drystone import Assembly, InputError, JointCapacity, LoadCase, Model, check
 from drystone.answer import Role
 from drystone.cli import main
 from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
-from drystone.models import segmental_bridge
+from drystone.loads.fill import Tops
+from drystone.models import box, segmental_bridge
 
 FILL = Fill(cover=0.3, weight=2e4)
 
@@ -73,6 +74,64 @@ def test_a_train_with_a_heavy_end_is_moved_both_ways(bridge: Model) -> None:
     assert found.factors == pytest.approx(found.factors[::-1], rel=1e-6)
 
 
+PLANK = Assembly(
+    (
+        box((2.0, 1.0, 1.0), (-1.0, 0.0, -1.0), "rest"),
+        box((4.0, 1.0, 0.1), (-2.0, 0.0, 0.0), "plank"),
+    ),
+    [True, False],
+)
+
+
+@pytest.mark.parametrize(
+    ("clear", "arm"),
+    [(None, 0.5), (0.25, 0.25 * (0.125 + 0.875)), (0.5, 0.0)],
+)
+def test_a_line_load_tips_a_plank_from_beyond_its_rest(clear: float | None, arm: float) -> None:
+    """W b/2 = factor (P e + q a2/2): where it lies on the rest it would hold, and is left out."""
+    train = Train("cart", (0.0,), (500.0,), line=1000.0, clear=clear)
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(Model.of(PLANK, friction=0.6), train=train, steps=4, options=quick)
+    weight = float(PLANK.mass[1]) * 9.81
+    at = int(np.argmin(np.abs(found.places - 1.5)))
+    assert found.places[at] == pytest.approx(1.5)
+    assert found.factors[at] == pytest.approx(weight / (500.0 * 0.5 + 1000.0 * arm), rel=1e-6)
+    middle = int(np.argmin(np.abs(found.places - 0.5)))
+    if clear is None:
+        assert found.factors[middle] == pytest.approx(weight / (1000.0 - 500.0) / 0.5, rel=1e-6)
+        assert found.line[0] == pytest.approx([1.0, 2.0]) or found.line[0] == pytest.approx(
+            [-2, -1]
+        )
+
+
+def test_no_stretch_of_the_line_load_is_worse_than_the_one_found(bridge: Model) -> None:
+    train = Train("line", (0.0,), (1e4,), line=3e4)
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge, train=train, fill=FILL, steps=1, options=quick)
+    place = float(found.places[0])
+    tops = Tops.of(bridge.assembly, FILL)
+    loaded = bridge.with_load(bridge.load + FILL.on(bridge.assembly))
+    axle = train.on(tops, place)
+    ends, pieces = train.pieces(tops, place)
+    assert pieces.sum(axis=(0, 1))[2] == pytest.approx(-3e4 * np.diff(tops.ends)[0], rel=3e-2)
+    for first in range(0, len(ends), 8):
+        for last in range(first + 8, len(ends) + 1, 8):
+            some = LoadCase(axle + pieces[first:last].sum(axis=0))
+            other = limit_load(loaded, some, options=quick).equilibrium
+            assert found.factors[0] <= (other.falls or np.inf)
+
+
+def test_places_near_the_worst_one_are_tried_as_well(bridge: Model) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    found = limit_train(bridge, fill=FILL, steps=5, options=quick)
+    assert len(found.places) > 5
+    assert (np.diff(found.places) > 0.0).all()
+    step = 6.72 / 5
+    near = np.abs(found.places - found.places[found.worst])
+    assert np.sort(near)[1] == pytest.approx(step / 4, rel=1e-2)
+    assert found.factors[found.worst] < min(found.factors[0], found.factors[-1])
+
+
 def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     found = limit_train(bridge, fill=FILL, steps=9, options=quick)
@@ -80,7 +139,7 @@ def test_what_carries_much_more_is_no_part_of_the_lines_of_the_chart(bridge: Mod
     drawn = np.concatenate([one.y for one in marks])
     assert np.isfinite(drawn).all()
     assert 0.0 < drawn.max() <= 4.0 * found.factors.min()
-    assert sum(len(one.x) for one in marks[:-1]) < 9
+    assert sum(len(one.x) for one in marks[:-1]) < len(found.places)
 
 
 def test_a_bridge_that_falls_alone_carries_no_train_anywhere() -> None:
@@ -110,7 +169,9 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     assert "250 kN at 1.6 m" in told
     assert "fill of 20 kN/m3 to 0.3 m above the crown with K 0" in told
     assert "a load spreads 0.5 by depth" in told
-    assert "without its 80 kN/m, and without a dynamic factor" in told
+    assert "80 kN/m on 2.6 m along y, where it is adverse from 0.8 m beside the axles on" in told
+    assert "line load at the worst place: it acts at x = " in told
+    assert "without a dynamic factor" in told
     assert "along y than" not in told
 
 
@@ -177,6 +238,9 @@ def test_what_cannot_cross_is_told(bridge: Model, given: dict[str, object], told
         ('axles = ["3kN at 2m", "3kN at 0m"]', "its places do not grow"),
         ('axle = ["3kN at 2m"]', "'axle' is no key"),
         ("axles = [", "is no TOML"),
+        ('axles = ["1kN at 0m"]\nline = "80kN"', "line '80kN' has no unit; write 80kN/m"),
+        ('axles = ["1kN at 0m"]\nline = "-1kN/m"', "line is -1000"),
+        ('axles = ["1kN at 0m"]\nlane = "3m"', "it has no line load, but a lane"),
     ],
 )
 def test_a_train_that_cannot_be_read_is_told_in_one_line(
