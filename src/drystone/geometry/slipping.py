@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Floats, lengths
+from drystone.base.arrays import Floats, dot, lengths
 from drystone.base.ragged import Ragged
 
 _ROUNDS = 60
@@ -40,25 +40,34 @@ def pressed_points(loops: Ragged, place: Floats, area: Floats, centre: Floats) -
     centre : (m, 2) [m]
         Where the force acts. Where no linear pressure has it, as on the rim, the shares are zero.
     """
-    local = place - centre[loops.owner]
-    size = np.sqrt(loops.sum(area * (local**2).sum(axis=1)) / loops.sum(area))
-    row = np.column_stack([np.ones(len(local)), local / size[loops.owner, None]])
-    weight = area / loops.sum(area)[loops.owner]
-    wanted = np.tile([1.0, 0.0, 0.0], (len(loops), 1))
-    pressed = np.ones(len(local), dtype=bool)
-    outer = weight[:, None, None] * row[:, :, None] * row[:, None, :]
-    share = np.zeros(len(local))
+    owner, whole = loops.owner, loops.sum(area)
+    local = place - centre[owner]
+    size = np.sqrt(loops.sum(area * dot(local, local)) / whole)
+    x, y = local.T / size[owner]
+    weight = area / whole[owner]
+    wanted = np.array([1.0, 0.0, 0.0])
+    share, pressed, row = np.zeros(len(x)), np.ones(len(x), dtype=bool), np.arange(len(x))
+    part, w, u, v = loops, weight, x, y  # a face that is done is left out of the steps
     for _ in range(_NEWTON):
-        matrix = loops.sum(pressed[:, None, None] * outer)
-        matrix += 1e-14 * np.eye(3)
-        plane = np.linalg.solve(matrix, wanted[:, :, None])[:, :, 0]
-        pressure = (row * plane[loops.owner]).sum(axis=1)
-        share = weight * np.maximum(pressure, 0.0)
+        carries = pressed * w
+        along, across = carries * u, carries * v
+        moments = (carries, along, across, along * u, along * v, across * v)
+        matrix = np.stack([part.sum(one) for one in moments], axis=1)
+        matrix = matrix[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3) + 1e-14 * np.eye(3)
+        plane = np.linalg.solve(matrix, np.tile(wanted[:, None], (len(part), 1, 1)))[:, :, 0]
+        even, slope_x, slope_y = plane[part.owner].T
+        pressure = even + slope_x * u + slope_y * v
+        share[row] = w * np.maximum(pressure, 0.0)
         before, pressed = pressed, pressure > 0.0
-        if (before == pressed).all():
+        changes = part.any(before != pressed)
+        if not changes.any():
             break
-    left = np.abs(loops.sum(share[:, None] * row) - wanted).max(axis=1, initial=0.0)
-    return np.where(left <= _BALANCED, 1.0, 0.0)[loops.owner] * share
+        kept = changes[part.owner]
+        part = Ragged.from_counts(part.counts[changes])
+        row, pressed, w, u, v = (each[kept] for each in (row, pressed, w, u, v))
+    left = np.stack([loops.sum(one) for one in (share, share * x, share * y)], axis=1) - wanted
+    missed = np.abs(left).max(axis=1, initial=0.0)
+    return np.where(missed <= _BALANCED, 1.0, 0.0)[owner] * share
 
 
 def slip_use(
@@ -96,7 +105,7 @@ def slip_use(
     """
     total = loops.sum(bound)
     safe = np.where(total > 0.0, total, 1.0)
-    size = np.sqrt(loops.sum(bound * (place**2).sum(axis=1)) / safe)
+    size = np.sqrt(loops.sum(bound * dot(place, place)) / safe)
     size = np.where(size > 0.0, size, 1.0)
     wanted = np.column_stack([force, torque / size])
     loaded = (total > 0.0) & wanted.any(axis=1)
@@ -105,29 +114,30 @@ def slip_use(
     power, least = np.ones(len(loops)), scale / (safe * np.maximum(enough, 1e-300))
     left = np.flatnonzero(loaded)  # a face that is done is left out of the rounds
     part, row = loops.take(left)
+    x, y = place[row].T / size[left][part.owner]
+    share = bound[row] / safe[left][part.owner]
     speed, before = np.ones(len(row)), np.zeros(len(left))
     for _ in range(_ROUNDS):
         if not len(left):
             break
-        face, goal = left[part.owner], wanted[left]
-        x, y = (place[row] / size[face, None]).T
-        share = bound[row] / safe[face]
-        most = part.max(speed, empty=1.0)[part.owner]
-        weight = share / np.maximum(speed, _STILL * most)
-        matrix = np.zeros((len(row), 3, 3))
-        matrix[:, 0, 0] = matrix[:, 1, 1] = weight
-        matrix[:, 0, 2] = matrix[:, 2, 0] = -weight * y
-        matrix[:, 1, 2] = matrix[:, 2, 1] = weight * x
-        matrix[:, 2, 2] = weight * (x * x + y * y)
-        summed = part.sum(matrix)
-        summed += 1e-12 * np.trace(summed, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        slip = np.linalg.solve(summed, goal[:, :, None])[:, :, 0]
+        goal = wanted[left]
+        weight = share / np.maximum(speed, _STILL * part.max(speed)[part.owner])
+        moments = (weight, weight * x, weight * y, weight * (x * x + y * y))
+        summed, along, across, polar = (part.sum(one) for one in moments)
+        matrix = np.zeros((len(left), 3, 3))
+        matrix[:, 0, 0] = matrix[:, 1, 1] = summed
+        matrix[:, 0, 2] = matrix[:, 2, 0] = -across
+        matrix[:, 1, 2] = matrix[:, 2, 1] = along
+        matrix[:, 2, 2] = polar
+        matrix += 1e-12 * (2.0 * summed + polar)[:, None, None] * np.eye(3)
+        slip = np.linalg.solve(matrix, goal[:, :, None])[:, :, 0]
         slip /= (slip * goal).sum(axis=1)[:, None]
-        v = slip[part.owner]
-        speed = np.hypot(v[:, 0] - v[:, 2] * y, v[:, 1] + v[:, 2] * x)
+        v, w, turn = slip[part.owner].T
+        speed = np.sqrt((v - turn * y) ** 2 + (w + turn * x) ** 2)
         now = power[left] = part.sum(share * speed)
         moves = (np.abs(now - before) > _SAME * now) & (now >= least[left])
-        left, before, speed = left[moves], now[moves], speed[moves[part.owner]]
-        part, row = loops.take(left)
+        left, before, kept = left[moves], now[moves], moves[part.owner]
+        part = Ragged.from_counts(part.counts[moves])
+        x, y, share, speed = x[kept], y[kept], share[kept], speed[kept]
     found = scale / np.where(loaded, safe * power, 1.0)
     return np.where(loaded, found, 0.0)
