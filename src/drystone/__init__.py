@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from drystone.limits import limit_friction as limit_friction
     from drystone.limits import limit_load as limit_load
     from drystone.limits import limit_shrink as limit_shrink
+    from drystone.limits import limit_strength as limit_strength
     from drystone.limits import limit_thickness as limit_thickness
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
@@ -71,7 +72,7 @@ _NAMES = {
     "detection": "find_contacts",
     "io": "read write",
     "joint_capacity": "JointCapacity",
-    "limits": "limit_friction limit_load limit_shrink limit_thickness limit_tilt",
+    "limits": "limit_friction limit_load limit_shrink limit_strength limit_thickness limit_tilt",
     "loads": "LoadCase",
     "model": "Model",
     "poses": "find_poses",

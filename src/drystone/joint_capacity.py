@@ -99,6 +99,14 @@ class JointCapacity(OneLine):
             return ""
         return "brittle" if self.brittle else "ductile"
 
+    def scaled(self, share: float) -> JointCapacity:
+        """Every capacity times a share; what has no limit keeps none."""
+        shares = {
+            name: np.where(getattr(self, name) < NO_LIMIT, share * getattr(self, name), NO_LIMIT)
+            for name in DRY
+        }
+        return self.with_values(shares)
+
     @classmethod
     def of(
         cls,

@@ -142,7 +142,12 @@ def values(folder: Path) -> Iterator[object]:
     yield limits.limit_train(arch(0.3, 8), steps=1, friction=0.8)
     yield from (loads.Train.named("lm1"), loads.Fill(0.3, 2e4), loads.Earth("x", 18e3, 0.3))
     yield limits.Tilt(stack, np.array([1.0, 0.0, 0.0]))
-    yield from (limits.Friction(stack), limits.LoadFactor(stack, push), limits.Shrunk(stack))
+    yield from (
+        limits.Friction(stack),
+        limits.LoadFactor(stack, push),
+        limits.Shrunk(stack),
+        limits.Weakened(stack),
+    )
     yield limits.Parametric(tower, lambda given: Model.of(given).contacts)
     yield limits.Quantity("thickness", "m")
     order = drystone.plan(stack)

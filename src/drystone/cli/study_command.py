@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 @command(
     "drystone study arch --set thickness_ratio=0.12:0.2:3 --limit tilt --csv study.csv",
     "drystone study arch.json --set friction=0.4 --set friction=0.6 --png study.png",
-    "drystone study arch --set thickness_ratio=0.12:0.2:3 --set friction=0.4:0.7:2 --map map.png",
 )
 def study(
     *,

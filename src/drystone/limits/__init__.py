@@ -19,12 +19,14 @@ from drystone.limits.limit_families import (
     Quantity,
     Shrunk,
     Tilt,
+    Weakened,
 )
 from drystone.limits.limit_types import Bracket, Evaluation, LimitOptions
 from drystone.limits.limits import (
     limit_friction,
     limit_load,
     limit_shrink,
+    limit_strength,
     limit_thickness,
     limit_tilt,
 )
@@ -52,11 +54,13 @@ __all__ = [
     "Tilt",
     "TiltSweep",
     "TrainEnvelope",
+    "Weakened",
     "imperfect",
     "imperfections",
     "limit_friction",
     "limit_load",
     "limit_shrink",
+    "limit_strength",
     "limit_thickness",
     "limit_tilt",
     "limit_train",
@@ -74,6 +78,7 @@ LIMITS: Mapping[str, Offered] = {
     ),
     "load": Offered(limit_load, "arch.json voussoir-05:1kN", ("upper",)),
     "shrink": Offered(limit_shrink, "arch.json --seismic 0.05"),
+    "strength": Offered(limit_strength, "arch.json --strength 1MPa"),
     "sweep": Offered(tilt_sweep, "arch.json --directions 3", ("directions",)),
     "thrust": Offered(thrust_bounds, "arch.json springer-right", ("direction",)),
     "tilt": Offered(limit_tilt, "arch.json --axis y", ("axis",)),

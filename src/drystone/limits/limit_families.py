@@ -177,6 +177,23 @@ class Shrunk(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
+class Weakened(OneLine):
+    """All strengths of the joints times a share."""
+
+    model: Model
+    quantity: ClassVar[Quantity] = Quantity(
+        "share of strength",
+        phrase="{} of the strength of the joints",
+        inverse="factor on the strength",
+    )
+
+    def __call__(self, value: float) -> Model:
+        """The model at a share of the strengths, from 0 to 1."""
+        capacity = self.model.contacts.capacity
+        return self.model if capacity is None else self.model.with_capacity(capacity.scaled(value))
+
+
+@dataclass(frozen=True, eq=False)
 class Parametric(OneLine):
     """A parametric model under its own weight, with a contact search for every value.
 

@@ -31,6 +31,7 @@ from drystone.limits.limit_families import (
     Quantity,
     Shrunk,
     Tilt,
+    Weakened,
     found,
 )
 from drystone.limits.limit_types import LimitOptions
@@ -215,6 +216,36 @@ def limit_shrink(
     family = Shrunk(supported_model(given, **how))
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, 1.0, 0.0, 1e-3, means)
+
+
+@checked_call
+def limit_strength(
+    given: Given,
+    *,
+    check: Check | None = None,
+    options: LimitOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Limit:
+    """The least share of the strengths of all joints at which it stands; see :func:`limit_tilt`.
+
+    All that joints carry beyond friction, and what crushes them, is multiplied by it. The default
+    width is 0.001.
+
+    Raises
+    ------
+    InputError
+        No joint has a strength.
+    """
+    model = supported_model(given, **how)
+    if model.contacts.capacity is None:
+        remedy = "give one, such as --strength 5MPa"
+        raise InputError("no joint has a strength", where="strength", remedy=remedy)
+    means = Means.of(check, options, executor, progress, stop, time_limit_s)
+    return bisected(Weakened(model), 1.0, 0.0, 1e-3, means)
 
 
 @checked_call

@@ -18,7 +18,8 @@ from drystone.studies import combinations, read_combinations
 from drystone.studies.limit_words import limit_of_words
 
 SENSITIVITY = ("friction --scaled", "shrink")
-"""Limits of what stands, if none are asked for: by which share friction and joints may shrink."""
+"""Limits of what stands, if none are asked for: by which share friction and joints may shrink, and
+strengths where there are some."""
 
 
 @checked_call
@@ -59,7 +60,9 @@ def assess(
     ['Stands', 'Stands up to 30.9 degrees about x']
     """
     model = supported_model(given, **how)
-    asked = [limit_of_words(words, model) for words in (SENSITIVITY if limits is None else limits)]
+    if limits is None:
+        varied = (*SENSITIVITY, *(["strength"] if model.contacts.capacity is not None else []))
+    asked = [limit_of_words(words, model) for words in (varied if limits is None else limits)]
     if cases is not None:
         read_combinations(cases, model)  # refused before the work
     clock = Clock(time_limit_s, stop)

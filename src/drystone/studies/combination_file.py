@@ -16,7 +16,6 @@ from drystone.base.errors import InputError, meant
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.io.jsontext import Field, parse_toml
 from drystone.io.opening import kept_of
-from drystone.joint_capacity import DRY, NO_LIMIT
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
@@ -124,12 +123,7 @@ class Combination(OneLine):
         capacity = model.contacts.capacity
         if capacity is None or by.strength == 1.0:
             return model
-        each = {name: getattr(capacity, name) for name in DRY}
-        divided = {
-            name: np.where(one < NO_LIMIT, one / by.strength, NO_LIMIT)
-            for name, one in each.items()
-        }
-        return model.with_capacity(capacity.with_values(divided))
+        return model.with_capacity(capacity.scaled(1.0 / by.strength))
 
 
 def read_combinations(path: PathLike, model: Model) -> list[Combination]:

@@ -31,6 +31,7 @@ GIVEN: dict[str, list[str]] = {
     "limit imperfections": [MODEL, "--offset", "0.01", "--draws", "2"],
     "limit load": [MODEL, f"{BLOCK}:1kN@0,0,1"],
     "limit shrink": [MODEL],
+    "limit strength": [MODEL, "--strength", "9MPa"],
     "forces": [MODEL],
     "limit sweep": [MODEL, "--directions", "1"],
     "limit thrust": [MODEL, NAMES[0]],

@@ -11,7 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
+from drystone import (
+    Assembly,
+    InputError,
+    JointCapacity,
+    LoadCase,
+    Result,
+    Verdict,
+    check,
+    solve_rbe,
+)
 from drystone.limits import (
     Bracket,
     Evaluation,
@@ -26,6 +35,7 @@ from drystone.limits import (
     limit_friction,
     limit_load,
     limit_shrink,
+    limit_strength,
     limit_thickness,
     limit_tilt,
     thrust_bounds,
@@ -33,6 +43,7 @@ from drystone.limits import (
 )
 from drystone.model import Model
 from drystone.models import arch, concave, h_model, incline, tower, wedge
+from drystone.report import assess
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -226,6 +237,19 @@ def test_prestress_has_no_largest_thrust_and_a_falling_block_no_thrust_at_all() 
 def test_the_size_of_joints_that_a_straight_tower_needs_is_nothing() -> None:
     limit = limit_shrink(Model(TOWER, JOINTS), options=QUICK)
     assert limit.equilibrium.stands == 0.0
+
+
+def test_the_share_of_strength_is_that_of_a_stress_block_and_stands_in_the_assessment() -> None:
+    """A pier whose joints carry twice its weight stands at half of that strength."""
+    pier = Model.of(tower(2), friction=0.6)
+    weight = float(pier.assembly.mass[1]) * 9.81
+    strong = pier.with_capacity(JointCapacity.of(pier.contacts, compression=2.0 * weight))
+    limit = limit_strength(strong)
+    assert (limit.rest.stands, limit.rest.falls) == pytest.approx((0.5, 0.5), abs=1e-3)
+    assert "factor on the strength: 2" in [one.text for one in limit.sentences()]
+    assert "strength" in assess(strong)[-1].title
+    with pytest.raises(InputError, match="no joint has a strength"):
+        limit_strength(pier)
 
 
 def test_draws_depend_on_their_seed_only() -> None:
