@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Ints, of_type
 from drystone.base.declared import refuse_unknown
-from drystone.base.display import differing, shortened
+from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
@@ -233,8 +233,8 @@ def read(
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
         "thickness": thickness, "max_size": max_size,
     }  # fmt: skip
-    named = supports if isinstance(supports, str) else None
-    contents = read_file(path, supports=named, skip_defects=skip_defects, **of_file)
+    layer = supports if isinstance(supports, str) else None
+    contents = read_file(path, supports=layer, skip_defects=skip_defects, **of_file)
     model = _model_of(
         contents if up == "z" else _upright(contents, up, path),
         Loads(gravity, load, case, seismic),
@@ -479,7 +479,10 @@ def _cracked(model: Model, how: How) -> Model:
         if not here.any():
             raise InputError(f"no joint is between '{first}' and '{second}'", where="crack")
         cut |= here
-    note = f"{counted(int(cut.sum()), 'joint')} cut out as cracks, which carry nothing"
+    names, each = model.assembly.names, np.flatnonzero(cut).tolist()
+    pairs = {f"{names[contacts.block_a[i]]}-{names[contacts.block_b[i]]}": i for i in each}
+    note = f"{counted(len(each), 'joint')} cut out as cracks, which carry nothing: "
+    note += named([*pairs])
     left = model.with_contacts(contacts.select(~cut))
     return replace(left, report=None, unjoined=(), notes=(*model.notes, note))
 

@@ -250,6 +250,16 @@ def test_check_writes_the_forces_of_corners(model: str, tmp_path: Path, capsys: 
         (["check", "MODEL", "--strength", "0Pa"], "--strength: is 0Pa"),
         (["check", "MODEL", "--strength", "5"], "strength '5' is not a number with a unit"),
         (["limit", "tilt", "MODEL", "--strength", "5kN"], "--strength: "),
+        (["limit", "train", "MODEL", "--train", "lm71"], "--train: 'lm71' is 4.8 m long, the"),
+        (
+            ["limit", "train", "MODEL", "--fill", "cover=-0.1m,weight=20kN/m3"],
+            "--fill: the road would be 0.1 m below the crown; give a cover from 0",
+        ),
+        (["limit", "train", "MODEL", "--fill", "cover=0.1m,weight=20"], "--fill: '20' has no unit"),
+        (
+            ["limit", "train", "MODEL", "--fill", "cover=0m,weight=20kN/m3,k=2,passive=1"],
+            "--fill: passive is 1, k 2; give more than k",
+        ),
         (
             ["check", "MODEL", "--strength", "5MPa", "--joint-capacity", "compression=5MPa"],
             "--strength: the joints have a strength already",
