@@ -15,12 +15,12 @@ from drystone.base.progress import Stopped
 from drystone.design.changes import Change, Surgery
 from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check, rest_found
 from drystone.design.regions import interfaces_of, local_model
-from drystone.design.search import least
+from drystone.design.search import least, least_from_above
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
 from drystone.results import Result
 
-Near: TypeAlias = list[dict[int, Floats]] | None
+Near: TypeAlias = list[dict[int, Floats]]
 """Rest states of the last model that stood, in each case of the margin."""
 
 Held: TypeAlias = tuple[Change, float]
@@ -79,12 +79,9 @@ class Bench:
         self.own = list(range(len(region)))
         self.large = len(region) > LARGE_REGION
         self.tried: list[Tried] = []
+        self.rests: Near = []
 
-    def nearby(self) -> Near:
-        """Rest states for a search over one value; none in a small region."""
-        return [] if self.large else None
-
-    def stands(self, make: Surgery, near: Near = None, beyond: Sequence[int] = ()) -> bool:
+    def stands(self, make: Surgery, near: Near | None = None, beyond: Sequence[int] = ()) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
             changed = self.changed(make, beyond)
@@ -92,7 +89,7 @@ class Bench:
             return False
         return self.keeps_margin(changed, quick=True, near=near)
 
-    def keeps_margin(self, model: Model, *, quick: bool = False, near: Near = None) -> bool:
+    def keeps_margin(self, model: Model, *, quick: bool = False, near: Near | None = None) -> bool:
         """Whether a model stands at the margin; ``near`` as for :meth:`DesignMargin.stands`.
 
         Raises
@@ -105,7 +102,7 @@ class Bench:
             raise Stopped
         return stands
 
-    def holds(self, model: Model, margin: DesignMargin, near: Near = None) -> Result:
+    def holds(self, model: Model, margin: DesignMargin, near: Near | None = None) -> Result:
         """The check of a model at a margin; ``near`` as for :meth:`DesignMargin.holds`.
 
         Raises
@@ -128,16 +125,17 @@ class Bench:
 
     def least(self, change: Change, below: float = np.inf) -> float | None:
         """The least value of a change with which the local model stands, below another one."""
-        near, steps = self.nearby(), change.steps
+        self.rests, steps = [], change.steps
         if np.isfinite(below):
             steps = (*(x for x in steps if x < below), below - change.close)
 
         def stands(value: float) -> bool:
-            return self.stands(change.make(value), near, change.beyond)
+            if not self.large:  # few blocks are at rest as soon from nothing
+                self.rests = []
+            return self.stands(change.make(value), self.rests, change.beyond)
 
-        if self.large and change.grows and not stands(steps[-1]):  # one slow trial, not several
-            return None
-        found = least(stands, steps, change.close, change.low)
+        search = least_from_above if self.large and change.grows else least
+        found = search(stands, steps, change.close, change.low)
         return None if found is None or found >= below else found
 
     def smallest(self, changes: Iterable[Change]) -> Held | None:
@@ -149,7 +147,7 @@ class Bench:
         return best
 
     def largest_forces(self, make: Surgery, count: int) -> tuple[Floats, Floats]:
-        """The largest force at the last joints of the local model after a change, at the margin.
+        """The largest force at the last joints after the change whose least value was found last.
 
         Returns
         -------
@@ -159,8 +157,9 @@ class Bench:
         """
         made = self.changed(make)
         size, point = np.full(count, -1.0), np.zeros((count, 3))
-        for case in (made, *self.margin.cases(made)):
-            found = rest_found(case, self.stop).resultants
+        for number, case in enumerate((made, *self.margin.cases(made))):
+            start = self.rests[number].get(0) if self.rests else None
+            found = rest_found(case, self.stop, start).resultants
             now = np.linalg.norm(found.force[-count:], axis=1)
             point[now > size] = found.position[-count:][now > size]
             size = np.maximum(size, now)
@@ -188,9 +187,10 @@ class Bench:
         ----------
         kind, what
         nearest
-            The changes that went farthest; of a large region only the first one is examined.
+            The changes that went farthest; of a large region they are not examined, which would
+            take as long as the search of the kind.
         """
-        some = nearest[:1] if self.large else nearest
+        some = () if self.large else nearest
         shares = [share for share in map(self._not_carried, some) if share is not None]
         if shares:
             least = 100.0 * min(shares)

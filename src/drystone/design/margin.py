@@ -46,7 +46,9 @@ def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
     return result
 
 
-def rest_found(model: Model, stop: Callable[[], bool] | None = None) -> Result:
+def rest_found(
+    model: Model, stop: Callable[[], bool] | None = None, start: Floats | None = None
+) -> Result:
     """The forces of a model that was found to stand; followed, where one stiffness does not do.
 
     Raises
@@ -54,7 +56,7 @@ def rest_found(model: Model, stop: Callable[[], bool] | None = None) -> Result:
     Stopped
         As above.
     """
-    quick = soon_at_rest(model, stop)
+    quick = soon_at_rest(model, stop, start)
     result = quick if quick.stable else check(model, stop=stop)
     if result.stopped:
         raise Stopped

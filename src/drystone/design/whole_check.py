@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Stopped
-from drystone.design.bench import Bench, Tried
+from drystone.design.bench import Bench, Near, Tried
 from drystone.design.changed import Changed, Kept
 from drystone.design.changes import Change
 from drystone.design.diagnosed import Region
@@ -90,7 +90,7 @@ class _WholeCheck:
     def __init__(self, bench: Bench, candidate: Change, value: float, held: list[int]) -> None:
         self.bench, self.candidate, self.first = bench, candidate, value
         self.held = tuple(bench.model.assembly.names[i] for i in held)
-        self.near = bench.nearby()
+        self.near: Near = []
         self.why: dict[float, str] = {}
         self.stood: dict[float, Result] = {}
         self.largest = value
@@ -201,7 +201,8 @@ class _WholeCheck:
         result = self.stood.get(value) if settles else None
         if result is None:
             # a large model that uniform stiffness does not hold is followed only to settle
-            near = self.near if bench.margin.robust and not settles else None
+            quick = bench.large and bench.margin.robust and not settles
+            near = self.near if quick else None
             result = bench.holds(both[1], margin, near)
         if not bench.margin.cases(both[1]):
             self.stood[value] = result
