@@ -19,7 +19,7 @@ from drystone.checks import first_motion_of
 from drystone.design.bench import Bench
 from drystone.design.diagnosed import Diagnosis, Region
 from drystone.design.joint_motion import joint_states, sentence
-from drystone.design.margin import soon_at_rest
+from drystone.design.margin import LARGE_REGION, soon_at_rest
 from drystone.design.needs import Needs, one_force, pulls_of, search_needs
 from drystone.design.regions import (
     interfaces_of,
@@ -46,10 +46,13 @@ class DiagnosisOptions(Options):
         only.
     regions
         Number of regions that are examined, the heaviest first.
+    large
+        Whether what regions of more than 40 blocks need is searched too: each trial is slow there.
     """
 
     needs: bool = True
     regions: int = 20
+    large: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -147,6 +150,7 @@ def _region(
     inside[list(blocks)] = True
     interfaces = interfaces_of(model, blocks)
     local, position = local_model(model, blocks)
+    large = len(blocks) > LARGE_REGION
     alone = solve_alone(local, late)
     wrench = prop[list(blocks)]
     if alone.prop is not None and not alone.stable and np.any(alone.prop):
@@ -158,9 +162,9 @@ def _region(
     joints = joint_states(model, inside, interfaces, motion, forces)
     force, point = one_force(model, blocks, wrench)
     between = np.flatnonzero(interfaces)
-    pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
+    pulls = pulls_of(alone.contacts, alone.tension, between)
     needs = Needs(frozen(wrench), frozen(force), frozen(point), pulls)
-    if options.needs and not alone.stable and not late():
+    if options.needs and (options.large or not large) and not alone.stable and not late():
         with contextlib.suppress(Stopped):
             for found in search_needs(Bench(model, blocks, motion, stop=late), needs):
                 needs = replace(needs, **found)

@@ -24,7 +24,7 @@ from drystone.design.changes import (
     props_at,
 )
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
-from drystone.design.needs import SEARCHED
+from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import find_props
 from drystone.design.struts import struts
@@ -58,7 +58,9 @@ def _support(asked: KnownNeeds) -> Proposals:
 def _prop(asked: KnownNeeds) -> Proposals:
     """One prop, with the least force; else a few props that hold the region together."""
     bench, found = asked.bench, asked.needs.props
-    if asked.known:
+    if bench.large:
+        found = props_of(bench, asked.needs)
+    elif asked.known:
         at = np.zeros(len(bench.model), dtype=np.intp)
         at[list(bench.region)] = bench.own
         found = found.renumbered(at)
@@ -143,7 +145,7 @@ def _friction(asked: KnownNeeds) -> Proposals:
     every = each if alone else [friction_change(bench.local, free, "in all its joints")]
     which = "all its joints" if len(free) == count else "the joints that may change"
     why = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
-    yield Tries(every, why, known=known[:1], last=True)
+    yield Tries(every, why, known=None if bench.large else known[:1], last=True)
 
 
 def _joints(asked: KnownNeeds, kind: str) -> Proposals:
@@ -205,7 +207,7 @@ def _glue(asked: KnownNeeds) -> Proposals:
     """
     bench = asked.bench
     at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
-    pulls = asked.needs.pulls
+    pulls = pulls_of_region(bench) if bench.large else asked.needs.pulls
     pulling = [(at[pull.interface], pull.force) for pull in pulls if pull.interface in at]
     changes = glue_changes(bench.local, len(bench.own), pulling, SMALL_REGION)
     free = {on: one for on, one in changes.items() if not bench.kept_at(on)}

@@ -20,7 +20,7 @@ from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed
 from drystone.design.diagnosed import Diagnosis
-from drystone.design.diagnosis import diagnose
+from drystone.design.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
@@ -32,6 +32,10 @@ from drystone.supports import select
 
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
+
+
+_FEW_NEEDS = DiagnosisOptions(large=False)
+"""What large regions need is found by their mends, the first of which is then told soon."""
 
 
 @dataclass(frozen=True)
@@ -275,8 +279,9 @@ def _fallen(
     # what stands for some stiffnesses only is mended as it falls with the uniform one
     falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
     found = diagnose(
-        first.model, result=falls, executor=executor, progress=clock.progress, stop=clock.late
-    )
+        first.model, options=_FEW_NEEDS, result=falls, executor=executor,
+        progress=clock.progress, stop=clock.late,
+    )  # fmt: skip
     if found.regions:
         return found, ""
     if first.stable:

@@ -13,6 +13,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.contacts import Contacts
 from drystone.design.bench import Bench
 from drystone.design.changed_model import acceleration_of
 from drystone.design.changes import (
@@ -24,8 +25,8 @@ from drystone.design.changes import (
 )
 from drystone.design.margin import SMALL_REGION
 from drystone.design.props import NO_PROPS, SHARES, PropSearch, find_props
+from drystone.design.regions import tension_if_glued
 from drystone.model import Model
-from drystone.results import Result
 
 SEARCHED = 12
 """Number of blocks of a region for which a prop is tried, those with the largest need first; fewer
@@ -118,23 +119,38 @@ def search_needs(bench: Bench, needs: Needs) -> Iterator[dict[str, Any]]:
     ------
     Stopped
     """
-    few = SMALL_REGION if bench.large else SEARCHED
-    size = np.linalg.norm(needs.wrench[:, :3], axis=1)
-    neediest = np.argsort(-size, kind="stable")[:few].tolist()
     small = len(bench.own) <= SMALL_REGION
-    found = find_props(
-        bench.local, bench.own, bench.motion, bench.stop, single=neediest,
-        shares=SHARES if small else SHARES[:1],
-    )  # fmt: skip
-    yield {"props": found.renumbered(bench.blocks)}
+    yield {"props": props_of(bench, needs).renumbered(bench.blocks)}
     yield {"friction": _friction(bench)}
     if len(bench.own) <= SEARCHED and acceleration_of(bench.local).any():
         weights = [ballast_change(bench.local, len(bench.own), i) for i in bench.own]
         yield {"ballast": _smallest(bench, weights, bench.region)}
     if small:
         yield {"turn": _turn(bench)}
-    if not bench.large:
+    if bench.large:
+        yield {"pulls": pulls_of_region(bench)}
+    else:
         yield {"glue": _glue(bench, needs.pulls)}
+
+
+def props_of(bench: Bench, needs: Needs) -> PropSearch:
+    """The props that hold the region of a bench, sought at the blocks with the largest need first.
+
+    Raises
+    ------
+    Stopped
+    """
+    few = SMALL_REGION if bench.large else SEARCHED
+    size = np.linalg.norm(needs.wrench[:, :3], axis=1)
+    small = len(bench.own) <= SMALL_REGION
+    return find_props(
+        bench.local,
+        bench.own,
+        bench.motion,
+        bench.stop,
+        single=np.argsort(-size, kind="stable")[:few].tolist(),
+        shares=SHARES if small else SHARES[:1],
+    )
 
 
 def _friction(bench: Bench) -> float | None:
@@ -172,18 +188,24 @@ def _smallest(bench: Bench, changes: Sequence[Change], at: Sequence[int]) -> Nee
     return None if best is None else Need(best[1], (at[list(changes).index(best[0])],))
 
 
-def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
+def pulls_of_region(bench: Bench) -> tuple[Pull, ...]:
+    """The joints of the region of a bench that would pull if all were glued."""
+    tension = tension_if_glued(bench.local, bench.stop)
+    return pulls_of(bench.local.contacts, tension, bench.interfaces)
+
+
+def pulls_of(contacts: Contacts, tension: Floats | None, interfaces: Ints) -> tuple[Pull, ...]:
     """The joints of a glued structure in tension, the largest tension first.
 
     Parameters
     ----------
-    glued
-        A penalty result.
+    contacts
+    tension : (k,) [N]
+        Of each corner.
     interfaces : (m,)
         Positions of its interfaces in the whole model.
     """
-    contacts, tension = glued.contacts, glued.tension
-    if tension is None or not contacts.count:
+    if tension is None or not contacts.count or contacts.count != len(interfaces):
         return ()
     total = np.bincount(contacts.interface, tension, minlength=contacts.count)
     pulls = []

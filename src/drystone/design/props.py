@@ -182,6 +182,8 @@ def find_props(
 ) -> PropSearch:
     """The one prop with the smallest force that holds a model, else a few that hold it together.
 
+    Of a large model it is the first one.
+
     Places are free parts of faces, also of those that joints cover partly. A single prop is tried
     on the faces that move forward, then on others that look along the load. Where none is enough,
     one prop is set under each block, then one under every free part; each one that is not needed is
@@ -208,7 +210,11 @@ def find_props(
     for low in (False, True):
         some = blocks if single is None else single
         places = [one for i in some for one in seats(model, int(i), motion[i], shares, low=low)]
-        forces = [force for one in places for force in _forces(model, [one], stop)]
+        forces = []
+        for one in places:
+            forces += _forces(model, [one], stop)
+            if forces and len(blocks) > LARGE_REGION:  # each trial is slow
+                break
         if forces:
             return PropSearch((min(forces, key=lambda one: one.size),), "")
         tried += places

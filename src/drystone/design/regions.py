@@ -10,7 +10,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.design.margin import QUICK
+from drystone.base.progress import Stop
+from drystone.design.margin import LARGE_REGION, QUICK
 from drystone.formulations.corner_forces import (
     FrictionCone,
     add_contact_rows,
@@ -18,10 +19,12 @@ from drystone.formulations.corner_forces import (
 )
 from drystone.model import Model
 from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
+from drystone.programs.penalty import glued_state
 from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability import check
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
@@ -163,12 +166,26 @@ def _least_wrenches(
 def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
     """The local model of a region: its verdict, the wrenches that it needs and the tension.
 
-    The tension is that of its joints if they were glued: of the penalty form, or for joints that
-    already pull or cohere that of RBE beyond what they carry.
+    The tension is that of :func:`tension_if_glued`. That of a large region is not sought here.
     """
-    if local.contacts.plain.all():
+    large = local.assembly.free.size > LARGE_REGION
+    if local.contacts.plain.all() and not large:
         return solve_cra_penalty(local, options=_AS_IT_LIES, stop=stop)
     answer = check(local, options=QUICK, stop=stop)
     if answer.stable or stop():
         return answer
-    return replace(with_wrenches(answer, stop), tension=solve_rbe(local, stop=stop).tension)
+    answer = with_wrenches(answer, stop)
+    return answer if large else replace(answer, tension=tension_if_glued(local, stop))
+
+
+@one_blas_thread()
+def tension_if_glued(local: Model, stop: Stop | None = None) -> Floats | None:
+    """The tension (k,) [N] of the corners if all joints were glued.
+
+    It is that of the penalty form, or for joints that already pull or cohere that of RBE beyond
+    what they carry.
+    """
+    if not local.contacts.plain.all():
+        return solve_rbe(local, stop=stop).tension
+    problem = Problem.build(local)
+    return problem.force(glued_state(problem, stop=stop).tension[:, None])[:, 0]
