@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Floats, lengths
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.display import OneLine
 from drystone.base.table import Table
 from drystone.base.units import quantity
@@ -28,10 +30,10 @@ def weights(model: Model) -> Table:
             mine = (density == one) & (assembly.fixed == fixed)
             volume = float(assembly.volume[mine].sum())
             what = "supports" if fixed else "free blocks"
-            rows.append((what, int(mine.sum()), one, volume, one * volume, one * volume * g))
+            rows.append((what, int(mine.sum()), one, volume, one * volume / 1e3, one * volume * g))
     names = ("of", "blocks", "density", "volume", "mass", "weight")
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
-    units = {"density": "kg/m3", "volume": "m3", "mass": "kg", "weight": "N"}
+    units = {"density": "kg/m3", "volume": "m3", "mass": "t", "weight": "N"}
     return Table("weights", columns, units)
 
 
@@ -95,6 +97,8 @@ class CrownThrust(OneLine):
     rise : [m]
         From the reaction at the springing to the centre of pressure at the crown.
     by_hand, by_joints : [N]
+    joint
+        The blocks beside the crown.
     """
 
     load: float
@@ -103,6 +107,7 @@ class CrownThrust(OneLine):
     rise: float
     by_hand: float
     by_joints: float
+    joint: str
 
     def table(self) -> Table:
         """The calculation, a row for each quantity."""
@@ -119,30 +124,42 @@ class CrownThrust(OneLine):
             "quantity": [name for name, _, _ in told],
             "value": [quantity(value, unit, least, 4) for _, value, unit in told],
         }
-        return Table("thrust at the crown", columns)
+        return Table(f"thrust at the crown, {self.joint}", columns)
 
 
-def crown_thrust(result: Result) -> CrownThrust | None:
-    """The thrust at the crown of an arch or a vault on two sides; ``None`` where there is none.
+def crown_thrusts(result: Result) -> list[CrownThrust]:
+    """The thrust at the crown of each arch, or of a vault on two sides.
 
-    The crown is the joint with the largest normal force of those that are steeper than 45 degrees,
-    in the uppermost tenth of the structure. A vertical plane through it parts the structure. All
-    joints across it carry the thrust.
+    An arch is what hangs together between supports. Its crown is the joint with the largest normal
+    force of those that are steeper than 45 degrees, in the uppermost tenth of the structure. A
+    vertical plane through it parts the arch. All joints across it carry the thrust.
     """
-    joints, assembly, contacts = result.contacts.joints, result.assembly, result.contacts
+    joints, assembly = result.contacts.joints, result.assembly
     normal = result.joints()["normal"]
     free = ~(assembly.fixed[joints.block_a] | assembly.fixed[joints.block_b])
     height = float(np.ptp(assembly.bounds[..., 2]))
     high = joints.centroid[:, 2] > assembly.bounds[:, 1, 2].max() - 0.1 * height
     steep = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
     carries = steep & high & free & (normal > 1e-3 * normal.max(initial=0.0))
-    if not carries.any():
-        return None
-    top = int(np.flatnonzero(carries)[np.argmax(normal[carries])])
+    pairs = joints.block_a[free], joints.block_b[free]
+    hangs = coo_array((np.ones(len(pairs[0])), pairs), shape=(len(assembly),) * 2)
+    _, part = connected_components(hangs, directed=False)
+    found = []
+    for one in np.unique(part[joints.block_a[carries]]):
+        mine = np.flatnonzero(carries & (part[joints.block_a] == one))
+        top = int(mine[np.argmax(normal[mine])])
+        thrust = _thrust_at(result, top, part == one, 0.05 * height)
+        found += [] if thrust is None else [thrust]
+    return found
+
+
+def _thrust_at(result: Result, top: int, part: Bools, least_rise: float) -> CrownThrust | None:
+    """That of a part (n,) at a joint; ``None`` where the part is no arch there."""
+    joints, assembly, contacts = result.contacts.joints, result.assembly, result.contacts
     way = joints.frame[top, 0] * np.array([1.0, 1.0, 0.0])
     way /= np.linalg.norm(way)
     beyond = (assembly.centroid - joints.centroid[top]) @ way > 0.0
-    half = ~assembly.fixed & ~beyond
+    half = ~assembly.fixed & ~beyond & part
     # forces of corners on the half: of the blocks beyond, and of the supports
     a, b = (one[contacts.interface] for one in (contacts.block_a, contacts.block_b))
     onto = half[b].astype(float) - half[a]
@@ -155,14 +172,18 @@ def crown_thrust(result: Result) -> CrownThrust | None:
     rise = float(crown[2] - springing[2])
     wrench, arms = result.load.wrench[half], assembly.centroid[half] - springing
     load, by_joints = float(-wrench[:, 2].sum()), float(-(given[cut] @ way).sum())
-    if rise <= 0.05 * height or load <= 0.0 or by_joints <= 0.0:
+    if rise <= least_rise or load <= 0.0 or by_joints <= 0.0:
         return None
     arm = float(-wrench[:, 2] @ (arms @ way)) / load
+    if arm <= 0.0:  # an arch leans on its springing from the side of the crown
+        return None
     every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0)
     every = every + np.cross(contacts.point - springing, given)[cut | foot].sum(axis=0)
     total = float(every @ np.cross(way, [0.0, 0.0, 1.0]))
     moment = by_joints * rise - load * arm - total
-    return CrownThrust(load, arm, moment, rise, (load * arm + moment) / rise, by_joints)
+    beside = " and ".join(f"'{assembly.names[i]}'" for i in joints[top].blocks)
+    by_hand = (load * arm + moment) / rise
+    return CrownThrust(load, arm, moment, rise, by_hand, by_joints, beside)
 
 
 def _middle(points: Floats, forces: Floats) -> Floats:

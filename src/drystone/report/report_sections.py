@@ -17,10 +17,11 @@ from drystone.loads.applied import applied_loads
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import Document, Heading, Part, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrust, least_strength, weights
+from drystone.report.hand_checks import balance, crown_thrusts, least_strength, weights
 from drystone.report.title_block import TitleBlock
 from drystone.results import Result
 from drystone.sequence import StagedModel
+from drystone.studies import Combinations
 from drystone.view.joint_page import joint_plan
 
 _LISTED = 40
@@ -176,6 +177,9 @@ def _materials(model: Model) -> Iterator[Part]:
 
 
 def _loads(model: Model, first: Answer) -> Iterator[Part]:
+    if isinstance(first, Combinations):
+        yield f"The actions of '{first.file}', in the combination that governs."
+        model = first.governing.model
     applied = applied_loads(model.assembly, model.load)
     along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
     yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
@@ -270,6 +274,4 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
         yield result.reactions()
     yield Heading("Hand checks")
     yield balance(result)
-    thrust = crown_thrust(result)
-    if thrust is not None:
-        yield thrust.table()
+    yield from (one.table() for one in crown_thrusts(result))

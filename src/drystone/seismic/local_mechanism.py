@@ -165,7 +165,7 @@ class LocalMechanism(Answer):
         told = [
             ("multiplier alpha0", one.multiplier, "", "virtual work"),
             ("weight that moves, P", one.weight / 1e3, "kN", ""),
-            ("mass M*", one.mass, "kg", "(sum P d)^2 / (g sum P d^2)"),
+            ("mass M*", one.mass / 1e3, "t", "(sum P d)^2 / (g sum P d^2)"),
             ("share e*", one.share, "", "g M* / P"),
             ("acceleration a0*", self.acceleration, "m/s2", "alpha0 g / (e* FC)"),
             ("displacement d0*", one.displacement, "m", "where alpha is zero"),
@@ -187,6 +187,8 @@ class LocalMechanism(Answer):
             }
             verified["fulfilled"] = [row[3] >= row[2] for row in rows]
             tables.append(Table("verification", verified))
+        if self.site is not None:
+            tables.append(self.site.table())
         return tables
 
     def table(self) -> Table:

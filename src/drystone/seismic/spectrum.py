@@ -10,6 +10,7 @@ from pathlib import Path
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.table import Table
 from drystone.base.units import measured
 from drystone.io.jsontext import Field, parse_toml
 from drystone.loads.case import STANDARD_GRAVITY
@@ -278,6 +279,26 @@ class SeismicDemand(OneLine):
         spectrum = {one.name: getattr(self.spectrum, one.name) for one in fields(Spectrum)}
         own = {one.name: getattr(self, one.name) for one in fields(SeismicDemand)[1:]}
         return {**spectrum, **own, "edition": self.state.edition, "state": self.state.name}
+
+    def table(self) -> Table:
+        """The spectrum, the factors and what is verified, as a calculation report lists them."""
+        spectrum, state = self.spectrum, self.state
+        told = [
+            ("ground ag", f"{spectrum.ground:.4g} m/s2"),
+            ("soil and topography S", f"{spectrum.soil:.4g}"),
+            ("amplification F0", f"{spectrum.plateau:.4g}"),
+            ("periods TB, TC, TD", ", ".join(
+                f"{one:.3g}" for one in (spectrum.corner_b, spectrum.corner_c, spectrum.corner_d)
+            ) + " s"),
+            ("behaviour factor q", f"{self.behaviour:.4g}"),
+            ("confidence factor FC", f"{self.confidence:.4g}"),
+            ("limit state", f"{state.name}, Circolare of {state.edition}"),
+        ]  # fmt: skip
+        if self.period:
+            above = f"{self.period:.3g} s, {self.shape:.3g}, {self.participation:.3g}"
+            told.append(("building T1, psi, gamma", above))
+        names, texts = zip(*told, strict=True)
+        return Table("site and limit state", {"of": list(names), "value": list(texts)})
 
 
 def _data(name: str) -> Field:

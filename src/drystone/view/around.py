@@ -129,7 +129,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             text += f", up to {quantity(layer.largest, layer.unit)}"
             wide = 1.6 * layer.width if layer.value is None else 3.0
         handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
-    for columns in (4, 3, 2):
+    for columns in (4, 3, 2, 1):
         legend = figure.legend(
             handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=columns,
             frameon=False, fontsize=8, handlelength=1.6, columnspacing=1.6,
@@ -137,7 +137,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         )  # fmt: skip
         gravity = figure.bbox.x1 - 0.7 * figure.dpi  # its arrow and its name
         box = legend.get_window_extent()
-        if columns == 2 or box.x1 < gravity:
+        if columns == 1 or box.x1 < gravity:
             break
         legend.remove()
     left, bottom, right, top = sheet.axes.get_position().extents

@@ -15,10 +15,10 @@ from drystone.base.table import Table
 from drystone.cli import main
 from drystone.limits import limit_train
 from drystone.loads import Fill, Train
-from drystone.models import arch, box, segmental_bridge, tower, vault
+from drystone.models import arch, box, segmental_bridge, tower, vault, wall
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrust, least_strength, weights
+from drystone.report.hand_checks import balance, crown_thrusts, least_strength, weights
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
@@ -89,14 +89,22 @@ def test_what_acts_on_all_free_blocks_is_in_balance() -> None:
 
 def test_the_thrust_at_the_crown_by_hand_is_that_of_the_joints_and_of_the_reactions() -> None:
     result = drystone.check(arch(0.2, 7), friction=0.7)
-    thrust = crown_thrust(result)
-    assert thrust is not None
+    (thrust,) = crown_thrusts(result)
     assert thrust.by_hand == pytest.approx(thrust.by_joints, rel=1e-6)
     assert thrust.by_hand == pytest.approx(abs(result.reactions()["force"][0, 0]), rel=1e-6)
-    assert crown_thrust(drystone.check(tower(3))) is None
-    across = crown_thrust(drystone.check(vault(courses=7, blocks=2), friction=0.7))
-    assert across is not None
+    (across,) = crown_thrusts(drystone.check(vault(courses=7, blocks=2), friction=0.7))
     assert across.by_hand == pytest.approx(across.by_joints, rel=1e-6)
+
+
+def test_each_span_has_its_thrust_and_a_wall_has_none() -> None:
+    result = drystone.check(segmental_bridge(voussoirs=8, spans=2), friction=0.7)
+    both = crown_thrusts(result)
+    ends = np.abs(result.reactions()["force"][[0, -1], 0])
+    assert [one.by_hand for one in both] == pytest.approx(ends, rel=1e-6)
+    assert both[0].joint.startswith("'span-1-")
+    assert crown_thrusts(drystone.check(tower(3))) == []
+    pushed = drystone.check(wall(4, 3), friction=0.7, seismic=(0.3, 0.0))
+    assert crown_thrusts(pushed) == []
 
 
 def test_a_report_on_what_falls_has_the_mechanism_and_why(tmp_path: Path) -> None:
