@@ -85,6 +85,16 @@ def test_the_ratio_of_pressures_stands_in_the_name_of_a_load() -> None:
     assert fill.on(tower(2)).name == "fill to 0.3 m above the crown with K 0.5"
 
 
+def test_earth_presses_on_the_blocks_that_are_named_up_to_their_top() -> None:
+    """Cubes of 1 m: on each of two 9 kN from the middle depth 0.5 m; below, 2.5 m and none."""
+    words = "side=-x,weight=18kN/m3,k=1,blocks={}"
+    some = Earth.named(words.format("block-2+block-1")).on(tower(4))
+    assert some.name == "earth on side -x with K 1 on block-2+block-1"
+    assert some.wrench[:, 0] == pytest.approx([0.0, 27000.0, 9000.0, 0.0])
+    every = Earth.named(words.format("block-*")).on(tower(4))
+    assert every.wrench == pytest.approx(Earth("-x", 18e3, 1.0).on(tower(4)).wrench)
+
+
 def test_water_and_a_surcharge_add_to_earth() -> None:
     wall = tower(3)
     load = Earth.named("side=y,weight=20kN/m3,k=0.5,water=1m,surcharge=10kPa").on(wall)
@@ -120,6 +130,8 @@ def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() ->
         ("earth:side=z,weight=18kN/m3,k=0.3", "side is 'z'"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,top=-1m", "is below the wall"),
         ("earth:side=-x,weight=18kN/m3,k=resting:30deg", "no state of earth"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,blocks=wall-*", "load earth: .*'wall-\\*'"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,blocks=voussoir-03", "it touches no face"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10", "not a number with a unit"),
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),

@@ -24,6 +24,7 @@ from drystone.loads.ground_words import (
     weight,
 )
 from drystone.loads.seen_strips import SeenStrips, Spots
+from drystone.supports import select
 
 _WATER = 9810.0
 """[N/m3]"""
@@ -49,6 +50,9 @@ class Earth(Options):
         Level of the water in it; none when left out.
     wall_friction : coefficient >= 0
         Of the wall: the earth drags it down by this share of its pressure.
+    blocks
+        On which it presses, names and patterns with ``+`` between them; all that are seen when left
+        out.
 
     Notes
     -----
@@ -71,6 +75,7 @@ class Earth(Options):
     surcharge: float = 0.0
     water: float | None = None
     wall_friction: float = 0.0
+    blocks: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -95,6 +100,7 @@ class Earth(Options):
             "surcharge": pressure,
             "water": length,
             "wall_friction": units.coefficient,
+            "blocks": str,
         }
         return cls(**read_words(text, "earth", known, "side=-x,weight=18kN/m3,k=0.33"))
 
@@ -103,6 +109,8 @@ class Earth(Options):
         away = np.array(AXES[self.side])
         up = np.array([0.0, 0.0, 1.0])
         strips = SeenStrips.of(assembly, np.stack([up, np.cross(away, up), away]))
+        if of_type(self.blocks, str, "blocks"):
+            strips = strips.of_blocks(select(assembly, self.blocks.replace("+", ",")).fixed)
         if not len(strips.block):
             raise InputError("it touches no face", where="earth", remedy="see 'side'")
         top = float(strips.t.max()) if self.top is None else self.top
@@ -125,6 +133,8 @@ class Earth(Options):
             return force + _WATER * wet[:, None] * skew
 
         name = f"earth on side {self.side} with K {self.k:.3g}"
+        if self.blocks:
+            name += f" on {self.blocks}"
         if self.wall_friction:
             name += f" and wall friction {self.wall_friction:.3g}"
         return LoadCase(strips.wrenches(assembly, traction), name)

@@ -114,6 +114,10 @@ class SeenStrips(OneLine):
             *(frozen(one[which]) for one in (self.t, self.s, self.width, self.r, self.slope)),
         )
 
+    def of_blocks(self, blocks: Bools) -> SeenStrips:
+        """Those of some blocks (n,)."""
+        return self._chosen(blocks[self.block])
+
     def cut_at(self, places: Floats) -> SeenStrips:
         """The same strips, cut at places (c,) [m] along t."""
         first = np.searchsorted(places, self.t[:, 0], side="right")
