@@ -7,7 +7,6 @@ import json
 import signal
 import threading
 from collections.abc import AsyncIterator, Callable
-from concurrent.futures import CancelledError
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from inspect import Parameter, Signature
@@ -72,20 +71,21 @@ class _Lines:
     told: Any = None
 
     def __init__(self) -> None:
-        self._read: asyncio.Queue[bytes] = asyncio.Queue(1)
+        self._read, self._room = asyncio.Queue[bytes](), threading.Semaphore()
         loop = asyncio.get_running_loop()
         threading.Thread(target=self._listen, args=(loop,), daemon=True).start()
 
     def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
-        with suppress(RuntimeError, CancelledError), open(0, "rb", closefd=False) as file:
+        with suppress(RuntimeError), open(0, "rb", closefd=False) as file:  # the loop is closed
             for line in chain(file, [b""]):
-                asyncio.run_coroutine_threadsafe(self._read.put(line), loop).result()
+                self._room.acquire()  # one line at a time
+                loop.call_soon_threadsafe(self._read.put_nowait, line)
 
     def __aiter__(self) -> _Lines:
         return self
 
     async def __anext__(self) -> str:
-        while line := await self._read.get():
+        while line := await self._next():
             for text in (line.decode(errors="replace"), _without_halves(line)):
                 with suppress(ValueError):
                     jsonrpc_message_adapter.validate_json(text)
@@ -93,6 +93,11 @@ class _Lines:
             wrong = ErrorData(code=PARSE_ERROR, message="the line is no message of JSON-RPC")
             await self.told.send(SessionMessage(JSONRPCError(jsonrpc="2.0", id=None, error=wrong)))
         raise StopAsyncIteration
+
+    async def _next(self) -> bytes:
+        line = await self._read.get()
+        self._room.release()
+        return line
 
 
 def _without_halves(line: bytes) -> str:
@@ -108,8 +113,11 @@ class _Server(MCPServer[Any]):
     async def run_stdio_async(self) -> None:
         """Serve over standard input and output."""
         options = self._lowlevel_server.create_initialization_options()
-        async with _listening() as (heard, told):
-            await self._lowlevel_server.run(heard, told, options)
+        try:
+            async with _listening() as (heard, told):
+                await self._lowlevel_server.run(heard, told, options)
+        except* anyio.BrokenResourceError:
+            pass  # a line came together with the request to end
 
     async def call_tool(
         self, name: str, arguments: dict[str, Any], *more: Any, **named: Any
