@@ -3,8 +3,9 @@
 ``python -m benchmarks.side_files [--inputs 20000] [--seed 0] [--only trials] [--keep FOLDER]``
 
 What commands take beside their model: tables of joint capacities, the records that ``plan
---checkpoint``, ``tune --store`` and ``check_many(out=...)`` keep, meshes that a scene names, open
-meshes of shells, one of several files of a model; and the calls of programs. They are damaged as
+--checkpoint``, ``tune --store``, ``study``, ``dataset`` and ``check_many(out=...)`` keep, cases of
+``combine``, title blocks, trains, demands of earthquakes, meshes that a scene names, open meshes of
+shells, one of several files of a model; and the calls of programs. They are damaged as
 :mod:`benchmarks.fuzz` damages models. Half of the records have a right checksum, as if drystone had
 written what they hold. Each input gets 10 CPU s and 1.5 GiB. Warnings are errors.
 """
@@ -20,6 +21,7 @@ import random
 import sys
 import tempfile
 import time
+import tomllib
 import warnings
 import zlib
 from collections.abc import Callable
@@ -44,12 +46,49 @@ from benchmarks.fuzz import (
 from drystone.base.errors import InputError
 from drystone.cli.surfaces import SurfaceRequest, surface_of
 from drystone.design import Parameter, TuneOptions, tune
+from drystone.limits import limit_train
+from drystone.loads import Train
 from drystone.mcp.answers import TOOLS, answer
 from drystone.mcp.folder import Folder
-from drystone.models import tower
+from drystone.models import arch, tower
+from drystone.report import TitleBlock
+from drystone.seismic import SeismicDemand, local_mechanism
+from drystone.sequence import DatasetOptions, dataset, read_dataset
+from drystone.studies import combinations, study
 
+JOURNALS = ("checkpoint", "trials", "verdicts", "rows of a study", "data set")
+"""Kinds whose records have a checksum."""
+TOML = ("cases", "title block", "train", "demand")
 LIMIT_S = 10.0
 """[CPU s]"""
+CASES = b"""situations = ["EQU", "STR"]
+[material]
+friction = 1.25
+[case.weight]
+kind = "permanent"
+load = "gravity"
+[case.push]
+kind = "variable"
+psi = [0.7, 0.5, 0.3]
+load = "block-1:10,0,0N"
+group = "wind"
+reversible = true
+"""
+TRAIN = b"""axles = ["9kN at 0m", "9kN at 0.3m"]
+contact = "0.2m"
+across = "0.5m"
+source = "a cart"
+"""
+DEMAND = b"""code = "ec8"
+ag = "0.15g"
+soil = "B"
+q = 2.0
+confidence = 1.2
+T1 = 0.3
+psi = 0.5
+gamma = 1.2
+"""
+TITLES = b'project = "Old bridge"\nauthor = "N. N."\n'
 TABLE = b"block_a,block_b,tension,cohesion,shear\nblock-0,block-1,10,5.5,1e3\nblock-1,block-2,,0,\n"
 SCENE = b"""<robot name="r"><link name="world"/><link name="a"><collision><geometry>
 <mesh filename="m.obj" scale="1 2 1"/></geometry></collision></link>
@@ -91,6 +130,12 @@ class SideFiles:
             "checkpoint": ("plan", lambda path: drystone.plan(tower(3), checkpoint=path)),
             "trials": ("trials", self._trials),
             "verdicts": ("verdicts", self._verdicts),
+            "rows of a study": ("rows", self._study),
+            "data set": ("data/orders/00000.journal", self._dataset),
+            "cases": ("cases.toml", lambda path: combinations(self.model, path).numbers()),
+            "title block": ("title.toml", TitleBlock.read),
+            "train": ("train.toml", self._train),
+            "demand": ("demand.toml", self._demand),
             "mesh of a scene": ("m.obj", lambda _: drystone.io.read(folder / "scene.urdf")),
             "surface": ("sheet.obj", lambda path: surface_of(SurfaceRequest(str(path)))),
             "several": ("other.obj", self._several),
@@ -103,6 +148,22 @@ class SideFiles:
     def _trials(self, path: Path) -> object:
         options = TuneOptions(trials=2, batch=2)
         return tune(partial(tower, 2), [Parameter("edge", 0.5, 2.0)], store=path, options=options)
+
+    def _train(self, path: Path) -> object:
+        train = Train.named(str(path))
+        return limit_train(arch(0.3, 3), train, steps=1, friction=0.8).numbers()
+
+    def _demand(self, path: Path) -> object:
+        site = SeismicDemand.named(path)
+        return local_mechanism(tower(2), part="block-1", site=site).numbers()
+
+    def _study(self, path: Path) -> object:
+        return study(tower, {"count": [1, 2, 3]}, out=path, friction=0.6).cells()
+
+    def _dataset(self, path: Path) -> object:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        made = dataset([tower(3)], path.parents[1], options=DatasetOptions(rows=9), friction=0.6)
+        return made.card(), read_dataset(path.parents[1]).card()
 
     def _verdicts(self, path: Path) -> object:
         return drystone.check_many([tower(1), tower(2)], out=path, friction=0.6)
@@ -127,8 +188,9 @@ class SideFiles:
 
     def samples(self) -> dict[str, list[bytes]]:
         """Sound files of every kind."""
-        made = {"capacities": [TABLE], "surface": [_sheet()]}
-        for name in ("checkpoint", "trials", "verdicts"):
+        made = {"capacities": [TABLE], "surface": [_sheet()], "cases": [CASES]}
+        made |= {"title block": [TITLES], "train": [TRAIN], "demand": [DEMAND]}
+        for name in JOURNALS:
             file, take = self.take[name]
             take(self.folder / file)
             made[name] = [(self.folder / file).read_bytes()]
@@ -142,11 +204,29 @@ def damaged(name: str, files: list[bytes], rng: random.Random) -> bytes:
     data = rng.choice(files)
     if name == "call" and rng.random() < 0.8:
         return _odd_json(data, rng)
-    if name in ("checkpoint", "trials", "verdicts") and rng.random() < 0.5:
+    if name in JOURNALS and rng.random() < 0.5:
         return _as_if_sound(data, rng)
+    if name in TOML and rng.random() < 0.8:
+        odd = json.loads(_odd_json(json.dumps(tomllib.loads(data.decode())).encode(), rng))
+        return "\n".join(f"{_key(k)} = {_toml(v)}" for k, v in odd.items()).encode()
     for _ in range(rng.choice((1, 1, 1, 2, 4, 16))):
         data = rng.choice((_flip, _cut, _repeat, _swap, _number, _number))(data, rng)
     return data
+
+
+def _key(name: str) -> str:
+    return json.dumps(name)
+
+
+def _toml(value: Any) -> str:
+    """A value of JSON as one of TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value)
 
 
 def _as_if_sound(data: bytes, rng: random.Random) -> bytes:
@@ -224,7 +304,7 @@ def _one(
         tally.failures.append((name, number, wrong))
         if keep is not None:
             keep.mkdir(parents=True, exist_ok=True)
-            (keep / f"{number}-{file}").write_bytes(data)
+            (keep / f"{number}-{Path(file).name}").write_bytes(data)
 
 
 def main() -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,7 +14,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
-from drystone.base.files import decode
+from drystone.base.files import decode, toml_of
 
 _LARGEST_WHOLE = 2**53
 """Floats represent all whole numbers up to this one."""
@@ -63,12 +62,9 @@ def parse_toml(data: bytes, path: Path) -> Field:
     Raises
     ------
     FormatError
-        Not TOML; the line is named.
+        Not TOML (the line is named), or it takes too much to be read.
     """
-    try:
-        return Field(tomllib.loads(decode(data, path)), "", path)
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(f"is not TOML: {error}", where=str(path)) from error
+    return Field(toml_of(data, path), "", path)
 
 
 class _TwiceError(ValueError):

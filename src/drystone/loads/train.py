@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats, of_type
 from drystone.base.errors import InputError, counted, meant
-from drystone.base.files import read_bytes
+from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
 from drystone.loads.fill import Tops
@@ -147,11 +147,7 @@ class Train(Options):
             There is none, or the file cannot be read.
         """
         if text.lower().endswith(".toml"):
-            try:
-                found = tomllib.loads(read_bytes(text).decode("utf-8"))
-            except ValueError as error:
-                raise InputError(f"is no TOML: {error}", where=text) from error
-            return cls._of(Path(text).stem, found, text)
+            return cls._of(Path(text).stem, toml_of(read_bytes(text), text), text)
         known = _library()
         if text not in known:
             others = meant(text, list(known), f"use {', '.join(known)} or a .toml")

@@ -12,7 +12,11 @@ import pytest
 import drystone
 from drystone import FormatError, InputError, LoadCase, Model, io, save_page
 from drystone.cli import main
+from drystone.loads import Train
 from drystone.models import box, tower
+from drystone.report import TitleBlock
+from drystone.seismic import SeismicDemand
+from drystone.studies import read_combinations
 
 LONG = int("1" * 400)
 CUBE = box((1.0, 1.0, 1.0))
@@ -187,3 +191,29 @@ def test_half_of_a_surrogate_pair_in_a_name_is_written(tmp_path: Path, suffix: s
         assert io.read_file(path).assembly.names == names
     elif suffix in (".obj", ".stl"):
         assert io.read_file(path).assembly.names[1] == "half \\ud800 a letter"
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("a." * 5000 + "b = 1", "nested too deeply"),
+        ("a = " + "[" * 50_000, "nested too deeply"),
+        ("#" * 2**21, "larger than 1 MiB"),
+        ("a = " + "1" * 5000, "a number has no end"),
+        ("a = [", "is not TOML"),
+    ],
+)
+def test_toml_that_takes_very_much_is_refused_before_it_does(
+    content: str, told: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "side.toml"
+    path.write_text(content, encoding="utf-8")
+    for read in (
+        lambda: read_combinations(path, tower(2)),
+        lambda: TitleBlock.read(path),
+        lambda: Train.named(str(path)),
+        lambda: SeismicDemand.named(path),
+    ):
+        with pytest.raises(FormatError, match=told) as caught:
+            read()
+        assert str(path) in str(caught.value)

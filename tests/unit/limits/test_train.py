@@ -237,7 +237,7 @@ def test_what_cannot_cross_is_told(bridge: Model, given: dict[str, object], told
         ('axles = ["-3kN at 0m"]', "not above zero"),
         ('axles = ["3kN at 2m", "3kN at 0m"]', "its places do not grow"),
         ('axle = ["3kN at 2m"]', "'axle' is no key"),
-        ("axles = [", "is no TOML"),
+        ("axles = [", "is not TOML"),
         ('axles = ["1kN at 0m"]\nline = "80kN"', "line '80kN' has no unit; write 80kN/m"),
         ('axles = ["1kN at 0m"]\nline = "-1kN/m"', "line is -1000"),
         ('axles = ["1kN at 0m"]\nlane = "3m"', "it has no line load, but a lane"),
