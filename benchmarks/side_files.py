@@ -47,7 +47,7 @@ from drystone.base.errors import InputError
 from drystone.cli.surfaces import SurfaceRequest, surface_of
 from drystone.design import Parameter, TuneOptions, tune
 from drystone.limits import limit_train
-from drystone.loads import Train
+from drystone.loads import Fill, Train
 from drystone.mcp.answers import TOOLS, answer
 from drystone.mcp.folder import Folder
 from drystone.models import arch, tower
@@ -151,7 +151,8 @@ class SideFiles:
 
     def _train(self, path: Path) -> object:
         train = Train.named(str(path))
-        return limit_train(arch(0.3, 3), train, steps=1, friction=0.8).numbers()
+        how = {"fill": Fill(0.3, 20e3), "steps": 1, "friction": 0.8}
+        return limit_train(arch(0.3, 3), train=train, **how).numbers()
 
     def _demand(self, path: Path) -> object:
         site = SeismicDemand.named(path)

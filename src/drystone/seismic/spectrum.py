@@ -200,8 +200,8 @@ class SeismicDemand(OneLine):
         behaviour = top.get("q", state.behaviour or 1.0)
         confidence = _confidence(top, edition)
         for one in (behaviour, confidence):
-            if one.number() < 1.0:
-                raise one.error(f"is {one.number():g}", "give 1 or more")
+            if not 1.0 <= one.number() <= 1000.0:
+                raise one.error(f"is {one.number():g}", "give 1 or more, up to 1000")
         period, shape, participation = [_positive(top[one]) for one in given] or (0.0, 1.0, 1.0)
         return cls(
             spectrum,
@@ -332,12 +332,12 @@ def _acceleration(one: Field) -> float:
         value = measured(one.value, {"g": STANDARD_GRAVITY}, what="ag")
     except InputError as error:
         raise one.error(error.what, 'write "0.15g"') from error
-    if value <= 0.0:
+    if not 0.0 < value <= 1e6:
         raise one.error(f"is {one.value}", "give more than zero")
     return value
 
 
 def _positive(one: Field) -> float:
-    if one.number() <= 0.0:
-        raise one.error(f"is {one.number():g}", "give a number above zero")
+    if not 1e-6 <= one.number() <= 1e6:  # far beyond any building; its square is a number still
+        raise one.error(f"is {one.number():g}", "give a number above zero, up to 1e6")
     return one.number()

@@ -237,6 +237,11 @@ def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> 
         ('code = "uni"', "code: is 'uni'"),
         ('code = "ntc"\nag = "0.15g"\nsoil = "A"', "'F0' is missing"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nq = 0.5', "q: is 0.5"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nconfidence = 1e308', "confidence: is 1e"),
+        (
+            'code = "ec8"\nag = "0.15g"\nsoil = "A"\nT1 = 1e-300\npsi = 1\ngamma = 1',
+            "T1: is 1e-300",
+        ),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nT1 = 0.5', "has T1, not all"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nedition = "2014"', "edition is '2014'"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLC"', "state is 'SLC'"),
