@@ -288,6 +288,15 @@ def crushed_most(model: Model, motion: Floats) -> int | None:
     return int(np.argmax(power)) if power.max(initial=0.0) > 0.0 else None
 
 
+def crushing_share(model: Model, motion: Floats) -> float:
+    """The share that crushing takes of what resists a mechanism (n, 6); weights take the rest."""
+    moved = corner_motion(model.assembly, model.contacts, motion)
+    crushed = float(_less_crushing(model.contacts, moved)[1].sum())
+    free = ~model.assembly.fixed
+    lifted = -np.minimum((model.load.wrench[free] * motion[free]).sum(axis=1), 0.0).sum()
+    return crushed / (crushed + float(lifted)) if crushed > 0.0 else 0.0
+
+
 def _less_crushing(contacts: Contacts, moved: Floats) -> tuple[Floats, Floats]:
     """Corner motions (k, 3) less what faces are crushed by, and the power (m,) that this takes.
 

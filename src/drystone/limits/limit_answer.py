@@ -15,6 +15,7 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.table import Table
+from drystone.checks import crushing_share
 from drystone.limits.limit_types import Bracket, Evaluation, LimitValues, plain
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -165,6 +166,13 @@ class Limit(LimitValues, Answer):
         if falling is not None and falling.falling:
             said.append(Sentence(f"gives way: {named(falling.falling_names, _LISTED)}"))
             said.append(Sentence(falling.message))
+        if falling is not None and falling.mechanism is not None:
+            share = crushing_share(falling.model, falling.mechanism)
+            head = "crushing governs: it" if share > 0.5 else "crushing"
+            if share > 0.0:
+                said.append(
+                    Sentence(f"{head} takes {share:.2g} of what crushing and weight resist")
+                )
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         return [*said, Sentence(f"searched from {self.start:.6g} to {self._told(self.end)}")]
