@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.cli import mend_command, options
 from drystone.cli.command import command
-from drystone.cli.model_input import Subject
-from drystone.cli.offered import Option
+from drystone.cli.model_input import HOW, SHOWN, Subject
+from drystone.cli.offered import Analysis, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Written
@@ -17,6 +17,20 @@ from drystone.cli.written import Written
 if TYPE_CHECKING:
     from drystone.model import Model
     from drystone.results import Result
+
+
+@dataclass(frozen=True)
+class Checked(Subject):
+    """The model; the help shows the strength of its joints too."""
+
+    reading: Annotated[Analysis, HOW(shown=(*SHOWN, "strength"))]
+
+
+@dataclass(frozen=True)
+class CheckFiles(Written):
+    """The files of a check; the help shows the report too."""
+
+    report: options.Report = None
 
 
 def solve(
@@ -54,7 +68,7 @@ def exit_code(result: Result, strict: bool) -> int:
 )
 def check(
     *,
-    subject: Subject,
+    subject: Checked,
     strict: Annotated[
         bool,
         Option(
@@ -64,7 +78,7 @@ def check(
     ] = False,
     ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
-    wanted: Written,
+    wanted: CheckFiles,
     waiting: Waiting,
 ) -> Told:
     """Check whether a model stands, with a proof.

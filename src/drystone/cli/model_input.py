@@ -20,11 +20,13 @@ if TYPE_CHECKING:
     from drystone.model import Model
 
 _FLAGS = {"search": "--find-contacts", "layers": "--layer"}
+SHOWN = ("units", "supports", "friction", "density", "gravity", "load")
+"""Ways of reading that every help shows."""
 HOW = partial(
     Of,
     "drystone.io.read",
     without=("detection", "progress"),
-    shown=("units", "supports", "friction", "density", "gravity", "load"),
+    shown=SHOWN,
     flags=_FLAGS,
     metavars={
         "supports": "NAMES|lowest|ground",

@@ -52,11 +52,12 @@ Csv: TypeAlias = Annotated[
     Option("Write the table of the answer, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
 ]
 
-Report: TypeAlias = Annotated[
-    Path | None,
-    Option("Write a calculation report on the answer, .pdf or .html.", OUTPUT,
-           kind=kinds.target(".pdf", ".html"), expert=True),
-]  # fmt: skip
+_REPORT = Option(
+    "Write a calculation report on the answer, .pdf or .html.", OUTPUT,
+    kind=kinds.target(".pdf", ".html"),
+)  # fmt: skip
+Report: TypeAlias = Annotated[Path | None, _REPORT]
+RareReport: TypeAlias = Annotated[Path | None, replace(_REPORT, expert=True)]
 
 TimeLimit: TypeAlias = Annotated[
     float | None,

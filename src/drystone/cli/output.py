@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sys
+import textwrap
 from collections.abc import Sequence
 from typing import Any, TextIO
 
@@ -61,13 +62,16 @@ class Screen:
         from rich.text import Text
 
         shown = [[clean(cell) for cell in row] for row in rows[:listed]]
-        columns = [
-            [name, *" ".join(cells).split()] for name, *cells in zip(head, *shown, strict=True)
-        ]
-        narrow = sum(max(map(len, one)) + 2 for one in columns) > self._console.width
-        made = Table(box=None, pad_edge=not narrow)
+        columns = [[name, *cells] for name, *cells in zip(head, *shown, strict=True)]
+        most = self._console.width
+        wide = sum(max(map(len, one)) + 2 for one in columns) > most
+        words = [" ".join(one).split() for one in columns]
+        narrow = sum(max(map(len, one)) + 2 for one in words) > most
+        made = Table(box=None, pad_edge=not narrow, padding=(0, 1, 0, 0) if narrow else (0, 1))
         for one in head:  # a name is never cut, and a heading gives way first
-            made.add_column(one.replace(" ", "\n") if narrow else one, overflow="fold")
+            room = 1 if narrow else len(one) // 2 + 1 if wide else len(one) + 1
+            folded = textwrap.fill(one, room, break_long_words=False)
+            made.add_column(Text(folded), overflow="fold")
         for row in shown:
             made.add_row(*map(Text, row))
         if rows:

@@ -32,7 +32,7 @@ class Pictures:
     section: options.Section = None
     cad: options.RareCad = None
     csv: options.Csv = None
-    report: options.Report = None
+    report: options.RareReport = None
 
     def __post_init__(self) -> None:
         every = [getattr(self, one.name) for one in fields(self)]
@@ -91,7 +91,7 @@ class Written(Pictures):
         tuple[Path, ...],
         Option(
             "Write a table of all joints, .csv or .json, or a page on the worst, .html. Can be "
-            "given several times.",
+            "given several times; --corners FILE has the force at every corner.",
             OUTPUT,
             kind=kinds.target(".csv", ".json", ".html"),
         ),
@@ -102,6 +102,7 @@ class Written(Pictures):
             "Write the force at every corner of contact, .csv or .json.",
             OUTPUT,
             kind=kinds.target(".csv", ".json"),
+            expert=True,
         ),
     ] = ()
 

@@ -132,10 +132,11 @@ class Mends(Answer):
         return [one for one in said if one.text]
 
     def _listed(self) -> list[str]:
-        """A line for each mend."""
+        """A line for each mend; where several regions fall it names that of each."""
+        several = len({one.change.blocks for one in self.mends}) > 1
         return [
-            f"mend {number}, of {named(one.change.blocks)}: {one.change.description} "
-            f"(cost {one.change.cost:.3g})"
+            f"mend {number}{f', of {named(one.change.blocks)}' if several else ''}: "
+            f"{one.change.description} (cost {one.change.cost:.3g})"
             for number, one in enumerate(self.mends, 1)
         ]
 

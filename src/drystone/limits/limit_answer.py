@@ -26,10 +26,10 @@ _MOST_DIGITS = 9
 _LISTED = 12
 """Blocks that give way which are named."""
 _KINDS = {
-    "equilibrium": "some forces balance the loads",
-    "rest": "stands, as the check tells",
-    "uniform": "stands for uniform contact stiffness",
-    "robust": "stands for every contact stiffness tried",
+    "equilibrium": "equilibrium",
+    "rest": "stands in the check",
+    "uniform": "uniform stiffness",
+    "robust": "every stiffness tried",
 }
 
 _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.CROSS, "bad")}
@@ -164,7 +164,9 @@ class Limit(LimitValues, Answer):
             again = f"it stands again from {self._short(low)} to {self._short(high)}"
             said.append(Sentence(again, Role.REMARK))
         if falling is not None and falling.falling:
-            said.append(Sentence(f"gives way: {named(falling.falling_names, _LISTED)}"))
+            names = named(falling.falling_names, _LISTED)
+            every = len(falling.falling) == (~falling.assembly.fixed).sum() > 1
+            said.append(Sentence(f"gives way: {'all free blocks' if every else names}"))
             said.append(Sentence(falling.message))
         if falling is not None and falling.mechanism is not None:
             share = crushing_share(falling.model, falling.mechanism)
@@ -178,11 +180,8 @@ class Limit(LimitValues, Answer):
         return [*said, Sentence(f"searched from {self.start:.6g} to {self._told(self.end)}")]
 
     def tables(self) -> Sequence[Table]:
-        """The limit by each definition."""
-        shown = {key: getattr(self, key) for key in _KINDS}
-        if not self.is_sensitive:
-            shown["robust"] = None
-        found = {_KINDS[key]: one for key, one in shown.items() if one is not None}
+        """The limit by each definition; those that agree share a row."""
+        found = self._definitions()
         columns = {
             "definition": list(found),
             "stands_at": [self._cell(one.stands, one) for one in found.values()],
@@ -277,13 +276,29 @@ class Limit(LimitValues, Answer):
         means = "; ".join(one for one in (state.message, *self._means()) if one)
         return replace(state.stage(label), headline=headline, message=means, facts=facts)
 
+    def _definitions(self) -> dict[str, Bracket]:
+        """The bracket by each definition; one of those that agree, that of the check if it can."""
+        known = {key: getattr(self, key) for key in _KINDS}
+        if not self.is_sensitive:
+            known["robust"] = None
+        rows: list[list[str]] = []
+        for key in [key for key, one in known.items() if one is not None]:
+            alike = [row for row in rows if known[row[0]].agrees(known[key])]
+            if alike:
+                alike[0].append(key)
+            else:
+                rows.append([key])
+        return {
+            "; ".join(_KINDS[key] for key in row): known["rest" if "rest" in row else row[0]]
+            for row in rows
+        }
+
     def _means(self) -> list[str]:
         """How the limit was found."""
         told = [
             f"{words} to {self._short(bracket.stands)}"
-            for key, words in _KINDS.items()
-            if (bracket := getattr(self, key)) is not None and bracket.stands is not None
-            if key != "robust" or self.remarks
+            for words, bracket in self._definitions().items()
+            if bracket.stands is not None
         ]
         return [*told, *(one.text for one in self.sentences() if one.role is Role.REMARK)]
 

@@ -57,6 +57,14 @@ class Bracket(OneLine):
     falling: Result | None = None
     computed: float | None = None
 
+    def agrees(self, other: Bracket) -> bool:
+        """Whether both may be of one limit: they overlap, or their sides are the same."""
+        sides = [(one.stands, one.falls) for one in (self, other)]
+        known = [[value for value in one if value is not None] for one in sides]
+        if min(map(len, known)) < 2:
+            return sides[0] == sides[1]
+        return max(map(min, known)) <= min(map(max, known))
+
     def _summary(self) -> str:
         return f"stands={self.stands}, falls={self.falls}, computed={self.computed}"
 
