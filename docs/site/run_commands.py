@@ -45,15 +45,22 @@ ABSENT = (
     "soup.stl",
     "bridge.dxf",
     "cases.toml",
-    "site.toml",
 )
 """Files that a reader has; a command on them is parsed by a test and not run here."""
-COMMAND = re.compile(r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", re.MULTILINE)
+COMMAND = re.compile(
+    r"^(?: {4}|\$ )(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$"
+    r"|^\| [^|]+ \| `drystone ([^`|]*\.json[^`|]*)` \|$",
+    re.MULTILINE,
+)
+"""A line of its own, or the cell of a table, on a model."""
+WRITES = re.compile(r"^```python\n(.*?write_text\(.*?)^```$", re.MULTILINE | re.DOTALL)
+"""Python by which a page writes its files."""
 
 
 def commands_of(page: Path) -> list[str]:
     """The command lines of a page, in their order."""
-    return COMMAND.findall(page.read_text("utf-8").replace("\\\n", " "))
+    found = COMMAND.findall(page.read_text("utf-8").replace("\\\n", " "))
+    return [line or cell for line, cell in found]
 
 
 def bridge_of_names() -> Assembly:
@@ -152,6 +159,8 @@ def main() -> int:
             read - (made - {"joints.csv"}) | ({"mended.json", "firm.json"} & read),
             "\n".join(lines),
         )
+        for block in WRITES.findall(page.read_text("utf-8")):
+            exec(compile(block, page.name, "exec"), {})
         for line in lines:
             if re.search(STAYS, line) or any(name in line for name in ABSENT):
                 left += 1
