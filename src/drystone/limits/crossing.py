@@ -135,14 +135,19 @@ class Crossing:
                 known[key] = PlacedTrain(at, self._largest(at.load(adverse)), adverse)
             return known[key]
 
-        count = len(at.ends)
-        starts = [np.full(count, True)]
-        if count and at.axles[self.problem.model.assembly.free].any():
-            starts.append(np.full(count, False))
+        count, free = len(at.ends), self.problem.model.assembly.free
+        loaded = count and at.axles[free].any()
+        starts = [np.full(count, one) for one in ((True, False) if loaded else (True,))]
         best = min((self._descended(under, each) for each in starts), key=_factor)
         if best.factor == math.inf and count:
             starts = [np.arange(count) * 4 // count == i for i in range(4)]
             best = min((self._descended(under, each) for each in starts), key=_factor)
+        return self._with_moved_ends(under, best)
+
+    def _with_moved_ends(
+        self, under: Callable[[Bools], PlacedTrain], best: PlacedTrain
+    ) -> PlacedTrain:
+        """The best of stretches whose ends are moved, again as long as the factor decreases."""
         while True:
             others = [self._descended(under, each) for each in _moved(best.adverse)]
             one = min(others, key=_factor, default=best)

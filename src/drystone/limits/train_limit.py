@@ -241,9 +241,7 @@ class TrainEnvelope(Answer):
         more = "any factor" if np.isinf(least) else f"{least:.4g} and more"
         said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
         if self.train.line:
-            each = " and ".join(f"{a:.3g} to {b:.3g}" for a, b in self.line.tolist())
-            where = f"it acts at x = {each} m" if each else "it is adverse nowhere"
-            said.append(Sentence(f"line load at the worst place: {where}"))
+            said.append(self._of_line)
         if self._ductile:
             said.append(
                 Sentence(
@@ -267,6 +265,13 @@ class TrainEnvelope(Answer):
             missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
             said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
         return said
+
+    @property
+    def _of_line(self) -> Sentence:
+        """Where the line load acts."""
+        each = " and ".join(f"{a:.3g} to {b:.3g}" for a, b in self.line.tolist())
+        where = f"it acts at x = {each} m" if each else "it is adverse nowhere"
+        return Sentence(f"line load at the worst place: {where}")
 
     def tables(self) -> Sequence[Table]:
         """The factors by place."""
@@ -423,18 +428,7 @@ def limit_train(
     reach = 0.5 * carried.length
     places = low - reach + share * (high - low + 2.0 * reach)
     clock = Clock(time_limit_s, stop)
-    found: list[PlacedTrain] = []
-    with WorkerPool(executor) as pool:
-        for one in pool.answers(crossing, places.tolist(), clock.late):
-            found.append(one)
-            if progress is not None:
-                progress("places", len(found), steps)
-        for _ in range(2):
-            between = _between(found)
-            if clock.late() or not between:
-                break
-            found += pool.answers(crossing, between, clock.late)
-            found.sort(key=lambda one: one.at.place)
+    found = _placed(crossing, places.tolist(), clock, executor, progress)
     envelope = TrainEnvelope(
         np.array([one.at.place for one in found]),
         np.array([one.found.factor for one in found]),
@@ -458,6 +452,27 @@ def limit_train(
         stop=clock.late,
     )
     return replace(envelope, limit=limit, stopped=clock.reason)
+
+
+def _placed(
+    crossing: Crossing,
+    places: list[float],
+    clock: Clock,
+    executor: Workers | None,
+    progress: Progress | None,
+) -> list[PlacedTrain]:
+    """The train at places [m], and at more beside the worst one, from left to right."""
+    found: list[PlacedTrain] = []
+    with WorkerPool(executor) as pool:
+        for one in pool.answers(crossing, places, clock.late):
+            found.append(one)
+            if progress is not None:
+                progress("places", len(found), len(places))
+        for _ in range(2):
+            between = [] if clock.late() else _between(found)
+            found += pool.answers(crossing, between, clock.late)
+            found.sort(key=lambda one: one.at.place)
+    return found
 
 
 def _between(found: Sequence[PlacedTrain]) -> list[float]:

@@ -161,28 +161,12 @@ class Train(Options):
         if odd or not isinstance(axles, list):
             what = f"'{odd[0]}' is no key" if odd else "it has no axles"
             raise InputError(what, where=where, remedy=f"give {', '.join(_KEYS)}")
-        known: dict[str, float] = {}
+        loads, places = _axles(axles, where)
         try:
-            for key, read in _READ.items():
-                if key in found:
-                    known[key] = read(str(found[key]))
+            known = {key: read(str(found[key])) for key, read in _READ.items() if key in found}
+            return cls(name, places, loads, source=str(found.get("source", "")), **known)
         except InputError as error:
-            raise InputError(error.what, where=where, remedy=error.remedy) from error
-        try:
-            each = [str(one).partition(" at ") for one in axles]
-            for load, at, _ in each:
-                if not at:
-                    raise InputError(f"axle '{load}' has no place")
-            return cls(
-                name,
-                tuple(length(place) for _, _, place in each),
-                tuple(force(load) for load, _, _ in each),
-                source=str(found.get("source", "")),
-                **known,
-            )
-        except InputError as error:
-            remedy = "write '300kN at 1.2m'"
-            raise InputError(str(error).partition(";")[0], where=where, remedy=remedy) from error
+            raise error.located(where) from error
 
     def on(self, tops: Tops, middle: float) -> Floats:
         """Wrenches (n, 6) of its axles on a bridge, its middle at a place [m] along x."""
@@ -219,6 +203,18 @@ class Train(Options):
             for a, b in ends.tolist()
         ]
         return ends, np.array(each)
+
+
+def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Loads [N] and places [m] of axles such as ``300kN at 1.2m``."""
+    each = [str(one).partition(" at ") for one in texts]
+    try:
+        for load, at, _ in each:
+            if not at:
+                raise InputError(f"axle '{load}' has no place")
+        return tuple(force(one[0]) for one in each), tuple(length(one[2]) for one in each)
+    except InputError as error:
+        raise error.located(where, "write '300kN at 1.2m'") from error
 
 
 @cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,7 +56,43 @@ def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: 
     if capacity is None:
         return found
     mortar = (capacity.tension > 0.0) | (capacity.cohesion > 0.0)
-    holds, size, steps = mortar, np.ones(len(mortar)), found.iterations
+    end = _cracked_in_turn(model, mortar, clock)
+    steps = found.iterations + end.steps
+    found = replace(found, model=model, iterations=steps)
+    if end.force is not None:
+        return _uncracked(found, end.force, end.holds, mortar)
+    if clock.late():
+        words = f"{clock.reason} before it was known which joints of mortar crack"
+        return undone(replace(found, stopped=clock.reason), words)
+    ductile = model.with_capacity(replace(capacity.cracked(~end.sound), brittle=False))
+    rest = decide(ductile) if end.sound.any() else found
+    count = int((mortar & ~end.sound).sum())
+    words = f"its mortar cracks in {counted(count, 'joint')}, and " if count else ""
+    if rest.falls:
+        words += f"what is left falls: {rest.message}" if count else rest.message
+        return replace(rest, model=model, message=words, iterations=steps)
+    words += "whether what is left falls was not shown"
+    if contacts.crushes.any():
+        words += "; some joint crushes in part (ductile mortar tells a bound from above)"
+    return undone(found, words)
+
+
+class _Followed(NamedTuple):
+    """How far joints crack: those that hold (m,), also before strength was lost, and the steps.
+
+    With forces (k, 3) [N] that the joints carry, where they were found.
+    """
+
+    holds: Bools
+    sound: Bools
+    steps: int
+    force: Floats | None = None
+
+
+def _cracked_in_turn(model: Model, mortar: Bools, clock: Clock) -> _Followed:
+    """Joints of mortar (m,) crack until none does, and what crushes too much is lost."""
+    contacts, holds, steps = model.contacts, mortar, 0
+    size = np.ones(len(mortar))
     sound: Bools | None = None
     while holds.any() and size.min() > 0.0 and not clock.late():
         state = _elastic(model, holds, size, clock)
@@ -67,28 +104,12 @@ def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: 
         if breaking.any():
             holds = holds & ~breaking
         elif use.max() <= 1.0:
-            stands = replace(found, model=model, iterations=steps)
-            return _uncracked(stands, state.force, holds, mortar)
+            return _Followed(holds, holds, steps, state.force)
         else:
             sound = holds if sound is None else sound
             size = np.where(holds, 1.0, _smaller(contacts, state.force, use, size))
             holds = holds & (use <= 1.0)
-    found = replace(found, model=model, iterations=steps)
-    if clock.late():
-        words = f"{clock.reason} before it was known which joints of mortar crack"
-        return undone(replace(found, stopped=clock.reason), words)
-    sound = holds if sound is None else sound
-    ductile = model.with_capacity(replace(capacity.cracked(~sound), brittle=False))
-    rest = decide(ductile) if sound.any() else found
-    count = int((mortar & ~sound).sum())
-    words = f"its mortar cracks in {counted(count, 'joint')}, and " if count else ""
-    if rest.falls:
-        words += f"what is left falls: {rest.message}" if count else rest.message
-        return replace(rest, model=model, message=words, iterations=steps)
-    words += "whether what is left falls was not shown"
-    if contacts.crushes.any():
-        words += "; some joint crushes in part (ductile mortar tells a bound from above)"
-    return undone(found, words)
+    return _Followed(holds, holds if sound is None else sound, steps)
 
 
 def _elastic(model: Model, holds: Bools, size: Floats, clock: Clock) -> Candidate:
