@@ -32,6 +32,7 @@ TUTORIALS = [
     "researcher",
     "retaining-wall",
     "roboticist",
+    "vault",
 ]
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
