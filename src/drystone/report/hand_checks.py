@@ -14,6 +14,7 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import normal_force_by_strength
 from drystone.joint_capacity import JointCapacity
+from drystone.joints import plane_pressure
 from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.results import Result
@@ -69,13 +70,18 @@ def balance(result: Result) -> Table:
 def least_strength(result: Result) -> tuple[float, int]:
     """Largest stress [Pa] of stress blocks about centres of pressure, and its interface.
 
-    Zero where nothing presses; edges and points have no stress and are left out.
+    Of joints that pull, that of a linear pressure. Zero where nothing presses; edges and points
+    have no stress and are left out.
     """
     contacts, force = result.contacts, result.force
     if force is None or not contacts.count:
         return 0.0, 0
     unit = replace(contacts, capacity=JointCapacity.of_stress(contacts, compression=1.0))
     stress, _ = normal_force_by_strength(unit, np.maximum(force[:, 0], 0.0))
+    if contacts.capacity is not None:
+        pulls = (contacts.capacity.tension > 0.0) & contacts.corners.any(force[:, 0] < 0.0)
+        linear = contacts.corners.max(plane_pressure(contacts, force))
+        stress = np.where(pulls, linear, stress)
     stress = np.where(contacts.area > 0.0, stress, 0.0)
     at = int(np.argmax(stress))
     return float(stress[at]), at

@@ -250,3 +250,12 @@ def test_the_strength_that_forces_need_is_that_of_their_stress_block() -> None:
     needed, at = least_strength(drystone.check(Model.of(tower(2), friction=0.6, load=load)))
     assert at == 0
     assert needed == pytest.approx(2.0 * 2400.0 * 9.81 / 0.75)  # 1 - 2 x 0.125 of the face
+
+
+def test_the_strength_that_mortar_which_pulls_needs_is_that_of_a_linear_pressure() -> None:
+    """A push of 1.2 W at half the height moves the force by 0.6 m: W/A (1 + 6 e/h)."""
+    push = f"block-1:{1.2 * 2400.0 * 9.81},0,0"
+    mortar = "tension=1MPa,cohesion=1MPa"
+    found = drystone.check(tower(2), friction=0.6, joint_capacity=mortar, load=push)
+    assert found.message == "stands on its mortar, uncracked"
+    assert least_strength(found)[0] == pytest.approx(2400.0 * 9.81 * 4.6)
