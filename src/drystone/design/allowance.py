@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import manifold3d
 import numpy as np
 import shapely
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, number
-from drystone.base.errors import InputError
-from drystone.design.block_surgery import face_plane, with_moved_faces
+from drystone.base.errors import InputError, counted
+from drystone.design.block_surgery import CornerError, face_plane, with_moved_faces
 from drystone.design.changed_model import EQUAL
+from drystone.design.joint_plane import block_with
 from drystone.free_faces import NEAR
+from drystone.geometry.convex_pieces import mesh_of, solid_of
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.glue import glue
+from drystone.geometry.planar import parts_of
+from drystone.geometry.polyhedron import loop_edges, stack_faces
 from drystone.geometry.selfcontact import self_contacts
+from drystone.geometry.triangulate import fan_warped
 from drystone.model import Model
 
 
@@ -19,8 +29,10 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
     """The blocks to fabricate: each face in a joint is moved inward by half the allowance.
 
     So each joint of faces is open by the allowance along its normal; a support gives its half like
-    any block. Faces of a block in one plane move together, others stay in their planes. Where
-    blocks touch along an edge or at a corner only, nothing moves. Gaps that are drawn stay and are
+    any block. Faces of a block in one plane move together, others stay in their planes. Where more
+    faces meet at a corner than can move together, as on notched and on facetted blocks, a layer of
+    that depth is cut off behind each face instead. Where blocks touch along an edge or at a corner
+    only, nothing moves. Gaps that are drawn stay and are
     added. Analyses are of the model as it is, without the allowance.
 
     Parameters
@@ -33,7 +45,7 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
     ------
     InputError
         The allowance is not above zero, or so large that a face or an edge would be swallowed or a
-        block would cross itself; no faces touch; or a corner is left with no point on its planes.
+        block would cross itself or fall apart; or no faces touch.
 
     Examples
     --------
@@ -53,7 +65,10 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
     for i, body in enumerate(blocks):
         joined = _joined_faces(model, i)
         if joined:
-            blocks[i] = with_moved_faces(body, dict.fromkeys(joined, -0.5 * allowance))
+            try:
+                blocks[i] = with_moved_faces(body, dict.fromkeys(joined, -0.5 * allowance))
+            except CornerError:
+                blocks[i] = _cut_back(body, joined, 0.5 * allowance)
     moved = [i for i, body in enumerate(blocks) if body is not assembly.blocks[i]]
     if not moved:
         raise InputError("no faces touch", remedy="give a model with joints of faces")
@@ -66,6 +81,61 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
             remedy="give a smaller one",
         )
     return Assembly(tuple(blocks), assembly.fixed)
+
+
+def _cut_back(body: Block, joined: Sequence[int], depth: float) -> Block:
+    """A block without a layer of some depth [m] behind each of some faces."""
+    near = NEAR * EQUAL * body.size
+    whole = fan_warped(stack_faces([body.vertices], [body.faces]), EQUAL)
+    loops = [tuple(loop.tolist()) for loop in np.split(whole.loop, whole.start[1:-1])]
+    solids = [
+        solid_of(whole.point, loops),
+        *(_layer(body, face, joined, depth) for face in joined),
+    ]
+    left = manifold3d.Manifold.batch_boolean(
+        [one.set_tolerance(near) for one in solids], manifold3d.OpType.Subtract
+    )
+    point, triangle = mesh_of(left.as_original().simplify(near))
+    pieces = glue([(point, [tuple(corners) for corners in triangle.tolist()])])
+    if len(pieces) != 1:
+        raise InputError(
+            f"the joint allowance would leave {counted(len(pieces), 'piece')} of it",
+            where=f"block '{body.name}'",
+            remedy="give a smaller one",
+        )
+    return block_with(body, pieces[0])
+
+
+def _layer(body: Block, face: int, joined: Sequence[int], depth: float) -> manifold3d.Manifold:
+    """What lies less than a depth [m] behind a face, over its edges too.
+
+    Not over an edge from which a face rises that does not move: that one is only prolonged.
+    """
+    loop = body.faces[face]
+    corner, (normal, offset) = body.vertices[list(loop)], face_plane(body, face)
+    frame = frames_from_normals(normal[None])[0]
+    flat = corner @ frame[1:].T
+    shape = shapely.Polygon(flat)
+    wide = shape.buffer(depth, join_style="mitre", mitre_limit=2.0)
+    beside = {edge: k for k, one in enumerate(body.faces) for edge in loop_edges(one)}
+    for (a, b), start, end in zip(loop_edges(loop), flat, np.roll(flat, -1, axis=0), strict=True):
+        other = beside[b, a]
+        along = (end - start) / np.linalg.norm(end - start)
+        aside = np.array([along[1], -along[0]])
+        if other in joined or face_plane(body, other)[0] @ (aside @ frame[1:]) > -EQUAL:
+            continue
+        reach, ends = 2.0 * depth * aside, (start - depth * along, end + depth * along)
+        strip = shapely.Polygon([*ends, ends[1] + reach, ends[0] + reach])
+        wide = wide.difference(strip)
+    rings = [
+        np.array(ring.coords)[:-1]
+        for part in parts_of(shapely.union(wide, shape), "Polygon")
+        for ring in (part.exterior, *part.interiors)
+    ]
+    above = depth + float(np.abs(corner @ normal - offset).max())
+    section = manifold3d.CrossSection(rings, manifold3d.FillRule.EvenOdd)
+    place = np.column_stack([frame[1], frame[2], frame[0], (offset - depth) * normal])
+    return manifold3d.Manifold.extrude(section, depth + above).transform(place)
 
 
 def _joined_faces(model: Model, block: int) -> list[int]:
@@ -90,9 +160,14 @@ def _joined_faces(model: Model, block: int) -> list[int]:
 
 
 def _lies_on(joint: Floats, outward: Floats, body: Block, face: int) -> bool:
-    """Whether a joint (c, 3), with rows n, u, v and n out of the block, lies on a face."""
+    """Whether a joint (c, 3), with rows n, u, v and n out of the block, lies on a face.
+
+    It is the mean plane of facets, which are up to 0.014 of the size of a block away from it in
+    shells with faceted joints.
+    """
     normal, offset = face_plane(body, face)
-    if normal @ outward[0] < 1.0 - NEAR or np.abs(joint @ normal - offset).max() > NEAR * body.size:
+    away = np.abs(joint @ normal - offset).max()
+    if normal @ outward[0] < 1.0 - NEAR or away > 2.0 * NEAR * body.size:
         return False
     cover, whole = (
         shapely.Polygon(corner @ outward[1:].T)

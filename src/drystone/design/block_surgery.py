@@ -235,6 +235,10 @@ def _in_joint(model: Model, block: int, normal: Floats, offset: float) -> bool:
     )
 
 
+class CornerError(InputError):
+    """More than three faces meet at a corner, and no point is on all of their moved planes."""
+
+
 def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
     """A block with some faces moved outward by distances [m], its other planes where they are.
 
@@ -243,8 +247,10 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
 
     Raises
     ------
+    CornerError
+        A corner is left with no point on all its planes.
     InputError
-        A corner is left with no point on all its planes, or a face or an edge would be swallowed.
+        A face or an edge would be swallowed.
     """
     normal = np.array([face_plane(body, k)[0] for k in range(len(body.faces))])
     away = np.array([distances.get(k, 0.0) for k in range(len(body.faces))])
@@ -254,7 +260,7 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
         step = np.linalg.lstsq(normal[meeting], away[meeting], rcond=EQUAL)[0]
         error = np.abs(normal[meeting] @ step - away[meeting]).max()
         if error > 1e-3 * np.abs(away).max():
-            raise InputError(
+            raise CornerError(
                 "more than three faces meet at a corner of the face that moves, and no point is "
                 "on all of their planes",
                 where=f"block '{body.name}', face {min(set(meeting) & set(distances))}",
