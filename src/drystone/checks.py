@@ -81,11 +81,11 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     ----------
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
     """
-    a, b = _corner_blocks(contacts)
-    relative = point_motion(assembly, contacts, motion, b) - point_motion(
-        assembly, contacts, motion, a
+    moving = np.where(assembly.fixed[:, None], 0.0, motion)
+    of_a, of_b = (
+        _with_block(assembly, contacts, moving, block) for block in _corner_blocks(contacts)
     )
-    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
+    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], of_b - of_a)
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
@@ -447,6 +447,12 @@ def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
 
 def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
     """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
+    moving = np.where(assembly.fixed[:, None], 0.0, motion)
+    return _with_block(assembly, contacts, moving, block)
+
+
+def _with_block(assembly: Assembly, contacts: Contacts, moving: Floats, block: Ints) -> Floats:
+    """The same where no fixed block moves."""
+    of_block = moving[block]
     arm = contacts.point - assembly.centroid[block]
-    moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
-    return moving[:, :3] + cross(moving[:, 3:], arm)
+    return of_block[:, :3] + cross(of_block[:, 3:], arm)

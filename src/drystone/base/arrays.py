@@ -194,7 +194,7 @@ def dot(a: Floats, b: Floats) -> Floats:
     """Scalar products (...,) of rows, a third of einsum's time on many short ones."""
     product: Floats = a[..., 0] * b[..., 0]
     for i in range(1, a.shape[-1]):
-        product = product + a[..., i] * b[..., i]
+        product += a[..., i] * b[..., i]
     return product
 
 

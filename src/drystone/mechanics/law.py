@@ -104,15 +104,15 @@ class SlipLength:
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
-        reach = np.sqrt(self.slip**2 + slide[..., 0] ** 2 + slide[..., 1] ** 2)
-        bound = self.bound(normal)
-        stiffness = bound / reach
+        along_u, along_v = slide[..., 0], slide[..., 1]
+        reach = np.sqrt(self.slip**2 + along_u**2 + along_v**2)
+        stiffness = self.bound(normal) / reach
 
         def slope() -> tuple[Floats, Floats]:
-            direction, growth = slide / reach[..., None], self.bound.growth(normal)
-            return _across(stiffness, stiffness, direction), growth[..., None] * direction
+            x, y, growth = along_u / reach, along_v / reach, self.bound.growth(normal)
+            return _across(stiffness, stiffness, x, y), _plane(growth * x, growth * y)
 
-        return FrictionResponse(stiffness[..., None] * slide, slope)
+        return FrictionResponse(_plane(stiffness * along_u, stiffness * along_v), slope)
 
     def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
         """The slide (k, 2) at which T is ``held`` (k, 2); ``slide`` where there is no bound."""
@@ -144,23 +144,21 @@ class StickSlip:
         self, normal: Floats, slide: Floats, before: Floats | None = None
     ) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2) after T0 (k, 2), zero if left out."""
-        trial = self.stiffness[..., None] * slide
+        trial_u, trial_v = self.stiffness * slide[..., 0], self.stiffness * slide[..., 1]
         if before is not None:
-            trial += before
-        size = np.sqrt(trial[..., 0] ** 2 + trial[..., 1] ** 2)
+            trial_u, trial_v = trial_u + before[..., 0], trial_v + before[..., 1]
+        size = np.sqrt(trial_u**2 + trial_v**2)
         bound = self.bound(normal)
         slips = size > bound
         safe = np.where(size > 0.0, size, 1.0)
         ratio = np.where(slips, bound / safe, 1.0)
 
         def slope() -> tuple[Floats, Floats]:
-            direction, secant = trial / safe[..., None], self.stiffness * ratio
-            return (
-                _across(secant, secant * slips, direction),
-                (slips * self.bound.growth(normal))[..., None] * direction,
-            )
+            x, y, secant = trial_u / safe, trial_v / safe, self.stiffness * ratio
+            growth = slips * self.bound.growth(normal)
+            return _across(secant, secant * slips, x, y), _plane(growth * x, growth * y)
 
-        return FrictionResponse(ratio[..., None] * trial, slope)
+        return FrictionResponse(_plane(ratio * trial_u, ratio * trial_v), slope)
 
     def slide_of(self, normal: Floats, held: Floats, slide: Floats) -> Floats:
         """The slide (k, 2) at which T is ``held`` (k, 2); where it slips, a longer ``slide``."""
@@ -170,15 +168,19 @@ class StickSlip:
         return np.where(longer[:, None], slide, elastic)
 
 
-def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:
-    """(k, 2, 2) stiffness (k,) in the plane, less some (k,) along a unit direction (k, 2)."""
-    x, y = direction[..., 0], direction[..., 1]
+def _across(stiffness: Floats, along: Floats, x: Floats, y: Floats) -> Floats:
+    """(k, 2, 2) stiffness (k,) in the plane, less some (k,) along a unit direction x, y (k,)."""
     lost = along * x
-    out = np.empty((*stiffness.shape, 2, 2))
-    out[..., 0, 0] = stiffness - lost * x
-    out[..., 0, 1] = out[..., 1, 0] = -lost * y
-    out[..., 1, 1] = stiffness - along * y * y
-    return out
+    out = np.empty((2, 2, *stiffness.shape))
+    np.subtract(stiffness, lost * x, out=out[0, 0])
+    out[0, 1] = out[1, 0] = -lost * y
+    np.subtract(stiffness, along * y * y, out=out[1, 1])
+    return out.T
+
+
+def _plane(x: Floats, y: Floats) -> Floats:
+    """(k, 2) of two components (k,), which lie side by side in memory."""
+    return np.array([x, y]).T
 
 
 FrictionLaw = SlipLength | StickSlip
@@ -266,12 +268,12 @@ class ContactResponse:
         """The same with the stiffness of corners that are pressed to some share (k,)."""
         apart = 1.0 - pressed
         bearing = pressed * self._press + apart * self._pull
-        out = np.empty((*bearing.shape, 3, 3))
-        out[..., 0, 0] = bearing + apart * self._glue
-        out[..., 0, 1:] = 0.0
-        out[..., 1:, 0] = -self._friction.by_normal * bearing[..., None]
-        out[..., 1:, 1:] = self._friction.by_slide
-        return out
+        out = np.empty((3, 3, *bearing.shape))  # the numbers of many corners lie side by side
+        out[0, 0] = bearing + apart * self._glue
+        out[0, 1:] = 0.0
+        np.multiply(-self._friction.by_normal.T, bearing, out=out[1:, 0])
+        out[1:, 1:] = self._friction.by_slide.transpose(1, 2, 0)
+        return out.transpose(2, 0, 1)
 
 
 def respond(

@@ -47,6 +47,11 @@ CHORDS = 2
 """Steps with the same factors in which what is left must become small enough: they
 take two thirds of the time of one step with its own factors, which leads as far."""
 
+LOOSE = 0.9
+"""Unbalanced share of a block after the first step of a hurried run, from which on a block counts
+as without joints. Measured on 44 walls, arches, vaults, domes and piles: 1.0 or more in all runs
+that lead nowhere, and in some that would find a rest state after a detour."""
+
 LIMIT = 100
 """Steps at most; STALL ends a run long before."""
 
@@ -115,13 +120,14 @@ def descend(
     motion: Floats,
     stop: Callable[[], bool] | None = None,
     blurred: float = 0.0,
+    hurried: bool = False,
 ) -> tuple[RestState | None, int]:
     """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps.
 
     With ``blurred``, corners about to open or close have part of their stiffness, and what is left
-    may grow for one step.
+    may grow for one step. A hurried run ends where the first step leaves a block without joints.
     """
-    law = _Law(statics, compliance, options, stop, blurred)
+    law = _Law(statics, compliance, options, stop, blurred, hurried)
     begin = law.at(motion, statics.displacement(motion))
     limits = Steps(LIMIT, SHORTEST, memory=2 if blurred else 1, chords=CHORDS)
     point, solved, steps = newton(law, begin, limits)
@@ -158,9 +164,11 @@ class _Law(Equation[_Point, Floats]):
         options: RestOptions,
         stop: Callable[[], bool] | None,
         blurred: float,
+        hurried: bool,
     ) -> None:
         self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance
+        self.hurried = hurried
         self.blur = blurred * statics.corner_load / compliance.normal
         self.weight = options.ground * statics.mass_matrix
         self.solve: Solve | None = None
@@ -183,7 +191,8 @@ class _Law(Equation[_Point, Floats]):
         return point.largest <= self.goal
 
     def lost(self, sizes: Sequence[float], point: _Point) -> bool:
-        del point
+        if self.hurried and len(sizes) == 2 and point.largest > LOOSE:
+            return True
         after = sizes[1:]  # the first step often makes it worse: progress counts from there
         stuck = len(after) > STALL and min(after[-STALL:]) > 0.5 * min(after[:-STALL])
         return stuck or (self.stop is not None and self.stop())

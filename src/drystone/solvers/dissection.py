@@ -16,10 +16,11 @@ is that of the least degree. Measured: a factorisation of the Armadillo, 366 nod
 place of 2.1 with cuts down to 100 nodes, and 2.5 with cuts down to 20 and none of the least degree.
 Of 600 nodes and more, cuts down to 100 nodes take 0.88 to 0.98 of the time of those down to 400."""
 
-OVERHEAD, LARGE_OVERHEAD = 4e5, 8e5
+OVERHEAD, LARGE_OVERHEAD = 1.5e5, 8e5
 """Operations in the time that a front takes however small it is; the same of a graph that is cut,
-where one front is added to the next run by run. From timings: a graph of 36 nodes takes 0.11 ms
-with 3e5 and 0.18 with 7e5, one of 1,958 nodes 33 ms with 5e5 and 32 with 7e5."""
+where one front is added to the next run by run. From timings: factors and a solution of an arch of
+36 nodes take 0.095 ms with 1.5e5 and 0.128 with 4e5, those of a vault of 85 and of a dome of 126
+as long; one of 1,958 nodes 33 ms with 5e5 and 32 with 7e5."""
 
 LEAST_SIDE = 0.4
 """Share of the nodes on each side of a cut, at least. Measured: the Armadillo takes 51 million

@@ -153,7 +153,7 @@ def test_the_last_state_is_looked_for_at_once_where_the_ground_carries_little(de
         last = find_rest(problem.statics, springs, weak, start=twice)
         assert once.unbalanced <= weak.tolerance
         assert np.abs(once.ground).max() < 1e-9
-        assert once.iterations < twice.iterations + last.iterations
+        assert once.iterations <= twice.iterations + last.iterations
         np.testing.assert_allclose(once.force, last.force, atol=1e-7 * np.abs(last.force).max())
     else:
         # a first motion on the given ground, as without the other options
