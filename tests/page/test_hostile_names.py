@@ -9,7 +9,10 @@ import pytest
 
 import drystone
 from drystone import io
+from drystone.limits import LimitOptions
 from drystone.live.serving import Live
+from drystone.report import TitleBlock, write_report
+from drystone.sequence import interlocking
 from drystone.view import Frame, save_page, save_report
 from drystone.view.instructions import save_instructions
 from tests.page.browser import Browser, Tab
@@ -63,6 +66,14 @@ def test_reports_and_instructions_show_names_as_text(
     assert max(tab.run(columns), default=0) < 120
     edges = "[...document.querySelectorAll('td')].map((one) => one.getBoundingClientRect().right)"
     assert max(tab.run(edges), default=0) <= 1000
+
+
+def test_a_calculation_report_shows_names_as_text(opened: Callable[..., Tab]) -> None:
+    coarse = LimitOptions(width=5.0, scan=1, equilibrium_only=True)
+    answers = [drystone.limit_tilt(MODEL, options=coarse), interlocking(MODEL)]
+    about = TitleBlock(project=NAMES[0], client=NAMES[1], author=NAMES[6], number=NAMES[3])
+    tab = opened(lambda path: write_report(answers, path, about=about), size=(1000, 700))
+    unharmed(tab)
 
 
 def test_a_notebook_shows_names_as_text(opened: Callable[..., Tab]) -> None:

@@ -13,7 +13,7 @@ from drystone.view.joint_page import plan_figure
 _STYLE = """
 @page { size: A4; margin: 20mm 18mm; }
 body { font: 14px/1.45 system-ui, sans-serif; color: #1d1b18; background: #ffffff;
-  max-width: 46rem; margin: 1.5rem auto; padding: 0 1rem; }
+  max-width: 46rem; margin: 1.5rem auto; padding: 0 1rem; overflow-wrap: anywhere; }
 h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; border-bottom: 1px solid #1d1b18;
   margin-top: 1.8rem; } h3 { font-size: 1rem; }
 h2, h3 { break-after: avoid; }
