@@ -93,10 +93,11 @@ NEEDED = {
     ("mend", "out"): "--auto",
     ("shell", "store"): "--vary courses=3:4 --trials 2",
     ("settle", "joints"): "",
+    ("settle", "corners"): "",
     ("settle", "cad"): "",
 }
 """What some files need besides."""
-INSTEAD = {("settle", "joints"), ("settle", "cad")}
+INSTEAD = {("settle", "joints"), ("settle", "corners"), ("settle", "cad")}
 """Files of the motion by small steps only: without its last option."""
 NONE = {(name, "csv") for name in ("forces", "interlock", "limit thrust", "mend")}
 """Tables of answers that have none, or not always."""

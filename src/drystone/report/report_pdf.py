@@ -13,6 +13,7 @@ import numpy as np
 
 from drystone.base.display import NAME, shortened
 from drystone.base.errors import require
+from drystone.base.files import utf8
 from drystone.base.table import Table
 from drystone.report.document import Document, Heading, Part, Picture
 from drystone.view.joint_page import JointPlan
@@ -41,11 +42,14 @@ def pdf_of(document: Document) -> bytes:
     made = io.BytesIO()
     template = SimpleDocTemplate(
         made, pagesize=(_WIDTH, _HEIGHT), leftMargin=_MARGIN, rightMargin=_MARGIN,
-        topMargin=_MARGIN, bottomMargin=_MARGIN, title=document.title,
-        author=document.entries.get("Author", ""), creator=document.foot, invariant=1,
+        topMargin=_MARGIN, bottomMargin=_MARGIN, title=_plain(document.title),
+        author=_plain(document.entries.get("Author", "")), creator=document.foot, invariant=1,
     )  # fmt: skip
     paper = _Paper()
-    story: list[Any] = [paper.text(document.title, "title"), paper.entries(document.entries)]
+    story: list[Any] = [
+        paper.text(shortened(document.title, 4 * NAME), "title"),
+        paper.entries(document.entries),
+    ]
     for section in document.sections:
         story += [CondPageBreak(_ROOM), paper.text(section.title, "section")]
         story += [one for part in section.parts for one in paper.part(part)]
@@ -54,6 +58,11 @@ def pdf_of(document: Document) -> bytes:
             one.keepWithNext = 0  # a table is broken over pages, and not moved to the next one
     template.build(story, canvasmaker=_numbered(document))
     return made.getvalue()
+
+
+def _plain(text: str) -> str:
+    """A text without halves of letters."""
+    return utf8(text).decode("utf-8")
 
 
 def require_pdf() -> None:
@@ -83,7 +92,7 @@ def _numbered(document: Document) -> Any:
             for number, page in enumerate(self._pages, 1):
                 self.__dict__.update(page)
                 self.setFont("DejaVu", 7.5)
-                self.drawString(_MARGIN, 28.0, shortened(document.title, 70))
+                self.drawString(_MARGIN, 28.0, shortened(_plain(document.title), 70))
                 foot = f"{document.foot}   {number} / {len(self._pages)}"
                 self.drawRightString(_WIDTH - _MARGIN, 28.0, foot)
                 super().showPage()
@@ -121,7 +130,7 @@ class _Paper:
         """A paragraph."""
         from reportlab.platypus import Paragraph
 
-        return Paragraph(escape(text), self.styles[style])
+        return Paragraph(escape(_plain(text)), self.styles[style])
 
     def part(self, part: Part) -> list[Any]:
         """What is printed of a part."""
@@ -146,7 +155,8 @@ class _Paper:
     def entries(self, entries: Mapping[str, str]) -> Any:
         """Names and texts side by side."""
         rows = [
-            [self.text(name, "head"), self.text(told, "cell")] for name, told in entries.items()
+            [self.text(name, "head"), self.text(shortened(told, 4000), "cell")]
+            for name, told in entries.items()  # what is longer than a page cannot be set
         ]
         return self._grid(rows, [110.0, _WIDTH - 2.0 * _MARGIN - 110.0])
 

@@ -146,6 +146,14 @@ def test_the_title_block_is_read_from_toml_and_options_come_first(tmp_path: Path
             TitleBlock.read(path)
 
 
+def test_texts_that_no_page_can_hold_are_cut_or_written_escaped(tmp_path: Path) -> None:
+    long, half = "n" * 10_000, "half a letter \ud800"
+    about = TitleBlock(project=half, author=long, number="<b>&lt;</i> {0}")
+    model = Model.of(tower(2))
+    write_report(drystone.solve_rbe(model), tmp_path / "hostile.pdf", about=about)
+    assert (tmp_path / "hostile.pdf").read_bytes().startswith(b"%PDF")
+
+
 def test_other_suffixes_are_refused(bridge: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["report", str(bridge), "--out", str(bridge.with_suffix(".doc"))]) == 2
     assert "does not end in .pdf or .html" in capsys.readouterr().err
