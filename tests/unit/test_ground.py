@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, check
+from drystone.answer.drawing import load_layers
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.models import segmental_bridge, tower
@@ -113,6 +114,23 @@ def test_earth_weighs_on_a_back_that_leans_and_not_on_what_stands_before_it() ->
     leaning = Assembly((prism([(0, 0), (2, 0), (1, 2), (0, 2)], (0, 1)),), np.array([False]))
     load = Earth(side="x", weight=2e4, k=0.3).on(leaning)
     assert load.wrench[0, :3] == pytest.approx([-0.3 * 4e4, 0.0, -2e4])  # half of 1 m by 2 m
+
+
+def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> None:
+    """K (w h + p) at both ends of each face; factors and a tilt go with it, forces stay arrows."""
+    wall = tower(3)
+    earth = Earth.named("side=-x,weight=18kN/m3,k=0.5,surcharge=10kPa").on(wall)
+    field = earth.surface
+    assert field is not None
+    assert field.wrench[1:] == pytest.approx(earth.wrench[1:])  # the lowest block is fixed
+    depth = wall.bounds[..., 2].max() - field.point[..., 2]
+    assert field.traction[..., 0] == pytest.approx(0.5 * (18e3 * depth + 10e3), rel=1e-5)
+    twice = (LoadCase.gravity(wall) + 2.0 * earth).turned(np.eye(3)[[1, 2, 0]]).surface
+    assert twice is not None
+    assert np.abs(twice.traction).max() == pytest.approx(2.0 * np.abs(field.traction).max())
+    push = LoadCase.point_load(wall, 2, (0.0, 10.0, 0.0))
+    for load, keys in ((earth, ["surface"]), (earth + push, ["loads", "surface"])):
+        assert [one.key for one in load_layers(wall, load)] == keys
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from drystone.answer.question import Question, directions
@@ -87,11 +89,15 @@ def areas(contacts: Contacts, shown: Bools | None) -> tuple[Contacts | None, Int
 def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
     """What is applied beside the weight: forces, moments, and an acceleration of all masses.
 
-    A force is an arrow that ends where it acts. A moment is three quarters of a circle about its
-    axis, in its sense. The part across the weight of an acceleration that most masses have is one
-    arrow, with the sum of their forces, that ends at their centre.
+    A force is an arrow that ends where it acts, a traction on faces a field of lines. A moment is
+    three quarters of a circle about its axis, in its sense. The part across the weight of an
+    acceleration that most masses have is one arrow, with the sum of their forces, that ends at
+    their centre.
     """
-    applied = applied_loads(assembly, load)
+    alone = load
+    if load.surface is not None:
+        alone = replace(load, wrench=load.wrench - load.surface.wrench)
+    applied = applied_loads(assembly, alone)
     layers = []
     pushed = np.flatnonzero(applied.force.any(axis=1))
     if len(pushed):
@@ -114,7 +120,26 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
                 block=np.repeat(applied.block[turned], sides), width=2.0,
             )
         )  # fmt: skip
+    layers += _surface_layer(assembly, load)
     return (*layers, *_body_layer(assembly, load, applied.acceleration))
+
+
+def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
+    """Tractions on faces as fields: lines that end on them, their heads joined."""
+    field = load.surface
+    if field is None or not field.traction.any():
+        return ()
+    most = float(lengths(field.traction.reshape(-1, 3)).max())
+    tails = field.point - 0.6 * float(np.median(assembly.size)) / most * field.traction
+    start = np.concatenate([tails[:, 0], tails[:, 1], tails[:, 0]])
+    end = np.concatenate([field.point[:, 0], field.point[:, 1], tails[:, 1]])
+    label = f"pressure on faces, up to {quantity(most, 'Pa')}"
+    return (
+        Layer(
+            "surface", label, LayerKind.LINES, "load", start, end - start,
+            block=np.tile(field.block, 3), width=0.7,
+        ),
+    )  # fmt: skip
 
 
 def _turns(assembly: Assembly, block: Ints, moment: Floats) -> tuple[Floats, Floats]:

@@ -14,6 +14,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
 from drystone.loads.placing import (
+    SurfaceLoad,
     free_block,
     off_block,
     surface_forces,
@@ -44,6 +45,8 @@ class LoadCase(OneLine):
         world axes. Only :func:`drystone.settle` uses it; every other analysis refuses it.
     acceleration : (3,) [m/s2]
         Of all masses, as far as it is known: a part of the wrenches, for tables and pictures.
+    surface
+        The tractions on faces among the wrenches, for pictures.
 
     Examples
     --------
@@ -60,6 +63,7 @@ class LoadCase(OneLine):
     notes: tuple[str, ...] = ()
     motion: Floats | None = None
     acceleration: Floats = field(default_factory=lambda: np.zeros(3))
+    surface: SurfaceLoad | None = None
 
     def __post_init__(self) -> None:
         given = frozen_floats(self.acceleration, (3,), "acceleration")
@@ -246,9 +250,10 @@ class LoadCase(OneLine):
             No such face, no face with that direction, or both ways of choosing at once.
         """
         i = free_block(assembly, block)
-        force, point = surface_forces(assembly.blocks[i], traction, faces, facing)
+        force, triangle = surface_forces(assembly.blocks[i], traction, faces, facing)
         name = f"surface load on '{assembly.names[i]}'"
-        return cls(wrench_at(assembly, i, force, point), name)
+        wrench = wrench_at(assembly, i, force, triangle.mean(axis=1))
+        return cls(wrench, name, surface=SurfaceLoad.of_triangles(i, force, triangle, wrench))
 
     @classmethod
     def moment(cls, assembly: Assembly, block: int | str, moment: Any) -> LoadCase:
@@ -309,7 +314,12 @@ class LoadCase(OneLine):
     def turned(self, rotation: Floats) -> LoadCase:
         """The same loads in the axes of a model that was turned by a matrix (3, 3)."""
         wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
-        return replace(self, wrench=wrench, acceleration=self.acceleration @ rotation)
+        surface = self.surface
+        if surface is not None:
+            surface = surface.turned(rotation)
+        return replace(
+            self, wrench=wrench, acceleration=self.acceleration @ rotation, surface=surface
+        )
 
     @classmethod
     def combine(
@@ -341,12 +351,14 @@ class LoadCase(OneLine):
             raise InputError("load cases of different assemblies cannot be added")
         notes = dict.fromkeys((*self.notes, *other.notes))
         motions = [one.motion for one in (self, other) if one.motion is not None]
+        surfaces = [one.surface for one in (self, other) if one.surface is not None]
         return LoadCase(
             self.wrench + other.wrench,
             name_of_sum([self.name, other.name]),
             tuple(notes),
             sum(motions[1:], motions[0]) if motions else None,
             self.acceleration + other.acceleration,
+            sum(surfaces[1:], surfaces[0]) if surfaces else None,
         )
 
     def __mul__(self, factor: float) -> LoadCase:
@@ -356,7 +368,8 @@ class LoadCase(OneLine):
         moved = None if self.motion is None else self.motion * by
         name = f"({self.name})" if " + " in self.name else self.name
         known = self.acceleration * by
-        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known)
+        surface = None if self.surface is None else self.surface.by(by)
+        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known, surface)
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

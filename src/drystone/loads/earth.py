@@ -137,4 +137,5 @@ class Earth(Options):
             name += f" on {self.blocks}"
         if self.wall_friction:
             name += f" and wall friction {self.wall_friction:.3g}"
-        return LoadCase(strips.wrenches(assembly, traction), name)
+        surface = strips.surface(assembly, traction)
+        return LoadCase(strips.wrenches(assembly, traction), name, surface=surface)

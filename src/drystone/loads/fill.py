@@ -127,7 +127,8 @@ class Fill(Options):
         top = Tops.of(assembly, self)
         name = f"fill to {self._level} with K {self.k:.3g}"
         said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
-        return LoadCase(top.pressed(1.0, self.k), name, said)
+        surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
+        return LoadCase(top.pressed(1.0, self.k), name, said, surface=surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,14 +202,17 @@ class Tops:
 
     def pressed(self, vertical: float, horizontal: float) -> Floats:
         """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
-        weight = self.fill.weight
+        return self.strips.wrenches(self.assembly, self.pressure(vertical, horizontal))
+
+    def pressure(self, vertical: float, horizontal: float) -> Traction:
+        """Shares of the pressure of the weight, down and inwards."""
 
         def traction(at: Spots) -> Floats:
-            down = weight * np.maximum(self.level(at.t) - at.r, 0.0)
+            down = self.fill.weight * np.maximum(self.level(at.t) - at.r, 0.0)
             part = np.column_stack([horizontal * at.slope, np.full(len(down), -vertical)])
             return np.asarray(down[:, None] * part)
 
-        return self.strips.wrenches(self.assembly, traction)
+        return traction
 
     def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
         """Wrenches (n, 6) of a force [N] down on the road at a place.

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, frozen_floats, number, of_type, whole
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.arrays import Floats, Ints, frozen_floats, lengths, number, of_type, whole
+from drystone.base.display import OneLine, shortened
+from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.solid import outside_distance
@@ -84,10 +85,62 @@ def off_block(block: Block, point: Floats) -> tuple[str, ...]:
     return (f"the point {where} is {distance:.3g} m off block '{block.name}'",)
 
 
+@dataclass(frozen=True, eq=False)
+class SurfaceLoad(OneLine):
+    """Tractions on lines of the surface of blocks, for pictures.
+
+    Attributes
+    ----------
+    block : (q,)
+    point : (q, 2, 3) [m]
+        Both ends of each line.
+    traction : (q, 2, 3) [Pa]
+        There.
+    wrench : (n, 6) [N, N m]
+        Of all of it on the blocks.
+    """
+
+    block: Ints
+    point: Floats
+    traction: Floats
+    wrench: Floats
+
+    def _summary(self) -> str:
+        return counted(len(self.block), "line")
+
+    def __add__(self, other: SurfaceLoad) -> SurfaceLoad:
+        return SurfaceLoad(
+            np.concatenate([self.block, other.block]),
+            np.concatenate([self.point, other.point]),
+            np.concatenate([self.traction, other.traction]),
+            self.wrench + other.wrench,
+        )
+
+    def by(self, factor: float) -> SurfaceLoad:
+        """With its tractions multiplied."""
+        return replace(self, traction=factor * self.traction, wrench=factor * self.wrench)
+
+    def turned(self, rotation: Floats) -> SurfaceLoad:
+        """In the axes of a model that was turned by a matrix (3, 3)."""
+        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
+        return replace(self, traction=self.traction @ rotation, wrench=wrench)
+
+    @classmethod
+    def of_triangles(
+        cls, block: int, force: Floats, triangle: Floats, wrench: Floats
+    ) -> SurfaceLoad:
+        """Even ones of forces (t, 3) [N] on triangles (t, 3, 3) [m], along their sides."""
+        sides = triangle[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3)
+        across = np.cross(triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0])
+        even = force / (0.5 * lengths(across)[:, None])
+        traction = np.repeat(even, 6, axis=0).reshape(-1, 2, 3)
+        return cls(np.full(len(sides), block), sides, traction, wrench)
+
+
 def surface_forces(
     block: Block, traction: Any, faces: Sequence[int] | None, facing: Any
 ) -> tuple[Floats, Floats]:
-    """Forces (t, 3) [N] on triangles of a block's surface and their middles (t, 3) [m].
+    """Forces (t, 3) [N] on triangles of a block's surface, and these (t, 3, 3) [m].
 
     Parameters
     ----------
@@ -105,7 +158,7 @@ def surface_forces(
     else:
         size = np.linalg.norm(area, axis=1)
         force = size[:, None] * frozen_floats(traction, (3,), "traction")
-    return force, triangles.mean(axis=1)
+    return force, triangles
 
 
 def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: str) -> Ints:

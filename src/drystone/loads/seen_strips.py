@@ -13,6 +13,7 @@ from drystone.base.arrays import Bools, Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.geometry.triangulate import triangulate
+from drystone.loads.placing import SurfaceLoad
 
 _SAME = 1e-9
 """Lengths that are equal, by the extent of the assembly."""
@@ -141,6 +142,19 @@ class SeenStrips(OneLine):
         )
         t = frozen(np.stack([low, high], axis=1))
         return SeenStrips(self.axes, self.block, t, s, width, r, self.slope)
+
+    def surface(self, assembly: Assembly, traction: Traction) -> SurfaceLoad:
+        """The traction along the middles of strips of free blocks, where it is not zero."""
+        mine = self._chosen(~assembly.fixed[self.block])
+        steep = np.repeat(mine.slope, 2, axis=0)
+        inside = np.eye(2) + 1e-6 * np.array([[-1.0, 1.0], [1.0, -1.0]])  # where levels end
+        t, r = ((one @ inside).ravel() for one in (mine.t, mine.r))
+        seen = traction(Spots(t, r, steep)) @ self.axes
+        point = np.stack([mine.t, mine.s, mine.r], axis=2) @ self.axes
+        pressed = seen.reshape(-1, 2, 3)
+        some = pressed.any(axis=(1, 2))
+        wrench = mine.wrenches(assembly, traction)
+        return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
 
     def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:
         """Wrenches (n, 6) [N, N m] of a traction on the blocks.

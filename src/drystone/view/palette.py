@@ -163,7 +163,7 @@ class Preset(OneLine):
     ghost: bool = False
 
 
-_LOADS = frozenset({"loads", "moments", "acceleration"})
+_LOADS = frozenset({"loads", "moments", "surface", "acceleration"})
 _MARKS = _LOADS | {"hinges", "sliding", "help", "tension"}
 _ASKED = _LOADS | {"missed", "missed-points", "defects", "lines", "opening"}
 
