@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from drystone import Model
+from drystone import InputError, Model, check
 from drystone.limits import LimitOptions, limit_train
 from drystone.loads import Fill, Train
 from drystone.models import segmental_bridge
@@ -91,3 +91,34 @@ def test_an_axle_is_carried_as_a_plane_program_says(k: float, passive: float) ->
     own = [own_limit(float(place), k, passive) for place in found.places[:3]]
     assert found.factors[:3] == pytest.approx(own, rel=1e-5)
     assert found.factors[::-1][:3] == pytest.approx(own, rel=1e-5)
+
+
+def test_backing_holds_the_haunches_of_a_bridge() -> None:
+    """Solid masonry up to a level carries more of an axle the higher it is, and both ends alike."""
+    least, quick = [], LimitOptions(equilibrium_only=True)
+    for height in (0.0, 0.4, 0.8):
+        made = segmental_bridge(SPAN, RISE, RING, 8, backing=height)
+        if height:
+            left, right = made.blocks[-2:]
+            foot = float(made.blocks[0].bounds[1, 2])
+            assert made.names[-2:] == ("backing-left", "backing-right")
+            assert left.volume == pytest.approx(right.volume)
+            assert left.bounds[:, 2] == pytest.approx([foot, foot + height])
+        model = Model.of(made, friction=FRICTION)
+        fill = Fill(COVER, SOIL)
+        found = limit_train(model, fill=fill, steps=4, options=quick)
+        assert found.factors == pytest.approx(found.factors[::-1], rel=1e-5)
+        assert found.proven
+        loaded = model.with_load(model.load + fill.on(made))
+        assert check(loaded).stable
+        least.append(found.factors.min())
+    assert least[0] < 0.95 * least[1] < 0.9 * least[2]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [({"backing": 3.0}, "below the crown"), ({"backing": 0.5, "spans": 2}, "give one span")],
+)
+def test_backing_that_cannot_be_is_told(given: dict[str, float], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        segmental_bridge(voussoirs=8, **given)  # type: ignore[arg-type]

@@ -27,6 +27,7 @@ def segmental_bridge(
     abutment: float = 2.0,
     height: float = 0.0,
     courses: int = 4,
+    backing: float = 0.0,
 ) -> Assembly:
     """The arches of a masonry bridge along x, with their piers and abutments.
 
@@ -57,13 +58,17 @@ def segmental_bridge(
         the springers and the heads of the piers are fixed.
     courses
         Of each pier and abutment.
+    backing : [m]
+        Height of solid masonry above the foot of the extrados, from each haunch to the back of its
+        abutment, of one span; none at zero.
 
     Returns
     -------
     Assembly
         From left to right: ``springer-left``, ``voussoir-00`` ..., ``pier-1`` ...,
-        ``springer-right``. Supports of several courses upwards from ``springer-left-ground``. With
-        several spans or rings the voussoirs begin with ``span-1-`` or ``ring-1-``.
+        ``springer-right``; then ``backing-left`` and ``backing-right``. Supports of several courses
+        upwards from ``springer-left-ground``. With several spans or rings the voussoirs begin with
+        ``span-1-`` or ``ring-1-``.
 
     Examples
     --------
@@ -83,14 +88,14 @@ def segmental_bridge(
     beyond = abs(joints[0, -1, 0] - joints[0, 0, 0])
     clear = spans == 1 or pier > 2.0 * beyond
     require(clear, "the rings meet over a pier", f"make it wider than {2.0 * beyond:.3g} m")
-    held = height == 0.0 or abutment > beyond
+    held = not (height or backing) or abutment > beyond
     require(held, "an abutment is too narrow", f"make it wider than {beyond:.3g} m")
     level = joints[[0, -1], 0, 1]
     level_feet = spans == 1 or bool(np.ptp(level) < 1e-9 * beyond)
     require(level_feet, "the feet of the profile are not level", "give one span")
     apart = joints[-1, 0, 0] - joints[0, 0, 0] + pier
     low = -max(float(joints[0, -1, 1]), rings * ring)
-    wide = abutment if height else beyond
+    wide = abutment if height or backing else beyond
     ends = [np.array([joints[0, 0], joints[0, -1]]), np.array([joints[-1, -1], joints[-1, 0]])]
     blocks, fixed = _support(
         "springer-left", _abutment(ends[0], -wide), height, courses, depth, low
@@ -114,7 +119,30 @@ def segmental_bridge(
             made = _support("springer-right", top, height, courses, depth, low)
         blocks += made[0]
         fixed += made[1]
+    if backing:
+        require(spans == 1, f"backing of {spans} spans", "give one span")
+        outer = joints[:, -1]
+        for side, line, back in (
+            ("left", outer, joints[0, 0, 0] - wide),
+            ("right", outer[::-1], joints[-1, 0, 0] + wide),
+        ):
+            blocks.append(prism(_backing(line, back, backing), depth, f"backing-{side}"))
+            fixed.append(False)
     return Assembly(tuple(blocks), np.array(fixed))
+
+
+def _backing(line: Floats, back: float, height: float) -> list[tuple[float, float]]:
+    """Outline of backing on an extrados (p, 2) from its foot up, to a back at a place along x."""
+    crown = int(line[:, 1].argmax())
+    level = line[0, 1] + height
+    require(0.0 < height < line[crown, 1] - line[0, 1], f"backing of {height} m", "below the crown")
+    below = line[: int((line[: crown + 1, 1] < level).sum())]
+    beyond = line[len(below)]
+    share = (level - below[-1, 1]) / (beyond[1] - below[-1, 1])
+    top = below[-1] + share * (beyond - below[-1])
+    outline = [*below.tolist(), top.tolist(), [back, level], [back, float(line[0, 1])]]
+    turned = outline if back < line[0, 0] else outline[::-1]
+    return [(x, z) for x, z in turned]
 
 
 def _require_simple(joints: Floats) -> None:
