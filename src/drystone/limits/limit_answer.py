@@ -27,7 +27,7 @@ _LISTED = 12
 """Blocks that give way which are named."""
 _KINDS = {
     "equilibrium": "equilibrium",
-    "rest": "stands in the check",
+    "rest": "check",
     "uniform": "uniform stiffness",
     "robust": "every stiffness tried",
 }
@@ -289,7 +289,7 @@ class Limit(LimitValues, Answer):
             else:
                 rows.append([key])
         return {
-            "; ".join(_KINDS[key] for key in row): known["rest" if "rest" in row else row[0]]
+            ", ".join(_KINDS[key] for key in row): known["rest" if "rest" in row else row[0]]
             for row in rows
         }
 

@@ -23,8 +23,11 @@ _VERDICT_COLOUR = {
 }
 
 
-def draw_scale_bar(sheet: Sheet) -> None:
-    """A scale bar of a round length, about a sixth of the width of the drawing."""
+def draw_scale_bar(sheet: Sheet, figure: Figure | None = None) -> None:
+    """A scale bar of a round length, about a sixth of the width of the drawing.
+
+    With the figure it stands below the drawing, else in its corner.
+    """
     axes = sheet.axes
     low, high = axes.dataLim.min, axes.dataLim.max
     box = axes.get_window_extent()
@@ -34,14 +37,23 @@ def draw_scale_bar(sheet: Sheet) -> None:
     decade = 10.0 ** np.floor(np.log10(span / 6.0))
     length = decade * max(f for f in (1.0, 2.0, 5.0) if f * decade <= span / 6.0)
     share = length / span
+    level = 0.015
+    if figure is not None:
+        level = -0.8 * _strip(figure) * figure.bbox.height / box.height
     axes.plot(
-        [0.01, 0.01 + share], [0.015, 0.015], color=sheet.colours["edge"], linewidth=2.0,
+        [0.01, 0.01 + share], [level, level], color=sheet.colours["edge"], linewidth=2.0,
         transform=axes.transAxes, solid_capstyle="butt", clip_on=False,
     )  # fmt: skip
     axes.text(
-        0.01 + 0.5 * share, 0.025, quantity(float(length), "m"), transform=axes.transAxes,
+        0.01 + 0.5 * share, level + 0.01, quantity(float(length), "m"), transform=axes.transAxes,
         ha="center", va="bottom", fontsize=8, color=sheet.colours["edge"],
     )  # fmt: skip
+
+
+def _strip(figure: Figure) -> float:
+    """What the scale bar below a drawing takes of the height of a figure: 0.3 in."""
+    share: float = 0.3 / figure.get_figheight()
+    return share
 
 
 def draw_gravity(figure: Figure, sheet: Sheet) -> None:
@@ -80,18 +92,31 @@ def write_title(
         top -= 0.32 / size[1]
     facts = {**scene.facts, **stage.facts}
     asked = asked_line(facts, scene.made) if facts else ""
-    asked = asked.replace(
-        " \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}"
-    )  # no line begins with one
-    lines = textwrap.wrap(asked, characters, max_lines=2, placeholder=" ...")
-    lines += textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
+    repeated = stage.message.casefold() == stage.headline.casefold()
+    message = (
+        []
+        if repeated
+        else textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
+    )
+    lines = _wrapped(asked, characters)
+    if len(lines) > 4 - len(message):  # the date and the version are never cut
+        room = (4 - len(message)) * (characters - 12) - len(scene.made)
+        told = textwrap.shorten(asked_line(facts), room, placeholder=" ...")
+        lines = _wrapped(f"{told} \N{MIDDLE DOT} {scene.made}", characters)
+    lines += message
     figure.text(0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False)
+
+
+def _wrapped(text: str, characters: int) -> list[str]:
+    """Lines of which none begins with a dot."""
+    text = text.replace(" \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}")
+    return textwrap.wrap(text, characters, break_on_hyphens=False)
 
 
 def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
     """What the colours of blocks, the lines and the marks mean, below the drawing.
 
-    Of more than two rows the drawing leaves room.
+    Of more than two rows the drawing leaves room, and always of the scale bar.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -141,7 +166,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             break
         legend.remove()
     left, bottom, right, top = sheet.axes.get_position().extents
-    low = max(bottom, box.y1 / figure.bbox.height)
+    low = max(bottom, box.y1 / figure.bbox.height) + _strip(figure)
     sheet.axes.set_position((left, low, right - left, top - low))
 
 

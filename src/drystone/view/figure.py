@@ -220,7 +220,7 @@ def draw(
     draw_gravity(figure, sheet)
     write_title(figure, scene, shown, size, theme)
     write_legend(figure, sheet, chosen)
-    draw_scale_bar(sheet)
+    draw_scale_bar(sheet, figure)
     draw_bar(figure, sheet, chosen)
     return figure
 

@@ -167,7 +167,7 @@ def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
     out = capsys.readouterr().out
     assert "degrees about x" in out
     assert "[deg]" in out  # brackets are no markup
-    assert "equilibrium; stands in the check" in out  # three values that agree are one row
+    assert "equilibrium, check" in out  # three values that agree are one row
     assert "gives way: block-1" in out
     assert main(["limit", "sweep", model, "--directions", "2", "--equilibrium-only"]) == 0
     assert "weakest" in capsys.readouterr().out
@@ -304,6 +304,6 @@ def test_the_range_that_was_searched_is_told_and_both_sides_differ(capsys: Capsy
     said = capsys.readouterr().out
     assert "searched from 0.2 to 0.05" in said
     assert "--from and --to search another range" in said
-    row = next(line for line in said.splitlines() if "equilibrium;" in line)
+    row = next(line for line in said.splitlines() if "equilibrium," in line)
     stands, falls = row.split()[-2:]
     assert float(stands) > float(falls)

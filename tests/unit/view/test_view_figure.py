@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,25 @@ def test_an_svg_is_drawn_and_parsed_back(tmp_path: Path) -> None:
     root = ET.parse(path).getroot()
     assert root.tag == f"{SVG}svg"
     assert len(root.findall(f".//{SVG}path")) > 9
+
+
+def test_the_head_of_a_figure_ends_with_the_version_and_says_nothing_twice() -> None:
+    scene = scene_of(drystone.check(tower(2), friction=0.6))
+    scene = replace(scene, facts={**scene.facts, "Supports": ", ".join(["pier"] * 60)})
+    words = [one.get_text() for one in draw(scene, (6.0, 4.5)).texts]
+    assert [one for one in words if "stands" in one.casefold()] == ["Stands"]
+    (head,) = [one for one in words if "friction" in one]
+    assert head.count("\n") < 4
+    assert " ".join(head.split()).endswith(scene.made)
+
+
+def test_the_scale_bar_stands_below_the_blocks() -> None:
+    scene = scene_of(drystone.check(tower(2), friction=0.6))
+    figure = draw(scene, (6.0, 4.5))
+    figure.canvas.draw()
+    (axes,) = [one for one in figure.axes if one.texts]
+    (label,) = [one for one in axes.texts if one.get_text().endswith("m")]
+    assert label.get_window_extent().y1 < axes.transData.transform(axes.dataLim.min)[1]
 
 
 @pytest.mark.parametrize("suffix", ["svg", "pdf", "png"])
