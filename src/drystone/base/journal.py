@@ -161,7 +161,7 @@ def add_answers(
         Answers that are known; the others are added in the order of the items.
     journal, executor
     task, items, failed, late
-        As of :meth:`drystone.base.workers.WorkerPool.answers`.
+        As of ``WorkerPool.answers``.
     tell
         Called with the number of answers.
     """
