@@ -20,7 +20,7 @@ from drystone.io import Inspection
 from drystone.limits import limit_thickness, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
-from drystone.sequence import PlanOptions, Rules, scaffolding
+from drystone.sequence import PlanOptions, Rules, ScaffoldOptions, scaffolding
 from drystone.settlement import move_supports, push, support_response
 from drystone.view import Frame, save_page, save_report
 from drystone.view.instructions import save_instructions
@@ -29,6 +29,7 @@ from tests.page.browser import Tab
 
 STACK = drystone.Model.of(tower(3), friction=0.5)
 ARCH = drystone.Model.of(arch(0.2, 6), friction=0.7)
+WEAK = ScaffoldOptions(limit=450.0)
 PROPPED = drystone.plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
 SINKING = {"springer-right": (0.0, 0.0, -0.01)}
 
@@ -68,7 +69,10 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
     "plan": (lambda: drystone.plan(STACK), "Can be assembled without help"),
-    "plan with scaffolding": (lambda: scaffolding(PROPPED, "rope"), "Not every stage stands"),
+    "plan with scaffolding": (
+        lambda: scaffolding(PROPPED, "rope", options=WEAK),
+        "Not every stage stands",
+    ),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
     "supports that move far": (
         lambda: move_supports(ARCH, SINKING, to=0.02), "Stands with its supports moved by 20 mm"

@@ -114,7 +114,7 @@ def scaffold(
     if first is not None:
         verdict = f"{first['support']} in the order '{first['order']}' takes least"
     told = [Sentence(verdict, Role.BAD if first is None else Role.GOOD)]
-    told.extend(_failing(table, first))
+    told.extend(_failing(table, first, chosen.scaffold_options.limit))
     compared = Table("compared", dict(table.columns), dict(table.units))
     jobs = [(csv, table.to_csv)] if csv is not None else []
     return Told(
@@ -125,14 +125,16 @@ def scaffold(
     )
 
 
-def _failing(table: Table, first: Mapping[str, object] | None) -> Iterator[Sentence]:
+def _failing(table: Table, first: Mapping[str, object] | None, limit: float) -> Iterator[Sentence]:
     """Of each kind with which no order stands, that it is so, and what to use instead."""
     from drystone.answer import Role, Sentence
 
     other = "another kind" if first is None else f"--with {first['support']}"
+    within, more = (
+        (f" within {limit:g} N", " or a larger --limit") if limit < float("inf") else ("", "")
+    )
     for kind in dict.fromkeys(row["support"] for row in table):
         mine = [row for row in table if row["support"] == kind]
         if all(row["failed_stages"] > 0 and row["cost"] == row["cost"] for row in mine):
-            why = "ropes do not hold sideways; " if kind == "rope" else ""
-            said = f"{kind}: in no order tried does every stage stand; {why}use {other}"
+            said = f"{kind}: in no order tried does every stage stand{within}; use {other}{more}"
             yield Sentence(said, Role.UNSURE)

@@ -26,14 +26,15 @@ def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Pl
             np.testing.assert_allclose(layer.position + layer.vector, [one.head for one in items])
 
 
-def test_a_stage_that_ropes_do_not_hold_is_not_shown_to_stand(found: Plan) -> None:
-    made, ideal = scaffolding(found, "rope"), found.layers()
+def test_a_stage_that_slides_off_its_centring_is_not_shown_to_stand(found: Plan) -> None:
+    smooth = ScaffoldOptions(friction=0.0)
+    made, ideal = scaffolding(found, "centring", options=smooth), found.layers()
     scene = made.layers()
     assert made.failed == (2, 3)
     fails = [stage.verdict is not Verdict.STABLE for stage in scene.stages]
     assert fails == [i in made.failed for i in range(len(found.steps))] + [True]
-    assert scene.stages[2].headline == "Block 3 of 5: does not stand with ropes"
-    assert scene.stages[-1].headline.startswith("Not every stage stands with ropes")
+    assert scene.stages[2].headline == "Block 3 of 5: does not stand with centring"
+    assert scene.stages[-1].headline.startswith("Not every stage stands with centring")
     assert all(stage.verdict is Verdict.STABLE for stage in ideal.stages)
 
 
