@@ -81,10 +81,10 @@ class BlockFactor:
         steps = list(zip(self.fronts, self.factors, strict=True))
         for front, (lu, pivots, below, _) in steps:
             part = x[front.own_rows] = getrs(lu, pivots, x[front.own_rows])[0]
-            if len(front.boundary):
+            if below.size:
                 x[front.later_rows] -= below @ part
         for front, (_, _, _, coupling) in reversed(steps):
-            if len(front.boundary):
+            if coupling.size:
                 x[front.own_rows] -= coupling @ x[front.later_rows]
         solved = np.empty(right.shape)
         solved[self.order] = x.reshape(right.shape)
@@ -113,8 +113,11 @@ class BlockOrdering:
         if self.count > ONE_FRONT:
             tree = dissect(position, neighbours, width)
         self.fronts = _fronts(tree, neighbours, self.count, width)
-        sizes = (len(front.pivots) + len(front.boundary) for front in self.fronts)
-        self.largest = width * max(sizes, default=0)
+        self.sizes = [
+            (width * len(front.pivots), width * (len(front.pivots) + len(front.boundary)))
+            for front in self.fronts
+        ]
+        self.largest = max((size for _, size in self.sizes), default=0)
         added = sum(len(rows) ** 2 for front in self.fronts for _, rows in front.children)
         self.added = [self._added(front) for front in self.fronts] if added <= INDEXED else None
         self.order = np.concatenate([front.pivots for front in self.fronts] or [NONE])
@@ -162,18 +165,17 @@ class BlockOrdering:
         left: dict[int, Floats] = {}
         factors: list[tuple[Any, ...]] = []
         getrf, getrs, gemm = ROUTINES[blocks.dtype.type]
-        number_of = blocks[self.blocks]
+        number_of, bounds = blocks[self.blocks], self.bounds.tolist()
         memory = np.empty(self.largest**2, blocks.dtype)  # of one front after the other
-        for number, front in enumerate(self.fronts):
-            size = self.width * (len(front.pivots) + len(front.boundary))
-            part = slice(self.bounds[number], self.bounds[number + 1])
+        for number, (p, size) in enumerate(self.sizes):
+            part = slice(bounds[number], bounds[number + 1])
             flat = memory[: size * size]
             flat.fill(0.0)
             flat[self.entry[part]] = number_of[part]
-            for child, places in self.added[number] if self.added else self._added(front):
+            added = self.added[number] if self.added else self._added(self.fronts[number])
+            for child, places in added:
                 np.add.at(flat, places, left.pop(child).ravel(order="K"))
             whole = flat.reshape(size, size).T
-            p = self.width * len(front.pivots)
             lu, pivots, failed = getrf(whole[:p, :p])
             if failed:
                 raise SolverError(f"front {number} of the elimination is singular")
