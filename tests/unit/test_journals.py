@@ -142,6 +142,21 @@ def test_a_data_set_that_does_not_say_what_was_asked_is_refused(file: Path) -> N
             read_dataset(file.parent.parent)
 
 
+@pytest.mark.parametrize("part", ["order", "held", "falling"])
+@pytest.mark.parametrize("block", [-1, 3, 10**30])
+def test_an_order_with_blocks_that_its_structure_has_not_is_refused(
+    part: str, block: int, file: Path
+) -> None:
+    gathered(file)
+    head, first, *others = file.read_bytes().splitlines()
+    record = json.loads(first.partition(b" ")[2])
+    record[part][0] = [block]
+    text = json.dumps(record).encode()
+    file.write_bytes(b"\n".join([head, b"%08x %s" % (zlib.crc32(text), text), *others, b""]))
+    with pytest.raises(drystone.FormatError, match="is damaged: it is no such record"):
+        gathered(file)
+
+
 @WORK
 def test_a_disk_that_is_full_is_told_with_the_file_and_spoils_nothing(work, file, tmp_path) -> None:
     other = tmp_path / "other" / "orders" / file.name

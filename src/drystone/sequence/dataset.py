@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, Unpack
 
@@ -289,7 +289,7 @@ def dataset(
     tasks = [task for number, model in enumerate(given) for task in _tasks(number, model, chosen)]
     total = sum(len(task.orders) for task in tasks)
     clock, folder = Clock(time_limit_s, stop), as_path(out)
-    shards = _Shards(folder, _about(given, chosen, total))
+    shards = _Shards(folder, _about(given, chosen, total), given)
     _write_structures(folder, dict(zip(names, given, strict=True)), anew=not shards.found)
     left = _left(tasks, len(shards.found))
     with WorkerPool(executor) as pool:
@@ -330,8 +330,8 @@ def read_dataset(folder: PathLike) -> Dataset:
             "does not say what was asked of a data set", where=str(first),
             remedy="make the data set anew",
         ) from error  # fmt: skip
-    shards = _Shards(place, about)
     structures = tuple(supported_model(file) for file in files)
+    shards = _Shards(place, about, structures)
     made = len(shards.found)
     stopped = f"{made} of {total} orders" if made < total else ""
     names = tuple(file.stem for file in files)
@@ -341,8 +341,9 @@ def read_dataset(folder: PathLike) -> Dataset:
 class _Shards(OneLine):
     """The records of a folder, in files of so many."""
 
-    def __init__(self, folder: Path, about: Mapping[str, Any]) -> None:
+    def __init__(self, folder: Path, about: Mapping[str, Any], models: Sequence[Model]) -> None:
         self.folder, self.about = folder / "orders", about
+        self.read = partial(_read, [len(one) for one in models])
         self.found: list[BuiltOrder] = []
         self.journal = self._next()
         while len(self.journal.records) == SHARD:
@@ -355,7 +356,7 @@ class _Shards(OneLine):
             )  # fmt: skip
 
     def _next(self) -> Journal:
-        journal = Journal(self.folder / _shard(len(self.found) // SHARD), self.about, _read)
+        journal = Journal(self.folder / _shard(len(self.found) // SHARD), self.about, self.read)
         self.found += journal.records
         return journal
 
@@ -364,7 +365,7 @@ class _Shards(OneLine):
         while records:
             room = SHARD - len(self.found) % SHARD
             self.journal.add(records[:room])
-            self.found += [_read(one) for one in records[:room]]
+            self.found += map(self.read, records[:room])
             if len(records) >= room:
                 self.journal = self._next()
             records = records[room:]
@@ -500,14 +501,19 @@ def _in_place(order: Sequence[Sequence[int]], model: Model) -> Bools:
     return out | model.assembly.fixed
 
 
-def _read(record: Any) -> BuiltOrder:
-    """An order from its record."""
+def _read(sizes: Sequence[int], record: Any) -> BuiltOrder:
+    """An order from its record, of structures with so many blocks."""
     several = [tuple(tuple(map(int, one)) for one in record[key]) for key in ("order", "held")]
     falling = tuple(tuple(map(int, one)) for one in record["falling"])
     verdict = tuple(map(Verdict, record["verdict"]))
     margin = [float("nan") if one is None else float(one) for one in record["margin"]]
     if len({len(one) for one in (*several, verdict, margin, falling)}) > 1:
         raise LookupError("its parts have several lengths")
+    blocks = {block for one in (*several[0], *several[1], *falling) for block in one}
+    if record["structure"] not in range(len(sizes)) or blocks - {
+        *range(sizes[record["structure"]])
+    }:
+        raise LookupError("it has other blocks")
     return BuiltOrder(
         int(record["structure"]), bool(record["planned"]), several[0], several[1], verdict,
         frozen(np.array(margin)), falling,
