@@ -40,7 +40,7 @@ PEAK_MIB = 2048.0
 SMALL_RATIO, WALL_RATIO = 10.0, 100.0
 ALL_BY_ONE = 2.5
 """Aims: growth exponent, peak memory at 10,000 blocks, times faster than the peer, and
-from LARGE blocks on the time with five stiffnesses by that with the uniform one alone."""
+from LARGE blocks on the time with all stiffnesses by that with the uniform one alone."""
 
 
 @dataclass(frozen=True)

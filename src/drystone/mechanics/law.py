@@ -27,6 +27,11 @@ COHESIVE_FRICTION = 0.1
 MOBILISED = 0.999
 """Share of the bound from which on friction says nothing of how far a corner has slid."""
 
+FEW_JOINTS = 120
+"""Joints up to which a second random distribution is tried. Measured, most near their limits: of
+2,535 models with fewer joints it alone does not hold 15; of 533 with more three, which most other
+random ones hold as well."""
+
 
 @dataclass(frozen=True, eq=False)
 class FrictionResponse:
@@ -338,11 +343,14 @@ def samples(
 
     The first one has the springs with which blocks are followed. A random distribution has a
     stiffness within one decade for every interface, like joints of one building, and one slip
-    length for all.
+    length for all. Over many joints random ones are alike, and only one is tried.
 
     Parameters
     ----------
-    statics, count, seed
+    statics
+    count
+        Of them at most.
+    seed
     tangential
         kt / kn of the first one.
     """
@@ -357,7 +365,7 @@ def samples(
             yield uniform(statics, tangential=tangential)
         elif turn % 2 == 0 and turn // 2 < len(slips):
             yield uniform(statics, slip=slips[turn // 2])
-        else:
+        elif turn == 1 or joints <= FEW_JOINTS:
             normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]
             slip = 10.0 ** rng.uniform(-0.5, 1.0)
             law = SlipLength(bound, slip * load / base)

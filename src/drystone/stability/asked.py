@@ -51,6 +51,8 @@ class Asked:
         The mechanism nearest to free fall, once it is known.
     tried
         The answer of each contact stiffness, the uniform one first.
+    planned
+        How many stiffnesses there are to try.
     sensitive_to
         What the answer is known to depend on.
     spread
@@ -69,6 +71,7 @@ class Asked:
     progress: Progress | None = None
     nearest: NearestMechanism | None = None
     tried: tuple[Candidate, ...] = ()
+    planned: int = 1
     sensitive_to: frozenset[Sensitivity] = frozenset()
     spread: Candidate | None = None
     steps: int = 0
@@ -114,9 +117,9 @@ class Asked:
         The first has the springs with which blocks are followed.
         """
         options, statics = self.options, self.problem.statics
-        springs = law.samples(
-            statics, count, options.seed, tangential=options.settlement.tangential
-        )
+        tangential = options.settlement.tangential
+        springs = tuple(law.samples(statics, count, options.seed, tangential=tangential))
+        self.planned = len(self.tried) + len(springs)
         self.report("stiffness samples", 2)
         task = partial(_attempted, self.problem, self.clock, rest)
         for number, found in enumerate(pool.answers(task, springs, self.clock.late), start=1):
@@ -206,8 +209,7 @@ class Asked:
     ) -> Result:
         """STABLE with a rest state in place."""
         words = words or self.stands()
-        tried = len(self.tried)
-        left = 1 + self.options.samples - tried
+        left = self.planned - len(self.tried)
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"
         return self.answer(

@@ -11,7 +11,7 @@ from drystone.base.settings import Options
 from drystone.settlement import FlushEnds, SettlementOptions
 
 SAMPLES = 4
-"""Other contact stiffnesses that tell robust from sensitive."""
+"""Other contact stiffnesses, at most, that tell robust from sensitive."""
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,10 @@ class CheckOptions(Options):
     Attributes
     ----------
     samples
-        Number of contact stiffness distributions that are tried besides the uniform one where it
-        stands. They change no verdict; with 4 of them it is known whether it stands whichever
-        joints press more (robust), or not (sensitive).
+        Number of contact stiffness distributions that are tried at most besides the uniform one
+        where it stands. They change no verdict; with 4 of them it is known whether it stands
+        whichever joints press more (robust), or not (sensitive). With more than 120 joints one of
+        them is random, as all random ones are alike then.
     settle
         Where uniform stiffness does not decide, follow the blocks by finite steps
         (:func:`drystone.settle`); their motion gives the verdict.

@@ -139,6 +139,13 @@ def test_a_check_from_a_similar_rest_state_has_the_same_verdict_sooner():
         check(nearly, start=np.zeros((3, 6)))
 
 
+def test_over_many_joints_one_random_stiffness_is_enough():
+    model = Model.of(models.wall(7, 8), friction=0.6)
+    assert len(model.contacts) > 120
+    found = check(model, options=CheckOptions.robust())
+    assert found.message == "stands, whichever joints press more (4 contact stiffnesses tried)"
+
+
 def test_a_path_that_does_not_converge_goes_over_longer_slips():
     """Least thickness 0.1075: the path of one of five friction laws leads away, far above it."""
     model = Model.of(models.arch(0.112, 100), friction=0.8)
