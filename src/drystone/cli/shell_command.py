@@ -106,12 +106,14 @@ def shell(
     else:
         search.refuse_without_vary()
     from drystone.shells import build_shell, write_blocks
+    from drystone.shells.shell_by_name import COURSES
 
     waiting.stage("read", "building the shell")
     base = surface_of(wanted)
     told = None
     if buildable:
-        layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
+        layout = pattern.layout(base.width, COURSES)
+        body = pattern.body(wanted.thickness)
         told = find_buildable(base.shape, layout, body, pattern, friction, waiting, time_limit)
         made = build_shell(base.shape, told.layout or layout, body)
     else:

@@ -40,7 +40,7 @@ def _wedges(text: str) -> tuple[float, ...]:
 class ShellPattern:
     """How a surface is divided, and what its blocks are like."""
 
-    courses: Annotated[int | None, Option("Number of courses (12).")] = None
+    courses: Annotated[int | None, Option("Number of courses (12; 8 of three vaults).")] = None
     course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None
     partial: Annotated[
         int | None,
@@ -109,15 +109,14 @@ class ShellPattern:
             if one is not None and other is not None:
                 raise InputError("say the same thing", where=names, remedy="give one of them")
 
-    def layout(self, width: float) -> Layout:
-        """The division, with the width of blocks [m] where none is given."""
+    def layout(self, width: float, courses: int) -> Layout:
+        """The division, with the width of blocks [m] and the courses where none are given."""
         from drystone.shells import Layout
-        from drystone.shells.shell_by_name import COURSES
 
         wedge = self.wedge
         shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
         return Layout(
-            courses=COURSES if self.any_courses else self.courses,
+            courses=courses if self.any_courses else self.courses,
             height=self.course_height,
             partial=self.partial,
             blocks=self.blocks,
@@ -143,8 +142,10 @@ def shell_on(
 ) -> Shell:
     """The shell that is asked for, on its surface."""
     from drystone.shells import build_shell
+    from drystone.shells.shell_by_name import usual_courses
 
-    layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
+    layout = pattern.layout(base.width, usual_courses(wanted.surface))
+    body = pattern.body(wanted.thickness)
     return build_shell(base.shape, layout, body, progress=progress)
 
 

@@ -8,9 +8,15 @@ import pytest
 
 from drystone import io
 from drystone.cli import main
+from drystone.shells.shell_by_name import shell_by_name
 from tests.unit.cli.running import Capsys, answer
 
 DOME = ("shell", "dome", "--courses", "4", "--blocks", "8", "--thickness", "0.4")
+
+
+def test_three_vaults_can_be_built_from_their_name_alone() -> None:
+    """With the 12 courses of other surfaces blocks overlap by 0.3 mm."""
+    assert len(shell_by_name("three-vaults").voussoirs) == 183
 
 
 def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:
