@@ -108,7 +108,7 @@ def write_title(
 
 
 def _wrapped(text: str, characters: int) -> list[str]:
-    """Lines of which none begins with a dot."""
+    """Lines, and no dot at the beginning of one."""
     text = text.replace(" \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}")
     return textwrap.wrap(text, characters, break_on_hyphens=False)
 
