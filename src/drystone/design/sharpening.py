@@ -225,13 +225,15 @@ class _Sharpening:
         wanted = np.minimum(np.where(tense, sharpness + step, sharpness), self.limit)
         try:
             return wanted, self.joints.wedged(wanted)
-        except InputError:  # some block is too small: find which
+        except InputError:  # some do not fit beside the others: find which
+            fitting, model = sharpness.copy(), self.joints.wedged(sharpness)
             for k in np.flatnonzero(wanted > sharpness).tolist():
+                more = np.where(np.arange(len(wanted)) == k, wanted, fitting)
                 try:
-                    self.joints.wedged(np.where(np.arange(len(wanted)) == k, wanted, 0.0))
+                    fitting, model = more, self.joints.wedged(more)
                 except InputError:
-                    self.limit[k] = wanted[k] = sharpness[k]
-        return wanted, self.joints.wedged(wanted)
+                    self.limit[k] = sharpness[k]
+            return fitting, model
 
     def why(self, sharpness: Floats) -> str:
         """Why no sharpness holds it."""
@@ -250,8 +252,12 @@ class _Sharpening:
         return f"{told}: {what} 'drystone mend'"
 
     def holds(self, sharpness: Floats) -> bool:
-        """Whether the structure stands with a sharpness (j,)."""
-        return self.options.margin.stands(self.joints.wedged(sharpness))
+        """Whether the structure stands with a sharpness (j,); False where the parts do not fit."""
+        try:
+            model = self.joints.wedged(sharpness)
+        except InputError:
+            return False
+        return self.options.margin.stands(model)
 
 
 def _some(sharpness: Floats) -> str:

@@ -11,7 +11,7 @@ from drystone import Assembly, InputError, Model
 from drystone.cli import main
 from drystone.design import Changed, DesignMargin, SharpenOptions, sharpen
 from drystone.design.plane_joints import PlaneJoints
-from drystone.models import arch, box, tower
+from drystone.models import arch, box, shelf, tower
 
 THIN = Model.of(arch(0.08, voussoirs=4), friction=0.7)
 """It falls while its joints are plane."""
@@ -70,6 +70,13 @@ def test_wedges_that_would_take_the_same_part_of_a_block_are_refused() -> None:
     thin = Model.of(Assembly(plates).with_fixed([0]), friction=0.6)
     with pytest.raises(InputError):
         PlaneJoints.of(thin).wedged(np.full(thin.contacts.count, 30.0))
+
+
+def test_wedges_that_fit_alone_but_not_together_are_made_as_far_as_they_fit() -> None:
+    few = SharpenOptions(most=20.0, margin=DesignMargin(robust=False))
+    found = sharpen(shelf(), options=few, friction=0.9)
+    assert not found.stands
+    assert found.x.max() == 20.0
 
 
 def test_what_stands_already_is_left_as_it_is() -> None:
