@@ -75,6 +75,7 @@ GIVEN = {
     "shape": "tower.json --seismic 0.51 --most 0.5 --time-limit 1",
     "sharpen": "tower.json --seismic 0.65 --most 20",
     "shell": "barrel --courses 3 --blocks 2 --thickness 0.6",
+    "study": "tower --set count=2 --set count=3 --set friction=0.6 --set friction=0.8 --limit tilt",
     "tune": "tower --set count=2 --vary edge=0.5:1 --trials 3",
 }
 """What each command is asked; of others the first example is taken, with the files left out."""

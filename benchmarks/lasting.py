@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import gc
 import random
+import shutil
 import sys
 import tempfile
 import time
@@ -111,7 +112,7 @@ def run(rounds: int, seed: int, ends: Counter[str]) -> Iterator[tuple[int, Held]
                 ends[one(random.Random(f"{seed}-{number}"), files, folder)] += 1
                 if number + 1 in (max(1, rounds // 20), rounds // 2, rounds):
                     for path in folder.iterdir():  # the models
-                        path.unlink()
+                        shutil.rmtree(path) if path.is_dir() else path.unlink()
                     yield number + 1, Held.now()
         finally:
             tempfile.tempdir = before
