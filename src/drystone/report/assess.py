@@ -60,9 +60,9 @@ def assess(
     ['Stands', 'Stands up to 30.9 degrees about x']
     """
     model = supported_model(given, **how)
-    if limits is None:
-        varied = (*SENSITIVITY, *(["strength"] if model.contacts.capacity is not None else []))
-    asked = [limit_of_words(words, model) for words in (varied if limits is None else limits)]
+    strength = () if model.contacts.capacity is None else ("strength",)
+    varied = (*SENSITIVITY, *strength) if limits is None else limits
+    asked = [limit_of_words(words, model) for words in varied]
     if cases is not None:
         read_combinations(cases, model)  # refused before the work
     clock = Clock(time_limit_s, stop)

@@ -27,7 +27,7 @@ from drystone.base.table import Table
 from drystone.checks import block_speed
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, kept_of, supported_model
-from drystone.limits import limit_load
+from drystone.limits import Limit, limit_load
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
@@ -180,13 +180,7 @@ class LocalMechanism(Answer):
         }
         tables = [Table("kinematic method", columns)]
         if self.verifications:
-            names = ("method", "demand", "asked", "capacity", "unit")
-            rows = self.verifications
-            verified: dict[str, Any] = {
-                name: [row[i] for row in rows] for i, name in enumerate(names)
-            }
-            verified["fulfilled"] = [row[3] >= row[2] for row in rows]
-            tables.append(Table("verification", verified))
+            tables.append(_verified(self.verifications))
         if self.site is not None:
             tables.append(self.site.table())
         return tables
@@ -357,6 +351,27 @@ def _held(model: Model, along: Floats, ties: Sequence[str]) -> Model:
     return model.with_load(sum(loads[1:], loads[0]))
 
 
+def _limit_with_ties(
+    held: Model, live: LoadCase, alone: float, late: dict[str, Any]
+) -> tuple[Limit, float]:
+    """The limit beyond the acceleration [g] at which it begins: ties may pull blocks over.
+
+    ``alone`` is where it would stand without ties.
+    """
+    for starts in (0.0, alone, 2.0 * alone, 4.0 * alone):
+        model = held.with_load(held.load + starts * live)
+        limit = limit_load(model, live, upper=100.0, **late)
+        if limit.best.stands is not None:
+            break
+    return limit, starts
+
+
+def _verified(rows: Sequence[tuple[Any, ...]]) -> Table:
+    names = ("method", "demand", "asked", "capacity", "unit")
+    columns: dict[str, Any] = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+    return Table("verification", columns | {"fulfilled": [row[3] >= row[2] for row in rows]})
+
+
 def _found(
     model: Model,
     along: Floats,
@@ -368,17 +383,10 @@ def _found(
     """The mechanism of all blocks."""
     assembly = model.assembly
     live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
-    limit = limit_load(model, live, upper=100.0, **late)
-    starts = 0.0
+    limit, starts = limit_load(model, live, upper=100.0, **late), 0.0
     if ties and limit.best.stands is not None:
-        # ties may pull blocks over where no earthquake pushes: then it begins at an acceleration
-        held, alone = _held(model, along, ties), limit.best.stands
-        for starts in (0.0, alone, 2.0 * alone, 4.0 * alone):
-            model = held.with_load(held.load + starts * live)
-            limit = limit_load(model, live, upper=100.0, **late)
-            if limit.best.stands is not None:
-                break
-        model = held
+        model = _held(model, along, ties)
+        limit, starts = _limit_with_ties(model, live, limit.best.stands, late)
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")

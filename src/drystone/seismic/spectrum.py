@@ -178,17 +178,7 @@ class SeismicDemand(OneLine):
         above = ("T1", "psi", "gamma")
         more = ("edition", "state", "q", "confidence", "damping")
         top.only(("code", "ag", "soil", *more, *above, *own[code.text()]))
-        ground, soil = _acceleration(top["ag"]), top["soil"].text()
-        try:
-            if code.text() == "ec8":
-                spectrum = Spectrum.ec8(ground, soil, top.get("type", 1).integer())
-            else:
-                rise = top.get("topography", 1.0)
-                spectrum = Spectrum.ntc(
-                    ground, _positive(top["F0"]), _positive(top["TC_star"]), soil, _positive(rise)
-                )
-        except InputError as error:
-            raise top.error(error.what, error.remedy) from error
+        spectrum = _spectrum(top, code.text())
         given = [one for one in above if top.has(one)]
         if given and len(given) < len(above):
             raise top.error(f"has {given[0]}, not all of {', '.join(above)}", "give all three")
@@ -311,6 +301,18 @@ def _known(table: Field, key: str, what: str) -> Field:
         names = ", ".join(name.removeprefix("type") for name in table.value if name != "plateau")
         raise InputError(f"{what} is '{key.removeprefix('type')}'", remedy=f"give one of {names}")
     return table[key]
+
+
+def _spectrum(top: Field, code: str) -> Spectrum:
+    """That of a site."""
+    ground, soil = _acceleration(top["ag"]), top["soil"].text()
+    try:
+        if code == "ec8":
+            return Spectrum.ec8(ground, soil, top.get("type", 1).integer())
+        shape, corner = _positive(top["F0"]), _positive(top["TC_star"])
+        return Spectrum.ntc(ground, shape, corner, soil, _positive(top.get("topography", 1.0)))
+    except InputError as error:
+        raise top.error(error.what, error.remedy) from error
 
 
 def _confidence(top: Field, edition: str) -> Field:
