@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.ragged import linked
 from drystone.checks import accelerations, block_speed
 from drystone.mechanics.increments import FEW
@@ -111,23 +111,33 @@ class Problem:
         speed = float(block_speed(self.model.assembly, motion).max(initial=0.0))
         return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
 
-    def slide_by_overlap(self, displacement: Floats) -> float:
-        """Largest slide of a pressed corner by the largest overlap, of motions (n, 6) [m, rad].
+    def slides_by_overlap(self, displacement: Floats, times: float) -> bool:
+        """Whether a pressed corner slides so many times the largest overlap of its part.
 
-        By that of the same part: what stands beside a part and does not touch it says nothing of
-        it.
+        What stands beside a part and does not touch it says nothing of it. The overlap at a block
+        is no larger than that of its part: mostly it is enough already, and soon known.
+
+        Parameters
+        ----------
+        displacement : (n, 6) [m, rad]
+        times
         """
         statics = self.statics
         moved = statics.displacement(statics.scaled_motion(displacement, statics.mean_length))
         pressed = moved[:, 0] < 0.0
         a, b = statics.block_a, statics.block_b
+        block, overlap = np.maximum(a, b)[pressed], -moved[pressed, 0]
+        slide = lengths(moved[pressed, 1:])
+
+        def within(group: Ints) -> bool:
+            most = np.zeros(statics.free_count)
+            np.maximum.at(most, group, overlap)
+            return bool((slide <= times * most[group]).all())
+
+        if within(block):
+            return False
         touch = (a >= 0) & (b >= 0)
-        part = linked(a[touch], b[touch], statics.free_count)[np.maximum(a, b)[pressed]]
-        slide, overlap = np.zeros((2, statics.free_count))
-        np.maximum.at(slide, part, lengths(moved[pressed, 1:]))
-        np.maximum.at(overlap, part, -moved[pressed, 0])
-        some = overlap > 0.0
-        return float((slide[some] / overlap[some]).max(initial=0.0))
+        return not within(linked(a[touch], b[touch], statics.free_count)[block])
 
     def ground_share(self, ground: Floats) -> Floats:
         """Share (n free,) of each block's load that the ground springs (n free, 6) carry."""

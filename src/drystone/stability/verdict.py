@@ -240,7 +240,7 @@ def _doubtful(asked: Asked, rest: Candidate) -> bool:
     """
     problem, model = asked.problem, asked.problem.model
     alike = asked.tried[1] if len(asked.tried) > 1 else rest
-    if not alike.stands or problem.slide_by_overlap(alike.displacement) > SLIDES_FAR:
+    if not alike.stands or problem.slides_by_overlap(alike.displacement, SLIDES_FAR):
         return True
     falling = problem.unpressed
     if not falling.any() or beside_supports(model.assembly, model.contacts, falling):
