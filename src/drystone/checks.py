@@ -103,27 +103,26 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     assembly, contacts, load = model.assembly, model.contacts, model.load
     world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
     size = assembly.size
-    total = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
-    scale = lengths(total[:, :3]) + lengths(total[:, 3:])
+    wrench = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
+    scale = lengths(wrench[:, :3]) + lengths(wrench[:, 3:])
+    total = np.concatenate([wrench, scale[:, None]], axis=1)
     joints = contacts.corners
     pushed, strength = joints.sum(world), joints.sum(lengths(force))
     # moments about the first corner of each joint, which are then taken to the centroids
     first = contacts.point[contacts.start[:-1]]
     arm = contacts.point - first[contacts.interface]
     about_first = joints.sum(cross(arm, world))
-    for of_joint, sign in ((contacts.block_a, -1.0), (contacts.block_b, 1.0)):
-        turned = about_first + cross(first - assembly.centroid[of_joint], pushed)
-        turned /= size[of_joint, None]
-        _add(total, of_joint, sign * np.concatenate([pushed, turned], axis=1))
-        _add(scale, of_joint, strength)
-    return total, np.where(scale > 0.0, scale, 1.0)
-
-
-def _add(total: Floats, block: Ints, values: Floats) -> None:
-    """Add values (m, ...) to those of their blocks (n, ...): one by one, which is fast in numpy."""
-    width = values[0].size if len(values) else 1
-    place = width * block[:, None] + np.arange(width)
-    np.add.at(total.reshape(-1), place.ravel(), values.ravel())
+    block = np.concatenate([contacts.block_a, contacts.block_b])
+    onto = np.concatenate([-pushed, pushed])
+    arms = np.concatenate([first, first]) - assembly.centroid[block]
+    turned = np.concatenate([-about_first, about_first]) + cross(arms, onto)
+    turned /= size[block, None]
+    each = np.concatenate([strength, strength])[:, None]
+    added = np.concatenate([onto, turned, each], axis=1)
+    place = 7 * block[:, None] + np.arange(7)
+    np.add.at(total.reshape(-1), place.ravel(), added.ravel())  # one by one is fast in numpy
+    scale = total[:, 6]
+    return total[:, :6], np.where(scale > 0.0, scale, 1.0)
 
 
 def check_forces(
