@@ -36,7 +36,11 @@ class Oscillator(OneLine):
 
     @classmethod
     def of(cls, multiplier: float, weights: Floats, moved: Floats, reach: float) -> Oscillator:
-        """From weights (p,) [N] and their virtual displacements (p,) along the earthquake."""
+        """From weights (p,) [N] and their virtual displacements (p,) along the earthquake.
+
+        One weight for each body that moves as a whole, at its centroid, as the Circolare counts
+        them: a body that is divided into more blocks is the same oscillator.
+        """
         total, first, second = weights.sum(), weights @ moved, weights @ moved**2
         share = float(first**2 / (total * second)) if second > 0.0 else float("nan")
         return cls(multiplier, float(total), share, reach)

@@ -18,13 +18,14 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, seen, state_of
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
-from drystone.checks import block_speed
+from drystone.checks import block_speed, corner_motion
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, kept_of, supported_model
 from drystone.limits import Limit, limit_load
@@ -40,7 +41,7 @@ from drystone.settlement import push
 _UP = np.array([0.0, 0.0, 1.0])
 _MOVES = 1e-2
 """Share of the largest motion from which a block moves. Measured: return walls beside a facade that
-overturns move by a thousandth; counted, they change e* from 0.76 to 0.54."""
+overturns move by a thousandth; counted, they change e* from 1 to 0.54."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ class LocalMechanism(Answer):
         ``None`` where no spectrum was given.
     options
         What was asked beside the model.
+    remarks
+        Where the stiffness of joints decides.
     """
 
     model: Model
@@ -84,6 +87,7 @@ class LocalMechanism(Answer):
     how: str
     site: SeismicDemand | None = None
     options: Any = None
+    remarks: tuple[str, ...] = ()
 
     def _summary(self) -> str:
         return f"alpha0={self.oscillator.multiplier:.4g}, e*={self.oscillator.share:.4g}"
@@ -153,6 +157,10 @@ class LocalMechanism(Answer):
         moving = counted(int(np.count_nonzero(self._moving)), "block")
         said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
         said.append(Sentence(f"{moving} move; {self.how}"))
+        said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
+        if self.site is not None and self.site.confidence == 1.0:
+            full = "FC = 1: full knowledge of the building is taken (confidence in the site file)"
+            said.append(Sentence(full, Role.REMARK))
         if not math.isfinite(self.oscillator.reach):
             missing = "the displacement at which it overturns is not known"
             said.append(Sentence(missing, Role.REMARK))
@@ -391,10 +399,15 @@ def _found(
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
     motion = best.falling.mechanism
-    arms = place - assembly.centroid[block]
-    virtual = (motion[block, :3] + np.cross(motion[block, 3:], arms)) @ along
+    arms, free = place - assembly.centroid[block], len(assembly.free)
+    each = (motion[block, :3] + np.cross(motion[block, 3:], arms)) @ along
+    # a load that is shaken keeps a place of its own
+    body = np.append(_bodies(model, motion)[block[:free]], -1 - np.arange(len(block) - free))
+    _, body = np.unique(body, return_inverse=True)
+    carried = np.bincount(body, weight)
+    virtual = np.bincount(body, weight * each) / carried
     moving = np.abs(virtual) > _MOVES * np.abs(virtual).max(initial=0.0)
-    share = float(weight.sum() / weight[moving].sum())
+    share = float(carried.sum() / carried[moving].sum())
     reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
     told = "the mechanism just beyond the largest load at which it stands"
     if best is limit.equilibrium:
@@ -406,8 +419,17 @@ def _found(
         told += f"; followed: {pushed.message}"
     # between what stands and what falls nothing is known, but where the limit was computed
     begins = starts + (best.stands if best.computed is None else best.computed)
-    found = Oscillator.of(begins, weight[moving], virtual[moving], reach)
-    return LocalMechanism(model, motion, found, moved, load, told, site)
+    found = Oscillator.of(begins, carried[moving], virtual[moving], reach)
+    remarks = () if starts else tuple(limit.remarks)
+    return LocalMechanism(model, motion, found, moved, load, told, site, remarks=remarks)
+
+
+def _bodies(model: Model, motion: Floats) -> Ints:
+    """Numbers (n,) of the bodies of blocks that move as one in a motion (n, 6)."""
+    assembly, contacts = model.assembly, model.contacts
+    apart = contacts.corners.max(lengths(corner_motion(assembly, contacts, motion)))
+    whole = apart <= _MOVES * block_speed(assembly, motion).max(initial=0.0)
+    return linked(contacts.block_a[whole], contacts.block_b[whole], len(assembly))
 
 
 def _shaken(
@@ -453,13 +475,16 @@ def _turning(
     place = [assembly.centroid[chosen], applied.point[mine]]
     force = [assembly.mass[chosen, None] * applied.acceleration, applied.force[mine]]
     for text in ties:
-        at, pull = _tie(text, model, along, chosen)
-        place.append(at[None])
+        held, pull = _tie(text, model, along, chosen)
+        place.append(held[None])
         force.append(pull[None])
     couple = applied.moment[mine].sum(axis=0)
-    _, mass_place, weight, _ = _shaken(model, along, chosen, shaken)
+    _, at, weight, _ = _shaken(model, along, chosen, shaken)
+    own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
+    masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
+    weight = np.concatenate([[own.sum()], others])
     turning = Turning(
-        origin, axis, along, np.vstack(place), np.vstack(force), couple, mass_place, weight
+        origin, axis, along, np.vstack(place), np.vstack(force), couple, masses, weight
     )
     motion = np.zeros((len(assembly), 6))
     motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)

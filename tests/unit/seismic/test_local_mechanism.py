@@ -31,10 +31,9 @@ def loaded(model: Model, *loads: LoadCase) -> Model:
 
 
 def test_a_wall_of_courses_turns_about_its_edge_with_the_numbers_of_the_method() -> None:
-    """Six courses: alpha0 = b/h; P d grows with z, so e* = (sum z)^2 / (6 sum z^2) = 27/35.75."""
+    """alpha0 = b/h; one body, so that e* = 1 whatever its courses are."""
     found = local_mechanism(courses(6), part="wall-*")
-    one, mass = found.oscillator, 6 * 0.5 * 2.0 * 0.5 * 2400.0
-    share = 18.0**2 / (6.0 * sum((0.5 * i + 0.25) ** 2 * 4.0 for i in range(6)))
+    one, mass, share = found.oscillator, 6 * 0.5 * 2.0 * 0.5 * 2400.0, 1.0
     assert one.multiplier == pytest.approx(0.5 / 3.0)
     assert one.share == pytest.approx(share)
     assert one.mass == pytest.approx(share * mass)
@@ -44,6 +43,15 @@ def test_a_wall_of_courses_turns_about_its_edge_with_the_numbers_of_the_method()
     there = 0.4 * found.ultimate
     period = 2.0 * math.pi * math.sqrt(there / (found.acceleration * (1.0 - 0.16)))
     assert found.secant_period == pytest.approx(period)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_wall_is_the_same_oscillator_however_many_courses_it_has(count: int) -> None:
+    model = courses(count, high=3.0 / count)
+    for part in ("wall-*", ""):
+        found = local_mechanism(model, part=part)
+        assert found.oscillator.share == pytest.approx(1.0, abs=1e-3)
+        assert found.acceleration == pytest.approx(G * 0.5 / 3.0, rel=2e-3)
 
 
 def test_the_mechanism_that_is_found_is_that_wall_and_is_followed_until_it_overturns() -> None:
