@@ -59,6 +59,10 @@ _REPORT = Option(
 Report: TypeAlias = Annotated[Path | None, _REPORT]
 RareReport: TypeAlias = Annotated[Path | None, replace(_REPORT, expert=True)]
 
+_TITLES = Option("TOML file with the entries of the title block.", OUTPUT, kind=kinds.FILE)
+TitleBlock: TypeAlias = Annotated[Path | None, _TITLES]
+RareTitleBlock: TypeAlias = Annotated[Path | None, replace(_TITLES, expert=True)]
+
 TimeLimit: TypeAlias = Annotated[
     float | None,
     Option(

@@ -43,10 +43,7 @@ def report(
         TitleBlock,
         Of("drystone.report.TitleBlock", shown=("project", "author"), group=OUTPUT),
     ],
-    title_block: Annotated[
-        Path | None,
-        Option("TOML file with the entries of the title block.", OUTPUT, kind=kinds.FILE),
-    ] = None,
+    title_block: options.TitleBlock = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
 ) -> Told:

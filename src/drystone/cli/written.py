@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from drystone.base.table import Table
     from drystone.cli.told import Files
     from drystone.io.registry import Format
+    from drystone.report import TitleBlock
     from drystone.results import Result
 
 
@@ -33,6 +34,7 @@ class Pictures:
     cad: options.RareCad = None
     csv: options.Csv = None
     report: options.RareReport = None
+    title_block: options.RareTitleBlock = None
 
     def __post_init__(self) -> None:
         every = [getattr(self, one.name) for one in fields(self)]
@@ -41,12 +43,23 @@ class Pictures:
             raise InputError(
                 "has no picture to cut", where="--section", remedy="add --html or --png"
             )
+        if self.title_block is not None:
+            if self.report is None:
+                what, remedy = "is for a calculation report", "add --report sheet.pdf"
+                raise InputError(what, where="--title-block", remedy=remedy)
+            _ = self._about  # before any work
         if self.report is not None and self.report.suffix.lower() == ".pdf":
             from drystone.report import require_pdf
 
             require_pdf()
         if self.cad is not None and self.cad.suffix.lower() == ".3dm":
             require("rhino3dm", "cad", "writing 3dm")  # before any work
+
+    @cached_property
+    def _about(self) -> TitleBlock | None:
+        from drystone.report import TitleBlock  # reports are imported when needed
+
+        return None if self.title_block is None else TitleBlock.read(self.title_block)
 
     def require_through(self, assembly: Assembly) -> None:
         """Refuse a section beside the model, before any work.
@@ -78,7 +91,7 @@ class Pictures:
         if self.report is not None:
             from drystone.report import write_report  # as above
 
-            jobs.append((self.report, partial(write_report, answer)))
+            jobs.append((self.report, partial(write_report, answer, about=self._about)))
         return jobs, []
 
 

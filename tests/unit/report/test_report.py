@@ -267,3 +267,12 @@ def test_the_strength_that_mortar_which_pulls_needs_is_that_of_a_linear_pressure
     found = drystone.check(tower(2), friction=0.6, joint_capacity=mortar, load=push)
     assert found.message == "stands on its mortar, uncracked"
     assert least_strength(found)[0] == pytest.approx(2400.0 * 9.81 * 4.6)
+
+
+def test_reports_of_other_commands_have_a_title_block_too(bridge: Path, tmp_path: Path) -> None:
+    about, out = tmp_path / "about.toml", tmp_path / "sheet.html"
+    about.write_text('author = "A. Mason"\n')
+    asked = ["inspect", str(bridge), "--title-block", str(about)]
+    assert main(asked) == 2
+    assert main([*asked, "--report", str(out)]) == 0
+    assert "A. Mason" in out.read_text()
