@@ -255,7 +255,11 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
             core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
         if core.is_empty:
             continue
-        kept = [p for p in parts_of(shape, "Polygon") if p.intersects(core)]
+        kept: list[shapely.Polygon] = []
+        for one in parts_of(shape, "Polygon"):
+            # a strip of rounding may join what a cover divides
+            wide = [part for part in parts_of(core, "Polygon") if part.intersects(one)]
+            kept += wide if len(wide) > 1 else [one] * len(wide)
         left += [
             loop[0] + ring @ frame[1:] for part in kept for ring in rings_of(part, near * near)
         ]

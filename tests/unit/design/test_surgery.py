@@ -43,7 +43,7 @@ CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
 """A change of the joint of two unit cubes, and the areas of the joint that it makes."""
 
 
-@pytest.mark.parametrize("turned", [0.0, 33.0])
+@pytest.mark.parametrize("turned", [0.0, 2.3, 33.0])
 @pytest.mark.parametrize(("change", "values", "areas"), CHANGES)
 def test_a_joint_cut_anew_keeps_the_volume_and_has_the_area_of_its_planes(
     change: Callable[..., Model], values: tuple[Any, ...], areas: list[float], turned: float
