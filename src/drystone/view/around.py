@@ -85,9 +85,12 @@ def write_title(
     characters = max(20, int(size[0] * 11.0))  # up to the colour bar
     top = 0.975
     if stage.headline:
+        room = 0.75 * characters  # of letters of 13 points; a verdict may stand at the end
+        points = 13.0 * min(1.0, max(0.65, room / len(stage.headline)))
+        told = textwrap.shorten(stage.headline, int(room * 13.0 / points), placeholder=" ...")
         figure.text(
-            0.02, top, textwrap.shorten(stage.headline, int(0.75 * characters), placeholder=" ..."),
-            fontsize=13, fontweight="bold", color=colour, va="top", parse_math=False,
+            0.02, top, told, fontsize=points, fontweight="bold", color=colour, va="top",
+            parse_math=False,
         )  # fmt: skip
         top -= 0.32 / size[1]
     facts = {**scene.facts, **stage.facts}

@@ -57,6 +57,15 @@ def test_the_head_of_a_figure_ends_with_the_version_and_says_nothing_twice() -> 
     assert " ".join(head.split()).endswith(scene.made)
 
 
+def test_a_long_headline_is_smaller_and_keeps_its_end() -> None:
+    scene = scene_of(drystone.check(tower(2), friction=0.6))
+    long = "A mechanism begins at 0.12 g: verification linear not fulfilled"
+    stages = tuple(replace(one, headline=long) for one in scene.stages)
+    (head,) = [one for one in draw(replace(scene, stages=stages), (6.0, 4.5)).texts
+               if one.get_text() == long]  # fmt: skip
+    assert head.get_fontsize() < 13.0
+
+
 def test_the_scale_bar_stands_below_the_blocks() -> None:
     scene = scene_of(drystone.check(tower(2), friction=0.6))
     figure = draw(scene, (6.0, 4.5))
