@@ -269,3 +269,54 @@ def test_the_verdict_of_a_bridge_is_that_of_its_strength():
     assert weak.falls
     assert "crushes" in weak.message
     assert check(model.without_crushing().with_load(model.load + 164.0 * axle)).stable
+
+
+def test_an_arch_of_mortar_that_cracks_has_an_answer_at_every_strength() -> None:
+    """The parts of its faces are refined to the last round; stronger stone never falls first."""
+    model = Model.of(drystone.models.arch(0.2, voussoirs=9), friction=0.7)
+    live = LoadCase.point_load(model.assembly, "voussoir-04", (0.0, 0.0, -1285.55))
+    model = model.with_load(model.load + live)
+    stands = [
+        check(
+            model.with_capacity(
+                JointCapacity.of_stress(
+                    model.contacts, tension=7e3, cohesion=14e3, compression=strength
+                )
+            )
+        ).stable
+        for strength in (1e5, 2e5, 4e5, 2e6)
+    ]
+    assert stands == [False, True, True, True]
+
+
+def test_a_cracked_column_carries_the_stress_block_around_its_load() -> None:
+    """2 e / b + N / (f A) = 1.1336: it carries 0.882 of the load."""
+    base, blocks = box((2, 2, 1), (-1, -1, -1), "base"), []
+    for i in range(2):
+        blocks.append(box((1.0, 0.5, 0.5), (-0.5, -0.25, 0.5 * i), f"b{i}"))
+    model = Model.of(Assembly((base, *blocks), [True, False, False]), friction=0.6)
+    load = LoadCase.point_load(model.assembly, "b1", (0.0, 0.0, -3698.0), at=(0.111, 0.0, 1.0))
+    capacity = JointCapacity.of_stress(
+        model.contacts, tension=948.5, cohesion=2634.0, compression=8113.8
+    )
+    found = check(model.with_load(load).with_capacity(capacity))
+    assert found.falls
+    assert "only 0.88 of them" in found.message
+
+
+def test_a_column_that_is_pulled_off_its_mortar_falls() -> None:
+    """1,081.6 N by 0.5 m2 and its moment: 2.82 kPa for 2.43 that the mortar has."""
+    base, blocks = box((2, 2, 1), (-1, -1, -1), "base"), []
+    for i in range(2):
+        blocks.append(box((1.0, 0.5, 0.5), (-0.5, -0.25, 0.5 * i), f"b{i}"))
+    model = Model.of(Assembly((base, *blocks), [True, False, False]), friction=0.5669249032534002)
+    at = (0.05074011540175403, 0.0, 1.0)
+    pull = (55.78579351714582, 0.0, 1081.6080050251383)
+    load = LoadCase.point_load(model.assembly, "b1", pull, at=at)
+    capacity = JointCapacity.of_stress(
+        model.contacts,
+        tension=2427.810984290436,
+        cohesion=8383.492138355403,
+        compression=47726.163235113694,
+    )
+    assert check(model.with_load(load).with_capacity(capacity)).falls

@@ -305,14 +305,14 @@ def solved(
     Where joints crush it is built and solved again, with more parts of their faces, until these add
     nothing or the value is ``enough``.
     """
-    program, steps = build(statics), 0
+    steps, finer = 0, statics
     for _ in range(_ROUNDS):
+        statics, program = finer, build(finer)
         raw = program.solve(options, stop=stop)
         steps += raw.iterations
-        finer = _finer(statics, program, raw, enough)
-        if finer is None:
+        finer = _finer(statics, program, raw, enough) or statics
+        if finer is statics:
             break
-        statics, program = finer, build(finer)
     raw = replace(raw, iterations=steps)
     if vertex and raw.status is ConicStatus.SOLVED:
         raw = program.at_vertex(raw, ConicOptions.of(options).time_limit_s)

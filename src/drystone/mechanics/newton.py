@@ -108,9 +108,12 @@ def newton(equation: Equation[P, S], point: P, steps: Steps) -> tuple[P, bool, i
             return point, True, number
         if equation.lost(sizes, point):
             return point, False, number
-        renew = not number or sizes[-1] * (
-            sizes[-1] / sizes[-2]
-        ) ** steps.chords > equation.tolerance(point)
+        # nothing may have been left before the law became less relaxed: then no rate is known
+        renew = (
+            not number
+            or not sizes[-2]
+            or sizes[-1] * (sizes[-1] / sizes[-2]) ** steps.chords > equation.tolerance(point)
+        )
         try:
             step = equation.step(point, renew)
         except SolverError:
