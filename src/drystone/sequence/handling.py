@@ -165,6 +165,14 @@ class Handling(Answer):
         """The stages of the plan."""
         return self.plan.layers()
 
+    def props_during(self, hold: Hold) -> tuple[str, ...]:
+        """Names of the blocks in place before a hold that stay propped until it ends."""
+        names, steps = self.model.assembly.names, self.plan.steps
+        number = self.plan.step_of[names.index(hold.name)]
+        before = steps[number - 1].props if number else ()
+        stay = dict.fromkeys((*before, *steps[number].props))
+        return tuple(names[block] for block in stay if block not in steps[number].blocks)
+
     def numbers(self) -> Mapping[str, Any]:
         """Robots, placements, holds and props; lengths in m, masses in kg, forces in N."""
         return {
@@ -172,24 +180,18 @@ class Handling(Answer):
             "version": 2,
             "robots": plain(self.robots),
             "placements": plain(self.placements),
-            "holds": plain(self.holds),
+            "holds": [{**plain(one), "props": self.props_during(one)} for one in self.holds],
             "props": plain(self.plan.numbers()["props"]),
             "notes": list(self.notes),
         }
 
     def table(self) -> Table:
         """A row per placement: robot, mass, position, path, grips, hold, props and margins."""
-        held = {one.name: one for one in self.holds}
-        rows = [_row(one, held.get(one.name)) for one in self.placements]
+        held = {one.name: (one, " ".join(self.props_during(one))) for one in self.holds}
+        rows = [_row(one, *held.get(one.name, (None, ""))) for one in self.placements]
         columns = {key: [row[key] for row in rows] for key in rows[0]} if rows else {"step": []}
-        units = {
-            "mass": "kg",
-            "reach_left": "m",
-            "at": "m",
-            "grip": "m",
-            "hold": "N",
-            "tilt": "deg",
-        }
+        units = dict.fromkeys(("reach_left", "at", "grip"), "m")
+        units |= {"mass": "kg", "hold": "N", "tilt": "deg"}
         return Table("handling", columns, {key: units[key] for key in columns if key in units})
 
     def save_json(self, path: PathLike) -> None:
@@ -360,7 +362,7 @@ def _placed(
     )
 
 
-def _row(one: Placement, hold: Hold | None) -> dict[str, object]:
+def _row(one: Placement, hold: Hold | None, kept: str) -> dict[str, object]:
     told: dict[str, object] = {
         "step": one.step + 1,
         "block": one.name,
@@ -376,6 +378,7 @@ def _row(one: Placement, hold: Hold | None) -> dict[str, object]:
         "grip": one.pairs[0][2] if one.pairs else np.nan,
         "held_until": "" if hold is None else hold.until,
         "hold": 0.0 if hold is None else float(np.linalg.norm(hold.force)),
+        "props_during_hold": kept,
         "props": " ".join(one.props),
         "friction_used": one.friction_used,
     }

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, plan
+from drystone import InputError, Model, Structure, plan
 from drystone.models import arch, bayonet, bridge, tower
 from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, take_turns
 from drystone.sequence.freedom import Joints
@@ -99,6 +99,25 @@ def test_a_placement_says_how_a_cell_places_it(tmp_path):
     assert [row["status"] for row in rows] == [one.status for one in work.placements]
     assert float(rows[0]["tilt [deg]"]) == known.stages[0].tilt
     assert float(rows[0]["insertion_z"]) == pytest.approx(work.placements[0].insertion[2])
+
+
+def test_props_of_the_step_before_stay_while_a_block_is_held():
+    """With them and the hold what is in place stands; without them some of it falls."""
+    found = plan(arch(0.2, 9), friction=0.5, options=PlanOptions(rules=Rules(hands=3)))
+    work = handling(found, [LEFT, RIGHT])
+    names, structure = found.model.assembly.names, Structure(found.model.model)
+    without = []
+    for hold in work.holds:
+        number = found.step_of[names.index(hold.name)]
+        placed = found.steps[number].blocks
+        held = placed[: placed.index(names.index(hold.name)) + 1]
+        here = [i for i in range(len(names)) if found.before(number) >> i & 1] + [*held]
+        stay = [names.index(one) for one in work.props_during(hold)]
+        assert structure.stands(here, held=[*held, *stay]).stands
+        without.append(structure.stands(here, held=held).stands)
+    assert without == [True, False, False]
+    told = [one["props"] for one in work.to_dict()["holds"]]
+    assert [tuple(one) for one in told] == [work.props_during(one) for one in work.holds]
 
 
 def test_json_and_csv_hold_what_was_found(tmp_path):
