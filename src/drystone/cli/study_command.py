@@ -15,7 +15,7 @@ from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
     from drystone.base.files import Job
 
@@ -77,6 +77,8 @@ def study(
     if limit:
         measures(limit)
     build, parameters = _asked(subject, set)
+    _require_drawn(parameters, "--png", png, (1, 2))
+    _require_drawn(parameters, "--map", map, (2,))
     waiting.stage("solve", "studying")
     with waiting.keywords(time_limit, workers) as common:
         found = studied(build, parameters, limit=limit or "", out=out, **common)
@@ -93,6 +95,18 @@ def study(
     shown = Table(found.title, columns, found.units)
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
     return Told(told, subject=subject, files=lambda: (jobs, []))
+
+
+def _require_drawn(
+    parameters: Mapping[str, Sequence[Any]], where: str, path: Path | None, counts: Sequence[int]
+) -> None:
+    """Refuse a picture of as many parameters as it cannot draw, before any work."""
+    varied = sum(len(values) > 1 for values in parameters.values()) or len(parameters)
+    if path is not None and varied not in counts:
+        raise InputError(
+            f"draws {' or '.join(map(str, counts))} varying parameters, not {varied}", where=where,
+            remedy="give others one value, or leave it out; --csv has every row",
+        )  # fmt: skip
 
 
 def _asked(subject: str, texts: tuple[str, ...]) -> tuple[Any, dict[str, list[Any]]]:
@@ -129,4 +143,5 @@ def _range(text: str) -> list[str]:
         raise InputError(f"'{text}' is not FROM:TO:COUNT", where="--set") from error
     if count < 2:
         raise InputError(f"{count} values are no range", where="--set", remedy="give two or more")
-    return [repr(first + (last - first) * i / (count - 1)) for i in range(count)]
+    values = [first + (last - first) * i / (count - 1) for i in range(count)]
+    return [repr(int(one) if one.is_integer() else one) for one in values]

@@ -190,5 +190,11 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert len(lines) == 5
     assert (tmp_path / "study.html").exists()
     assert main(["study", "tower", "--set", "edge=1:2"]) == 2
+    out = ["--out", str(tmp_path / "one.jsonl"), "--map", str(tmp_path / "one.png")]
+    assert main(["study", "tower", "--set", "count=2:3:2", *out]) == 2
+    assert "--map: draws 2 varying parameters, not 1" in capsys.readouterr().err
+    assert not (tmp_path / "one.jsonl").exists()  # refused before the work
+    assert main(["study", "tower", "--set", "count=2:3:2"]) == 0
+    assert "2 rows, 0 refused" in capsys.readouterr().out
     assert main(["study", "tower"]) == 2
     assert "--set: is missing" in capsys.readouterr().err
