@@ -13,6 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
+from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.projection import held_still
@@ -24,6 +25,7 @@ from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
+from drystone.solvers.conic import ConicSolution
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
 from drystone.stability.touching_edges import unless_edges_hold
@@ -35,6 +37,24 @@ is bisected."""
 _STEPS = 100
 """Steps of one program. Those that end with an answer take about 40; very near the limit others end
 without one, whatever their number."""
+
+
+BALANCED = 1e-6
+"""Largest residual of a state of equilibrium that is reported, dimensionless."""
+
+
+def balanced(
+    model: Model, force: Floats, raw: ConicSolution, message: str, mechanism: Floats | None = None
+) -> Result | None:
+    """Forces (k, 3) [N] of a program as a result; None where they do not balance the loads."""
+    residuals = check_forces(model, force)
+    if max(residuals.equilibrium, residuals.tension) > BALANCED:
+        return None
+    return Result(
+        method="rbe", verdict=Verdict.EQUILIBRIUM_EXISTS, model=model, message=message,
+        force=force, mechanism=mechanism, residuals=residuals, solver=raw.solver,
+        iterations=raw.iterations,
+    )  # fmt: skip
 
 
 def rbe(

@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from drystone.answer import Verdict
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
-from drystone.checks import check_forces, mechanism_defects
+from drystone.checks import mechanism_defects
 from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
 from drystone.formulations.projection import held_still
-from drystone.limits.bounds import scaled_wrench
+from drystone.limits.bounds import balanced, scaled_wrench
 from drystone.limits.limit_types import LimitOptions
 from drystone.loads import LoadCase, Train
 from drystone.loads.fill import Tops
@@ -25,8 +24,6 @@ from drystone.results import Result
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import MECHANISM_TOLERANCE
 
-_BALANCED = 1e-6
-"""Largest residual of forces that count, dimensionless."""
 _BEYOND = 1e-3
 """Share of the factor beyond it at which the mechanism is checked."""
 
@@ -191,21 +188,9 @@ class Crossing:
         problem = self.problem
         model = problem.model.with_load(self._loaded(placed, found.factor, found.reserve))
         force = problem.force(found.state.force)
-        residuals = check_forces(model, force)
-        if max(residuals.equilibrium, residuals.tension) > _BALANCED:
-            return None
         mechanism = problem.mechanism(found.state.multiplier)
-        return Result(
-            method="rbe",
-            verdict=Verdict.EQUILIBRIUM_EXISTS,
-            model=model,
-            message="the largest load that forces balance, and how it gives way beyond",
-            force=force,
-            mechanism=mechanism,
-            residuals=residuals,
-            solver=found.state.raw.solver,
-            iterations=found.state.raw.iterations,
-        )
+        words = "the largest load that forces balance, and how it gives way beyond"
+        return balanced(model, force, found.state.raw, words, mechanism)
 
     def falls(self, placed: PlacedTrain) -> bool:
         """Whether the mechanism proves that no forces balance a thousandth more.

@@ -8,23 +8,20 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, Sentence, Verdict
+from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
-from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, as_model
+from drystone.limits.bounds import BALANCED, balanced
 from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.conic import ConicStatus
-
-CHECKED = 1e-6
-"""Largest residual of a state of equilibrium that is reported, dimensionless."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +147,7 @@ def thrust_bounds(
         if state is None:
             return float("nan"), None
         value = float((price * solution.force).sum())
-        if abs(value) < CHECKED:  # as far from equilibrium as the forces may be
+        if abs(value) < BALANCED:  # as far from equilibrium as the forces may be
             value = 0.0
         return statics.force_unit * value, state
 
@@ -169,16 +166,4 @@ def _state(
         return None
     force = np.zeros((model.contacts.corner_count, 3))
     force[active[model.contacts.interface]] = force_unit * solution.force
-    residuals = check_forces(model, force)
-    if residuals.equilibrium > CHECKED or residuals.tension > CHECKED:
-        return None
-    return Result(
-        method="rbe",
-        verdict=Verdict.EQUILIBRIUM_EXISTS,
-        model=model,
-        message="an extreme of the forces that balance the loads",
-        force=force,
-        residuals=residuals,
-        solver=solution.raw.solver,
-        iterations=solution.raw.iterations,
-    )
+    return balanced(model, force, solution.raw, "an extreme of the forces that balance the loads")
