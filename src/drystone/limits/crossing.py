@@ -112,6 +112,16 @@ class Crossing:
         free = ~self.problem.model.assembly.fixed
         return np.flatnonzero(free & self.resisting.any(axis=1))
 
+    @cached_property
+    def _reserve(self) -> sparse.csc_matrix | None:
+        """What the fill resists at each of these blocks as a column, in the units of a program."""
+        each = []
+        for block in self.resisted.tolist():
+            alone = np.zeros_like(self.resisting)
+            alone[block] = self.resisting[block]
+            each.append(scaled_wrench(self.problem.statics, LoadCase(alone)).ravel())
+        return sparse.csc_matrix(np.array(each).T) if each else None
+
     def __call__(self, place: float) -> PlacedTrain:
         """The largest factor of the train at a place: the lesser one of both ways it may move."""
         return min((self._placed(place, one) for one in self.train.ways), key=_factor)
@@ -164,20 +174,11 @@ class Crossing:
         return best
 
     def _largest(self, live: LoadCase) -> FactorSolution:
-        statics = self.problem.statics
-        count, each = len(self.problem.model.assembly), []
-        for block in self.resisted.tolist():
-            alone = np.zeros((count, 6))
-            alone[block] = self.resisting[block]
-            each.append(scaled_wrench(statics, LoadCase(alone)).ravel())
-        wrench = scaled_wrench(statics, live)
+        wrench = scaled_wrench(self.problem.statics, live)
         if not wrench.any():
             raise InputError("no axle is on a free block", remedy="give fewer steps")
         return solve_load_factor(
-            statics,
-            wrench,
-            cone=self.options.cone,
-            reserve=sparse.csc_matrix(np.array(each).T) if each else None,
+            self.problem.statics, wrench, cone=self.options.cone, reserve=self._reserve
         )
 
     def result(self, placed: PlacedTrain) -> Result | None:
