@@ -364,7 +364,7 @@ class Result(Solution, Answer):
         joint
             As in :meth:`joints`.
         interface
-            Position in :attr:`contacts`.
+            Position in ``contacts``.
         block_a, block_b
             Names.
         point [m]
