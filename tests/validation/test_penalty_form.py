@@ -176,6 +176,17 @@ def test_the_pull_and_where_it_is_needed_are_those_of_eq_58(
     assert set(found.falling_names) == needy
 
 
+def test_eq_58_holds_by_tension_what_slides_without_opening_a_joint_and_ours_does_not() -> None:
+    model = Model.of(models.two_blocks_on_incline(40.0), friction=0.3)
+    press, pull = Program.of(model).solve()
+    assert pull.sum() > 1.0
+    # pulls let other corners press as much as friction needs; the sum is what the slope carries
+    assert (press - pull).sum() == pytest.approx(np.cos(np.radians(40.0)), rel=1e-6)
+    found = solve_cra_penalty(model)
+    assert found.tension == pytest.approx(0.0)
+    assert found.falling_names == ("upper",)
+
+
 def test_where_eq_58_needs_no_pull_nothing_needs_help() -> None:
     model = stepped(0.4)
     press, pull = Program.of(model).solve()

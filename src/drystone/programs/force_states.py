@@ -11,13 +11,14 @@ import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, Verdict
 from drystone.answer.drawing import areas, interface_layers
-from drystone.base.arrays import Bools, Floats, Ints, number
+from drystone.base.arrays import Bools, Floats, Ints, lengths, number
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.units import quantity
+from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
@@ -26,7 +27,7 @@ from drystone.io.registry import read_file
 from drystone.joints import by_joint
 from drystone.model import Model
 from drystone.programs.cra import solve_cra
-from drystone.programs.penalty import PenaltyOptions, solve_cra_penalty
+from drystone.programs.penalty import HELD, PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.programs.virtual_words import virtual_contacts
 from drystone.results import Result
@@ -71,10 +72,25 @@ class Forces(Answer):
         result, contacts = self.result, self.contacts
         if result.tension is None or result.force is None:
             return np.zeros(contacts.joints.count)
-        least = _PULLS * float(np.abs(result.force).max(initial=0.0))
+        least = self._small(result.force)
         some = np.where(result.tension > least, result.tension, 0.0)
         owner = contacts.joint[contacts.interface]
         return np.bincount(owner, some, contacts.joints.count).astype(np.float64)
+
+    def _small(self, force: Floats) -> float:
+        """What counts as no force [N]: by the largest one, or the largest load of a free block."""
+        load = self.model.load.wrench[~self.assembly.fixed, :3]
+        return _PULLS * max(float(np.abs(one).max(initial=0.0)) for one in (force, load))
+
+    @cached_property
+    def unheld(self) -> tuple[str, ...]:
+        """Names of the blocks that the penalty form does not hold: no joint of theirs opens."""
+        force = self.result.force
+        if self.form != "penalty" or force is None:
+            return ()
+        total, scale = unbalanced_wrench(self.model, force)
+        loose = ~self.assembly.fixed & (lengths(total) > HELD * scale)
+        return tuple(self.assembly.names[i] for i in np.flatnonzero(loose))
 
     @cached_property
     def friction(self) -> Floats:
@@ -82,7 +98,7 @@ class Forces(Answer):
         result = self.result
         found, _ = by_joint(self.contacts, result.resultants, result.utilisation)
         normal = np.maximum(found.normal, 0.0)
-        small = _PULLS * float(np.abs(found.force).max(initial=0.0))
+        small = self._small(found.force)
         rubs = np.where(found.tangential > small, found.tangential, 0.0)
         needed: Floats = np.divide(rubs, normal, out=np.where(rubs > 0.0, np.inf, 0.0),
                                    where=normal > small)  # fmt: skip
@@ -103,15 +119,21 @@ class Forces(Answer):
     @property
     def title(self) -> str:
         """Whether compression alone balances the loads."""
+        if self.result.force is None and self.result.stopped:
+            return "No forces were found before the end"
         if self.result.force is None:
             return "No forces fit a motion" if self.form == "cra" else "No forces balance the loads"
         if not self._balanced:
             return "These forces do not balance the loads"
-        pulled = int((self.pull > 0.0).sum())
+        pulled, loose = int((self.pull > 0.0).sum()), self.unheld
+        beside = f"hold {loose[0]}" if len(loose) == 1 else f"hold {len(loose)} blocks"
         if pulled:
             joints = counted(self.contacts.joints.count, "joint")
             most = quantity(float(self.pull.sum()), "N")
-            return f"Tension is needed: {most} in {pulled} of {joints}"
+            told = f"Tension is needed: {most} in {pulled} of {joints}"
+            return f"{told}; it does not {beside}" if loose else told
+        if loose:
+            return f"Tension in the joints does not {beside}"
         told = "Compression alone balances the loads"
         over = len(self._over)
         if not over:
@@ -121,7 +143,8 @@ class Forces(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """Whether compression is enough, what the method said, and the friction."""
         found = self.result.force is not None
-        good = found and self._balanced and not self.pull.any() and not len(self._over)
+        held = self._balanced and not self.pull.any() and not self.unheld
+        good = found and held and not len(self._over)
         said = [
             Sentence(self.title, Role.GOOD if good else Role.BAD),
             Sentence(self.result.message),

@@ -9,7 +9,15 @@ import pytest
 import drystone
 from drystone import InputError, Model
 from drystone.cli import main
-from drystone.models import arch, buttressed_arch, overhang, shelf, tower, two_blocks_on_incline
+from drystone.models import (
+    arch,
+    buttressed_arch,
+    h_model,
+    overhang,
+    shelf,
+    tower,
+    two_blocks_on_incline,
+)
 from drystone.programs import FrictionCone, FrictionRule, Objective, RBEOptions, find_forces
 
 LEVEL = Model.of(two_blocks_on_incline(0.0), friction=0.8)
@@ -71,6 +79,21 @@ def test_the_threshold_is_held_against_the_resultant_and_not_the_corners() -> No
         keys = {layer.key for layer in found.layers().stages[0].layers}
         assert ("within" in keys, "beyond" in keys) == (code == 0, code == 1)
         assert "joint-force" not in keys
+
+
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [
+        (Model.of(two_blocks_on_incline(40.0), friction=0.3), "upper"),
+        (Model.of(h_model(), friction=0.84), "block"),
+    ],
+)
+def test_tension_holds_no_block_that_slides_along_its_joints(model: Model, name: str) -> None:
+    found = find_forces(model, form="penalty")
+    assert found.unheld == (name,)
+    assert found.title == f"Tension in the joints does not hold {name}"
+    assert found.code == 1
+    assert not found.pull.any()
 
 
 def test_friction_net_has_no_forces_where_friction_plus_pulls() -> None:
