@@ -21,13 +21,14 @@ import numpy as np
 
 from benchmarks.field.solve_mujoco import moved
 from benchmarks.machine import description
+from benchmarks.niche import niche
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from benchmarks.tables import TABLES, write_table
 from drystone import Model
 from drystone.base.files import write_bytes
 from drystone.io.mjcf import mjcf_text
 from drystone.models import bridge
-from drystone.reproduce.assembly_cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
 STAYS = 0.01

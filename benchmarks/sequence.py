@@ -18,6 +18,7 @@ from typing import TypeAlias
 import numpy as np
 
 from benchmarks.machine import description
+from benchmarks.niche import niche
 from benchmarks.tables import TABLES, write_table
 from drystone import Assembly, Contacts, LoadCase
 from drystone.checks import check_forces
@@ -34,7 +35,7 @@ from drystone.models import (
     tower,
     winding_column,
 )
-from drystone.reproduce.assembly_cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import ring_dome
 from drystone.sequence import (
     Order,
     Plan,

@@ -2,10 +2,11 @@
 
 import pytest
 
+from benchmarks.niche import niche
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Assembly, Model, find_contacts, plan
 from drystone.models import arch
-from drystone.reproduce.assembly_cases import niche, ring_dome
+from drystone.reproduce.assembly_cases import ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Rules, Stage, Status
 
 

@@ -163,7 +163,7 @@ def reproduce(
     section: Annotated[
         str | None,
         Argument(
-            "SECTION", "Section of Kao 2023, such as 7.2.4, or all; lists them when left out."
+            "SECTION", "Section of Kao 2023, such as 7.2.4, 7.2 or all; lists them when left out."
         ),
     ] = None,
     out: Annotated[
@@ -187,17 +187,16 @@ def reproduce(
         if out is not None:
             raise InputError("no section is named", remedy="write a section or all before --out")
         return Told(cases.sections(), subject="sections of Kao 2023", everything=True)
-    if section != "all" and section not in cases.SECTIONS:
-        cases.reproduce(section)  # says which there are
+    names = cases.sections_of(section)
     found: list[Case] = []
     written: list[str] = []
     left: list[Sentence] = []
-    for name in cases.SECTIONS if section == "all" else [section]:
+    for name in names:
         waiting.stage("solve", f"section {name}")
         try:
             found.append(cases.reproduce(name))
         except MissingDependency as error:
-            if section != "all":
+            if len(names) == 1:
                 raise
             left.append(Sentence(f"section {name} is left out: {error}", Role.REMARK))
             continue

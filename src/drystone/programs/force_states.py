@@ -37,6 +37,9 @@ _PULLS = 1e-5
 rounding of interior points: 7e-7 where tension costs a million times as much."""
 
 
+_ALONE = "Compression alone balances the loads"
+
+
 @dataclass(frozen=True, eq=False)
 class Forces(Answer):
     """Forces in the joints, with tension where there is no other way.
@@ -119,12 +122,21 @@ class Forces(Answer):
     @property
     def title(self) -> str:
         """Whether compression alone balances the loads."""
-        if self.result.force is None and self.result.stopped:
-            return "No forces were found before the end"
         if self.result.force is None:
-            return "No forces fit a motion" if self.form == "cra" else "No forces balance the loads"
+            missing = "fit a motion" if self.form == "cra" else "balance the loads"
+            return f"No forces {'were found in time' if self.result.stopped else missing}"
         if not self._balanced:
             return "These forces do not balance the loads"
+        if self.pull.any() or self.unheld:
+            return self._with_tension()
+        told = _ALONE
+        over = len(self._over)
+        if not over:
+            return told
+        return f"{told}, with more friction than {self.threshold:g} in {counted(over, 'joint')}"
+
+    def _with_tension(self) -> str:
+        """How much tension is needed, and what it does not hold."""
         pulled, loose = int((self.pull > 0.0).sum()), self.unheld
         beside = f"hold {loose[0]}" if len(loose) == 1 else f"hold {len(loose)} blocks"
         if pulled:
@@ -132,19 +144,12 @@ class Forces(Answer):
             most = quantity(float(self.pull.sum()), "N")
             told = f"Tension is needed: {most} in {pulled} of {joints}"
             return f"{told}; it does not {beside}" if loose else told
-        if loose:
-            return f"Tension in the joints does not {beside}"
-        told = "Compression alone balances the loads"
-        over = len(self._over)
-        if not over:
-            return told
-        return f"{told}, with more friction than {self.threshold:g} in {counted(over, 'joint')}"
+        return f"Tension in the joints does not {beside}"
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether compression is enough, what the method said, and the friction."""
         found = self.result.force is not None
-        held = self._balanced and not self.pull.any() and not self.unheld
-        good = found and held and not len(self._over)
+        good = self.title == _ALONE
         said = [
             Sentence(self.title, Role.GOOD if good else Role.BAD),
             Sentence(self.result.message),
@@ -283,7 +288,7 @@ def find_forces(
         bounds the forces at corners.
     virtual
         Joints that are reduced: to their kern, to a share such as 0.5, or towards a side such as
-        -z=0.2; of all blocks or of those named behind an @.
+        -z=0.2, in or out (of an arch or a dome); of all blocks or of those named behind an @.
     progress
     stop
     time_limit_s

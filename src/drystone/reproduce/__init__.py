@@ -61,12 +61,33 @@ def reproduce(section: str) -> Case:
     ['stable / unstable', 'stable / unstable']
     """
     if section not in SECTIONS:
-        raise InputError(
-            f"there is no section '{section}'",
-            where="section",
-            remedy=f"give one of {', '.join(SECTIONS)}",
-        )
+        sections_of(section)
+        raise InputError(f"'{section}' has several sections", where="section", remedy="give one")
     return SECTIONS[section]()
+
+
+def sections_of(part: str) -> list[str]:
+    """The sections of a part of the source: one such as 7.2.4, a chapter, or all.
+
+    Raises
+    ------
+    InputError
+        There is none that is computed.
+
+    Examples
+    --------
+    >>> sections_of("7.5")
+    ['7.5.1', '7.5.2', '7.5.3']
+    """
+    found = [one for one in SECTIONS if part in ("all", one) or one.startswith(f"{part}.")]
+    if not found:
+        raise InputError(
+            f"there is no section '{part}' that is computed",
+            where="section",
+            remedy=f"give one of {', '.join(SECTIONS)}; "
+            "for others see docs/trust/source-studies.md",
+        )
+    return found
 
 
 def sections() -> Statement:
@@ -110,4 +131,4 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
     return write_together(jobs, into=target)
 
 
-__all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case", "sections"]
+__all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case", "sections", "sections_of"]

@@ -45,6 +45,11 @@ class Line(OneLine):
     agrees: bool | None
     note: str = ""
 
+    @classmethod
+    def same(cls, what: str, published: str, found: str, note: str = "") -> Line:
+        """A claim that agrees where both say the same."""
+        return cls(what, published, found, published == found, note)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         return asdict(self)

@@ -4,7 +4,7 @@ import json
 import sys
 
 from drystone.cli import main
-from drystone.reproduce import SECTIONS, Case, Line
+from drystone.reproduce import SECTIONS, Case, Line, sections_of
 
 
 def test_a_section_prints_published_beside_found(capsys):
@@ -29,6 +29,12 @@ def test_the_sections_are_listed(capsys):
     for section in ("5.1.1", "6.2.3", "8.5"):
         assert section in out
     assert "Figures 7.3 and 7.4" in out
+
+
+def test_a_part_of_the_source_is_all_of_its_sections(capsys):
+    assert sections_of("7.5") == ["7.5.1", "7.5.2", "7.5.3"]
+    assert main(["reproduce", "5"]) == 0
+    assert "section 5.1.1" in capsys.readouterr().out
 
 
 def test_json_has_the_lines_and_the_files(capsys, tmp_path):

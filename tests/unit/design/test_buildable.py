@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import drystone
+from benchmarks.niche import NICHE, niche_shape
 from drystone import InputError, design
 from drystone.cli import main
 from drystone.cli.waiting import UNDER_WAY
@@ -15,7 +16,6 @@ from drystone.design.buildable import (
     course_of,
     levels_of,
 )
-from drystone.reproduce.assembly_cases import NICHE, niche_shape
 from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.shells import (
     Ground,

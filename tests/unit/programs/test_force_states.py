@@ -81,6 +81,18 @@ def test_the_threshold_is_held_against_the_resultant_and_not_the_corners() -> No
         assert "joint-force" not in keys
 
 
+def test_joints_at_supports_are_reduced_towards_their_middle_and_away_from_it() -> None:
+    model = Model.of(arch(0.4, 10), friction=0.8)
+    reach = {}
+    for side in ("in", "out"):
+        made = find_forces(model, virtual=[f"{side}=0.1@supports"]).contacts
+        foot = np.isclose(made.area, 0.1 * model.contacts.area)
+        assert foot.sum() == 2  # the other joints stay as they are
+        assert made.area[~foot] == pytest.approx(model.contacts.area[~foot])
+        reach[side] = np.abs(made.centroid[foot, 0])
+    assert reach["out"] - reach["in"] == pytest.approx(0.9 * 0.4)
+
+
 @pytest.mark.parametrize(
     ("model", "name"),
     [
