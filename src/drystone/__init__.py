@@ -17,7 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.display import draw_with
-from drystone.base.forks import free_in_forks
+from drystone.base.forks import watch_forks
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
@@ -116,7 +116,7 @@ def _beside(value: object) -> str:
 
 
 draw_with(_beside)
-free_in_forks()
+watch_forks()
 
 
 def __getattr__(name: str) -> Any:
