@@ -34,11 +34,13 @@ def answer_pictures(answer: Answer) -> Iterator[Picture]:
         shown, scene = answer.figure(), answer.layers()
     except InputError:
         return
+    limit = answer.limit if isinstance(answer, TrainEnvelope) else answer
     if isinstance(shown, Chart):
         yield _picture(save_chart(shown), shown.title)
     else:
         scene = shown
-    limit = answer.limit if isinstance(answer, TrainEnvelope) else answer
+        for one in () if isinstance(limit, Limit) else scene.charts:
+            yield _picture(save_chart(one), one.title)
     sides = range(len(limit.states)) if isinstance(limit, Limit) else [scene.still]
     for i in sides:
         yield _picture(_drawn(scene, i), scene.stages[i].headline)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,13 @@ from scipy.optimize import brentq
 
 from drystone.base.arrays import Floats, dot
 from drystone.base.display import OneLine
+from drystone.base.errors import counted
+from drystone.base.table import Table
 from drystone.geometry.frames import rotation_about
 from drystone.loads.case import STANDARD_GRAVITY
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Oscillator(OneLine):
     """A mechanism as one oscillator.
 
@@ -21,29 +24,33 @@ class Oscillator(OneLine):
     ----------
     multiplier
         Alpha 0: the horizontal acceleration by g at which the mechanism begins.
-    weight : [N]
-        Of all masses that move.
-    share
-        e*, the share of these masses that takes part.
+    masses
+        The weights P that move, their places and their virtual displacements d along the
+        earthquake: one for each body that moves as a whole, at its centroid, as the Circolare
+        counts them. A body that is divided into more blocks is the same oscillator.
     reach : [m]
         Mean displacement of the weights at which no push is needed any more; NaN if not known.
     """
 
     multiplier: float
-    weight: float
-    share: float
+    masses: Table
     reach: float
 
-    @classmethod
-    def of(cls, multiplier: float, weights: Floats, moved: Floats, reach: float) -> Oscillator:
-        """From weights (p,) [N] and their virtual displacements (p,) along the earthquake.
+    def _summary(self) -> str:
+        return f"alpha0={self.multiplier:.4g}, {counted(len(self.masses), 'weight')}"
 
-        One weight for each body that moves as a whole, at its centroid, as the Circolare counts
-        them: a body that is divided into more blocks is the same oscillator.
-        """
-        total, first, second = weights.sum(), weights @ moved, weights @ moved**2
-        share = float(first**2 / (total * second)) if second > 0.0 else float("nan")
-        return cls(multiplier, float(total), share, reach)
+    @property
+    def weight(self) -> float:
+        """Of all masses that move [N]."""
+        return float(self.masses["P"].sum())
+
+    @property
+    def share(self) -> float:
+        """e*, the share of these masses that takes part."""
+        carried, moved = self.masses["P"], self.masses["d"]
+        second = float(carried @ moved**2)
+        first = float(carried @ moved)
+        return first**2 / (self.weight * second) if second > 0.0 else float("nan")
 
     @property
     def mass(self) -> float:
@@ -70,19 +77,21 @@ class Turning(OneLine):
         A point of the line, and its direction: the part turns counter-clockwise about it.
     along : (3,) unit
         Of the earthquake, level.
-    place, force : (f, 3) [m, N]
+    name, place, force : (f,), (f, 3) [m], (f, 3) [N]
         Forces that keep their direction, where they act on the part.
     couple : (3,) [N m]
-    mass_place, weight : (p, 3) [m], (p,) [N]
+    mass_name, mass_place, weight : (p,), (p, 3) [m], (p,) [N]
         Masses that are shaken.
     """
 
     origin: Floats
     axis: Floats
     along: Floats
+    name: tuple[str, ...]
     place: Floats
     force: Floats
     couple: Floats
+    mass_name: tuple[str, ...]
     mass_place: Floats
     weight: Floats
 
@@ -102,12 +111,6 @@ class Turning(OneLine):
         arms = self.mass_place - self.origin
         away = arms @ rotation_about(self.axis, np.rad2deg(angle)).T - arms
         return float(self.weight @ (away @ self.along) / self.weight.sum())
-
-    @property
-    def virtual(self) -> Floats:
-        """Virtual displacements (p,) of the masses along the earthquake."""
-        turned: Floats = np.cross(self.axis, self.mass_place - self.origin) @ self.along
-        return turned
 
     def overturned(self) -> float:
         """The angle [rad] at which no push is needed any more; NaN where there is none."""
@@ -129,4 +132,36 @@ class Turning(OneLine):
         """The mechanism as one oscillator."""
         end = self.overturned()
         reach = self.moved(end) if np.isfinite(end) else float("nan")
-        return Oscillator.of(self.multiplier(0.0), self.weight, self.virtual, reach)
+        moved = np.cross(self.axis, self.mass_place - self.origin) @ self.along
+        masses = weights_that_move(self.mass_name, self.weight, self.mass_place, moved)
+        return Oscillator(self.multiplier(0.0), masses, reach)
+
+    def moments(self) -> Table:
+        """What holds the part and what 1 g turns it by, as moments about the line.
+
+        Each force acts so far behind the line and above it. The sum of what holds by that of what
+        turns is alpha 0.
+        """
+        shaken = self.weight[:, None] * self.along
+        force, place = np.vstack([self.force, shaken]), np.vstack([self.place, self.mass_place])
+        arm = place - self.origin
+        turned = np.cross(arm, force) @ self.axis
+        pushes = np.arange(len(force)) >= len(self.force)
+        held, turned = np.where(pushes, 0.0, -turned), np.where(pushes, turned, 0.0)
+        names = [*self.name, *(f"1 g on {one}" for one in self.mass_name)]
+        if self.couple.any():
+            names.append("moments that are applied")
+            force, arm = np.vstack([force, np.zeros(3)]), np.vstack([arm, np.full(3, np.nan)])
+            held, turned = np.append(held, -self.couple @ self.axis), np.append(turned, 0.0)
+        columns = {"of": names, "force": force, "behind": -arm @ self.along, "above": arm[:, 2],
+                   "holds": held, "turns": turned}  # fmt: skip
+        units = {"force": "N", "behind": "m", "above": "m", "holds": "N m", "turns": "N m"}
+        return Table("moments about the line", columns, units)
+
+
+def weights_that_move(names: Sequence[str], weight: Floats, place: Floats, moved: Floats) -> Table:
+    """The table of weights (p,) at places (p, 3) that are moved by (p,), the largest by 1."""
+    moved = moved / max(float(np.abs(moved).max(initial=0.0)), 1e-300)
+    columns = {"of": list(names), "P": weight, "place": place, "d": moved,
+               "P_d": weight * moved, "P_d2": weight * moved**2}  # fmt: skip
+    return Table("weights that move", columns, {"P": "N", "place": "m", "P_d": "N", "P_d2": "N"})

@@ -13,19 +13,20 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, State
+from drystone.answer import Answer, Layer, LayerKind, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
-from drystone.answer.drawing import interface_layers, load_layers, seen, state_of
+from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
-from drystone.checks import block_speed, corner_motion
+from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, kept_of, supported_model
 from drystone.limits import Limit, limit_load
@@ -34,7 +35,7 @@ from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.load_words import vector
 from drystone.model import Model
-from drystone.seismic.kinematics import Oscillator, Turning
+from drystone.seismic.kinematics import Oscillator, Turning, weights_that_move
 from drystone.seismic.spectrum import LimitState, SeismicDemand
 from drystone.settlement import push
 
@@ -77,6 +78,8 @@ class LocalMechanism(Answer):
         What was asked beside the model.
     remarks
         Where the stiffness of joints decides.
+    moments
+        About the line of a part; ``None`` of a mechanism that is found.
     """
 
     model: Model
@@ -88,6 +91,7 @@ class LocalMechanism(Answer):
     site: SeismicDemand | None = None
     options: Any = None
     remarks: tuple[str, ...] = ()
+    moments: Table | None = None
 
     def _summary(self) -> str:
         return f"alpha0={self.oscillator.multiplier:.4g}, e*={self.oscillator.share:.4g}"
@@ -170,16 +174,18 @@ class LocalMechanism(Answer):
         """The numbers of the method, and the verifications."""
         one, state = self.oscillator, self.state
         secant = f"{state.factor:g} pi (ds*/as*)^0.5, ds* = {state.secant:g} du*"
+        line = "sum of what holds by what 1 g turns" if self.moments else "virtual work"
         told = [
-            ("multiplier alpha0", one.multiplier, "", "virtual work"),
+            ("multiplier alpha0", one.multiplier, "", line),
             ("weight that moves, P", one.weight / 1e3, "kN", ""),
             ("mass M*", one.mass / 1e3, "t", "(sum P d)^2 / (g sum P d^2)"),
             ("share e*", one.share, "", "g M* / P"),
             ("acceleration a0*", self.acceleration, "m/s2", "alpha0 g / (e* FC)"),
             ("displacement d0*", one.displacement, "m", "where alpha is zero"),
-            ("displacement du*", self.ultimate, "m", f"{state.ultimate:g} d0*"),
-            ("period Ts", self.secant_period, "s", secant),
         ]
+        if state.ultimate:
+            told.append(("displacement du*", self.ultimate, "m", f"{state.ultimate:g} d0*"))
+            told.append(("period Ts", self.secant_period, "s", secant))
         columns: dict[str, Any] = {
             "quantity": [name for name, *_ in told],
             "value": ["-" if math.isnan(value) else f"{value:.4g}" for _, value, *_ in told],
@@ -187,6 +193,7 @@ class LocalMechanism(Answer):
             "from": [source for *_, source in told],
         }
         tables = [Table("kinematic method", columns)]
+        tables += [_summed(each) for each in (self.moments, one.masses) if each is not None]
         if self.verifications:
             tables.append(_verified(self.verifications))
         if self.site is not None:
@@ -233,12 +240,29 @@ class LocalMechanism(Answer):
         stage = SceneStage(
             "mechanism", self.title, self.how, state, motion=seen(assembly, self.motion),
             motion_name="Mechanism", plays=True,
-            layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load)),
+            layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load),
+                    *self._hinges()),
         )  # fmt: skip
         charts = (self.chart(),) if len(self.displacement) else ()
         title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
         return Scene(assembly, contacts, (stage,), title, self.asked.facts(), charts=charts,
                      preset="solid")  # fmt: skip
+
+    def _hinges(self) -> tuple[Layer, ...]:
+        """The line about which a part turns; of a mechanism that is found the joints."""
+        hinge, slide, place = moving_joints(self.model, self.motion)
+        if self.moments is None:
+            return marks(place, hinge, "turns about an edge", slide, "slides")
+        blocks, moving = self.model.assembly.blocks, np.flatnonzero(self._moving)
+        move, axis = np.split(self.motion[moving[0]], 2)
+        start = self.model.assembly.centroid[moving[0]] + np.cross(axis, move)
+        along = (np.vstack([blocks[i].vertices for i in moving]) - start) @ axis
+        span = along.max() - along.min()
+        line = start + along.min() * axis, span * axis
+        return (
+            Layer("line", "turns about this line", LayerKind.LINES, "hinge", line[0][None],
+                  line[1][None], width=4.0, group="hinges"),
+        )  # fmt: skip
 
     def chart(self) -> Chart:
         """The capacity curve, its line, and the spectrum as displacement and acceleration."""
@@ -248,13 +272,20 @@ class LocalMechanism(Answer):
         ]
         line = np.array([0.0, end]), np.array([self.acceleration, 0.0])
         marks.append(Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"))
+        there = self.state.secant * self.ultimate
+        ends: tuple[tuple[float, str], ...] = ()
+        if math.isfinite(self.secant_period):
+            level = self.acceleration * (1.0 - there / end)
+            secant = np.array([0.0, there]), np.array([0.0, level])
+            marks.append(Marks(MarkKind.LINE, *secant, "good", f"Ts = {self.secant_period:.3g} s"))
+            ends = ((self.ultimate, "du*"),)
         if self.site is not None:
             period = np.linspace(0.02, 4.0, 200)
             spectrum = self.site.spectrum
             across = np.array([spectrum.displacement(one) for one in period])
             up = np.array([spectrum.acceleration(one) for one in period])
             marks.append(Marks(MarkKind.LINE, across, up, "bad", "elastic spectrum"))
-        return Chart("Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s2"))
+        return Chart("Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s2"), lines=ends)
 
 
 @checked_call
@@ -342,7 +373,9 @@ def local_mechanism(
         if model.contacts.crushes.any():
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
-        return LocalMechanism(model, motion, found, moved, load, told, site, asked)
+        return LocalMechanism(
+            model, motion, found, moved, load, told, site, asked, moments=turning.moments()
+        )
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
@@ -372,6 +405,23 @@ def _limit_with_ties(
         if limit.best.stands is not None:
             break
     return limit, starts
+
+
+def _summed(table: Table) -> Table:
+    """The table with a last row of sums; place and displacement are means by weight there."""
+    if len(table) == 1:
+        return table
+    columns: dict[str, Any] = {}
+    for name, values in table.columns.items():
+        last: Any = "all"
+        if name in ("place", "d"):
+            last = table["P"] @ values / table["P"].sum()
+        elif name in ("behind", "above"):
+            last = float("nan")
+        elif values.dtype.kind == "f":
+            last = values.sum(axis=0)
+        columns[name] = np.concatenate([values, [last]])
+    return Table(table.title, columns, table.units)
 
 
 def _verified(rows: Sequence[tuple[Any, ...]]) -> Table:
@@ -406,6 +456,7 @@ def _found(
     _, body = np.unique(body, return_inverse=True)
     carried = np.bincount(body, weight)
     virtual = np.bincount(body, weight * each) / carried
+    middle = np.column_stack([np.bincount(body, weight * x) / carried for x in place.T])
     moving = np.abs(virtual) > _MOVES * np.abs(virtual).max(initial=0.0)
     share = float(carried.sum() / carried[moving].sum())
     reach, moved, load = float("nan"), np.zeros(0), np.zeros(0)
@@ -419,7 +470,10 @@ def _found(
         told += f"; followed: {pushed.message}"
     # between what stands and what falls nothing is known, but where the limit was computed
     begins = starts + (best.stands if best.computed is None else best.computed)
-    found = Oscillator.of(begins, carried[moving], virtual[moving], reach)
+    each_of = (block[body == one] for one in np.flatnonzero(moving))
+    names = [named([assembly.names[i] for i in one], 1) for one in each_of]
+    masses = weights_that_move(names, carried[moving], middle[moving], virtual[moving])
+    found = Oscillator(begins, masses, reach)
     remarks = () if starts else tuple(limit.remarks)
     return LocalMechanism(model, motion, found, moved, load, told, site, remarks=remarks)
 
@@ -472,20 +526,22 @@ def _turning(
     origin, axis = _lowest_edge(assembly, chosen, along) if line is None else _line(line, along)
     applied = applied_loads(assembly, model.load)
     mine = np.isin(applied.block, chosen)
-    place = [assembly.centroid[chosen], applied.point[mine]]
-    force = [assembly.mass[chosen, None] * applied.acceleration, applied.force[mine]]
-    for text in ties:
-        held, pull = _tie(text, model, along, chosen)
-        place.append(held[None])
-        force.append(pull[None])
     couple = applied.moment[mine].sum(axis=0)
-    _, at, weight, _ = _shaken(model, along, chosen, shaken)
+    _, at, weight, block = _shaken(model, along, chosen, shaken)
     own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
     masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
     weight = np.concatenate([[own.sum()], others])
+    pulls = [_tie(text, model, along, chosen) for text in ties]
+    place = [masses[:1], applied.point[mine], *(held[None] for held, _ in pulls)]
+    mass = assembly.mass[chosen].sum()
+    force = [mass * applied.acceleration[None], applied.force[mine], *(x[None] for _, x in pulls)]
+    loads = [f"load on {assembly.names[i]}" for i in applied.block[mine]]
+    name = ("own weight", *loads, *(f"tie {text}" for text in ties))
+    shaken_names = ("own weight", *(f"load on {assembly.names[i]}" for i in block[len(chosen) :]))
     turning = Turning(
-        origin, axis, along, np.vstack(place), np.vstack(force), couple, masses, weight
-    )
+        origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken_names,
+        masses, weight,
+    )  # fmt: skip
     motion = np.zeros((len(assembly), 6))
     motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
     motion[chosen, 3:] = axis

@@ -187,7 +187,7 @@ class SeismicDemand(OneLine):
             state = LimitState.named(edition, top.get("state", "SLV").text())
         except InputError as error:
             raise top.error(error.what, error.remedy) from error
-        behaviour = top.get("q", state.behaviour or 1.0)
+        behaviour = _behaviour(top, state)
         confidence = _confidence(top, edition)
         for one in (behaviour, confidence):
             if not 1.0 <= one.number() <= 1000.0:
@@ -280,7 +280,7 @@ class SeismicDemand(OneLine):
             ("periods TB, TC, TD", ", ".join(
                 f"{one:.3g}" for one in (spectrum.corner_b, spectrum.corner_c, spectrum.corner_d)
             ) + " s"),
-            ("behaviour factor q", f"{self.behaviour:.4g}"),
+            ("behaviour factor q", f"{self.behaviour:.4g}" if state.behaviour else "not counted"),
             ("confidence factor FC", f"{self.confidence:.4g}"),
             ("limit state", f"{state.name}, Circolare of {state.edition}"),
         ]  # fmt: skip
@@ -313,6 +313,13 @@ def _spectrum(top: Field, code: str) -> Spectrum:
         return Spectrum.ntc(ground, shape, corner, soil, _positive(top.get("topography", 1.0)))
     except InputError as error:
         raise top.error(error.what, error.remedy) from error
+
+
+def _behaviour(top: Field, state: LimitState) -> Field:
+    """The factor q, which counts at SLV only."""
+    if top.has("q") and state.name != "SLV":
+        raise top["q"].error(f"is given, and {state.name} counts no q", "leave q out")
+    return top.get("q", state.behaviour or 1.0)
 
 
 def _confidence(top: Field, edition: str) -> Field:

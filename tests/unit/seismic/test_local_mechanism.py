@@ -9,6 +9,7 @@ import drystone
 from drystone import Assembly, DrystoneError, InputError, JointCapacity, LoadCase, Model
 from drystone.cli import main
 from drystone.models import box
+from drystone.report.sketches import answer_pictures
 from drystone.seismic import LocalMechanism, SeismicDemand, Spectrum, local_mechanism
 
 G = 9.81
@@ -76,6 +77,16 @@ def test_a_roof_holds_by_its_weight_pushes_by_its_thrust_and_shakes_if_asked() -
     for shaken, masses in ((False, weight * 1.5), (True, weight * 1.5 + roof * 3.0)):
         found = local_mechanism(model, part="wall-0", shaken=shaken)
         assert found.oscillator.multiplier == pytest.approx(holds / masses)
+        assert found.moments is not None
+        assert found.moments["holds"].sum() == pytest.approx(holds)
+        assert found.moments["turns"].sum() == pytest.approx(masses)
+    assert found.oscillator.masses["P"] == pytest.approx([weight, roof])
+    assert found.oscillator.masses["d"] == pytest.approx([0.5, 1.0])
+    every = {one.title: one for one in found.tables()}["weights that move"]
+    assert every["P_d"][-1] == pytest.approx(weight / 2.0 + roof)
+    assert next(answer_pictures(found)).caption == "Capacity curve"
+    (line,) = [one for one in found.layers().stages[0].layers if one.key == "line"]
+    assert line.position[0] == pytest.approx((0.4, 0.0, 0.0))
     moved = weight * 1.5 + roof * 3.0
     share = moved**2 / ((weight + roof) * (weight * 1.5**2 + roof * 3.0**2))
     assert found.oscillator.share == pytest.approx(share)
@@ -135,7 +146,7 @@ def site(folder: Path, *lines: str) -> Path:
 
 
 def verified(folder: Path, ag: float, *more: str) -> LocalMechanism:
-    path = site(folder, 'code = "ec8"', f'ag = "{ag}g"', 'soil = "A"', "q = 2.0", *more)
+    path = site(folder, 'code = "ec8"', f'ag = "{ag}g"', 'soil = "A"', *more)
     return local_mechanism(courses(1, 0.5, 3.0), part="wall-0", site=SeismicDemand.named(path))
 
 
@@ -185,6 +196,7 @@ def test_the_edition_of_2019_takes_the_displacement_at_the_ultimate_state(tmp_pa
     damage = verified(tmp_path, 0.1, 'edition = "2019"', 'state = "SLD"')
     assert [one[0] for one in damage.verifications] == ["linear"]
     assert math.isnan(damage.ultimate)
+    assert not any("0 d0*" in text for text in damage.tables()[0]["from"])
 
 
 def test_a_storey_amplifies_by_the_edition_of_2019(tmp_path: Path) -> None:
@@ -254,6 +266,7 @@ def test_what_cannot_turn_is_refused(asked: dict[str, object], message: str) -> 
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nedition = "2014"', "edition is '2014'"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLC"', "state is 'SLC'"),
         ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nconfidence = "LC4"', "level is 'LC4'"),
+        ('code = "ec8"\nag = "0.15g"\nsoil = "A"\nstate = "SLD"\nq = 2', "SLD counts no q"),
     ],
 )
 def test_a_site_that_is_not_known_is_refused_in_one_line(
