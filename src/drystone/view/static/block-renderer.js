@@ -3,6 +3,7 @@
 const LINE_WIDTH = 1.1; // [CSS pixels]
 const DASH = 6; // [CSS pixels]
 const MOST = 120000; // triangles of a call, after which another picture may be wanted
+const LINE = [0, 1]; // the two ends of a line of one pixel
 const QUAD = [0, 1, 2, 2, 1, 3]; // two triangles of the four corners of a strip
 const ARROW = [...QUAD, 4, 5, 6]; // and the head
 const SHADERS = {
@@ -10,6 +11,7 @@ const SHADERS = {
   id: [BLOCK_VERTEX, ID_FRAGMENT],
   jointId: [POLYGON_VERTEX, ID_FRAGMENT],
   edge: [EDGE_VERTEX, EDGE_FRAGMENT],
+  thin: [THIN_VERTEX, EDGE_FRAGMENT],
   arrow: [ARROW_VERTEX, FLAT_FRAGMENT],
   polygon: [POLYGON_VERTEX, POLYGON_FRAGMENT],
   marker: [MARKER_VERTEX, MARKER_FRAGMENT],
@@ -40,7 +42,9 @@ class BlockRenderer extends Graphics {
       [this.mesh.owner, 1, gl.UNSIGNED_INT],
     ]);
     this.blockIndex = this.indexBuffer(this.mesh.index);
-    this.edges = this.segments(edgeSegments(this.data.blocks), 8);
+    const segments = edgeSegments(this.data.blocks);
+    this.edges = this.segments(segments, 8);
+    this.ends = this.vertexArray([[segments, 4, gl.FLOAT]]);
     this.motionTexture = this.texture();
     this.stateTexture = this.texture();
     this.shadow = this.shadowTexture();
@@ -183,6 +187,7 @@ class BlockRenderer extends Graphics {
       this.outer = {
         triangles: buffer(outerTriangles(this.data, this.mesh, faces)),
         edges: buffer(stripIndices(edges, QUAD)),
+        lines: buffer(stripIndices(edges, LINE)),
       };
     }
     return this.outer;
@@ -203,13 +208,13 @@ class BlockRenderer extends Graphics {
   }
 
   // In calls between which one can stop; vertices of no array are known by their numbers alone.
-  * drawIndices(array, { index, count }) {
+  * drawIndices(array, { index, count }, mode = this.gl.TRIANGLES) {
     const gl = this.gl;
     for (let from = 0; from < count; from += 3 * MOST) {
       if (from > 0) yield;
       gl.bindVertexArray(array);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
-      gl.drawElements(gl.TRIANGLES, Math.min(3 * MOST, count - from), gl.UNSIGNED_INT, 4 * from);
+      gl.drawElements(mode, Math.min(3 * MOST, count - from), gl.UNSIGNED_INT, 4 * from);
     }
   }
 
@@ -251,16 +256,22 @@ class BlockRenderer extends Graphics {
   // Of opaque blocks the `outer` edges.
   * drawEdges(view, opacity, outer) {
     const gl = this.gl;
-    const at = this.use("edge", view);
+    const at = this.use(view.sharp ? "thin" : "edge", view);
     gl.uniform3fv(at.uEdgeColour, view.edgeColour);
     gl.uniform3fv(at.uFallColour, view.fallColour);
-    gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
+    gl.uniform1f(at.uWidth ?? null, LINE_WIDTH * view.ratio);
     gl.uniform1f(at.uOpacity, opacity);
-    gl.uniform1i(at.uGhost, 0);
+    gl.uniform1i(at.uGhost ?? null, 0);
     this.setEye(at, view);
     gl.uniform1f(at.uDash, 0);
     gl.enable(gl.BLEND);
-    yield* this.drawSegments(at, this.edges, QUAD, 1, outer ? this.outerOf(view)?.edges : null);
+    const part = outer ? this.outerOf(view) : null;
+    if (!view.sharp) yield* this.drawSegments(at, this.edges, QUAD, 1, part?.edges);
+    else {
+      const { count } = this.edges;
+      const all = () => ({ index: this.stripBuffer(LINE, count), count: LINE.length * count });
+      yield* this.drawIndices(this.ends, part?.lines ?? all(), gl.LINES);
+    }
   }
 
   // Outlines of the blocks that move, where the motion begins or leads.

@@ -4,7 +4,7 @@ const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
 const PAPER = 700; // [CSS pixels], about the width of a printed page
 const IN_PLANE = 1e-3; // by the size of a block: what is so near the section plane lies in it
 const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
-const MANY = 1000; // blocks, from which edges and lines wait where pictures come slowly
+const MANY = 1000; // blocks, from which edges and lines wait where pictures come slowly and move
 
 function sizeOf() {
   return { width: Math.max(1, canvas.clientWidth), height: Math.max(1, canvas.clientHeight) };
@@ -47,8 +47,8 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     ramp: new Float32Array(data.ramp[theme()].flatMap(colourOf)),
     stretch: page.stretch,
     showBlocks: shownLayers.get("blocks"),
-    showEdges: shownLayers.get("edges") && !(hurried && (bare || data.count >= MANY)),
-    hurried,
+    showEdges: shownLayers.get("edges") && !(hurried && !sharp && (bare || data.count >= MANY)),
+    hurried, sharp,
     coarse: coarse(),
     showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread,
     showGround: shownLayers.get("ground") && !camera.spread,
@@ -95,7 +95,7 @@ function resized(target, { width, height }) {
 const coarse = () => hurried && (cost === 0 || cost > SLOW);
 
 function viewNow() {
-  return currentView((coarse() ? COARSE : 1) * (window.devicePixelRatio || 1));
+  return currentView((coarse() && !sharp ? COARSE : 1) * (window.devicePixelRatio || 1));
 }
 
 function draw() {

@@ -30,6 +30,7 @@ let drawnAt = 0; // when the last one was begun
 let timed = false; // whether the time of a picture is being taken
 let steps = null; // those of a whole picture that is not done
 let hurried = false; // pictures come slowly
+let sharp = false; // a coarse picture with all pixels and with edges, before a whole one that takes long
 let late = 0; // coarse pictures, one after the other, that came slowly
 let bare = false; // coarse pictures come slowly, too
 let settling = 0;
@@ -50,7 +51,7 @@ function redraw(moving = false) {
   requestAnimationFrame((now) => {
     waiting = false;
     if (performance.now() - asked > SLOW || (moves && cost > SMOOTH)) hurried = true;
-    moves = false;
+    moves = sharp = false;
     advance(now);
     if (camera.advance(now)) redraw(true);
     drawTimed();
@@ -58,14 +59,15 @@ function redraw(moving = false) {
 }
 
 // Draws, and learns how long the graphics card, or what stands in for it, takes. A coarse picture
-// is drawn anew as a whole once it is done and nothing else was asked for.
+// is drawn anew as a whole once it is done and nothing else was asked for; in steps where a whole one
+// takes long, or may, as the first one after coarse ones.
 function drawTimed() {
   clearTimeout(settling);
   steps = null;
   if (!renderer || renderer.gl.isContextLost()) return;
   pictures += 1;
   drawnAt = performance.now();
-  if (!hurried && cost > SLOW) {
+  if (!hurried && (cost > SLOW || (cost === 0 && pictures > 1))) {
     steps = drawSteps();
     drawOn(steps);
     return;
@@ -76,19 +78,19 @@ function drawTimed() {
 
 // Learns how long a picture took; when the last one is done, a coarse one is to be drawn as a whole.
 async function follow() {
-  const [picture, began, whole] = [pictures, drawnAt, !hurried];
+  const [picture, began, whole, rough] = [pictures, drawnAt, !hurried, hurried && !sharp];
   timed = true;
   await drawn();
   timed = false;
   const time = performance.now() - began;
-  if (!whole && cost > 0) { // while a page opens, everything is slow
+  if (rough && cost > 0) { // while a page opens, everything is slow
     late = time > VERY_SLOW ? late + 1 : 0;
     bare ||= late > 2;
   }
   if (whole) cost = time;
   if (steps) return;
   if (picture !== pictures) follow();
-  else if (hurried) settling = setTimeout(settle, SETTLE);
+  else if (hurried) settling = setTimeout(settle, sharp ? 0 : SETTLE);
 }
 
 // The steps of a whole picture, until another one is asked for.
@@ -113,7 +115,9 @@ async function drawn() {
 
 function settle() {
   if (waiting) return;
-  hurried = false;
+  const long = hurried && (cost === 0 || cost > VERY_SLOW);
+  sharp = long && !sharp && !bare;
+  hurried = sharp;
   drawTimed();
 }
 
