@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.lasting import A_ROUND, Held, faults
+from benchmarks.lasting import A_ROUND, SETTLED, Held, faults
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="Linux tells")
 
@@ -31,4 +31,5 @@ def test_memory_may_grow_by_so_much_a_round() -> None:
     before = Held.now()
     for more, told in ((10 * A_ROUND, []), (10 * A_ROUND + 1, ["memory"])):
         after = replace(before, memory=before.memory + more)
-        assert faults([(1, before), (11, after)]) == told
+        assert faults([(1, after), (SETTLED, before), (SETTLED + 10, after)]) == told
+        assert faults([(1, before), (SETTLED - 1, before), (SETTLED + 9, after)]) == []
