@@ -54,7 +54,7 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
     forces = _forces(first)
     sections = [
-        Section("Summary", tuple(_summary(answers))),
+        Section("Summary", (*_summary(answers, model), _signatures(about))),
         Section("What was asked", (_asked(first),)),
         Section("Geometry", tuple(_geometry(model))),
         Section("Materials", tuple(_materials(model))),
@@ -119,17 +119,31 @@ def _all(table: Table) -> Iterator[Part]:
     yield f"The first {_ANNEXED:,} of {len(table):,}; --csv and --json write all."
 
 
-def _summary(answers: Sequence[Answer]) -> Iterator[Part]:
+def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
     for one in answers:
         said = [one.sentences()[0].text, one.title]
+        if isinstance(one, Limit) and one.states:
+            load = one.states[-1][0].load.name
+            said += [] if load == model.load.name else [f"Load there: {load}"]
         yield ". ".join(dict.fromkeys(said)) + "."
         for sentence in one.sentences()[1:]:
             if sentence.role is Role.REMARK:
                 yield f"Note: {sentence.text}."
 
 
+def _signatures(about: TitleBlock) -> Mapping[str, str]:
+    """Lines on which the calculation is signed by hand."""
+    line = "_" * 24
+    rest = f"   date {line[:14]}   signature {line}"
+    people = {"Calculated by": about.author, "Checked by": about.checker}
+    return {what: (who or line) + rest for what, who in people.items()}
+
+
 def _asked(first: Answer) -> Mapping[str, str]:
+    """What was asked; a question of the reader is for the screen, before anything is signed."""
     asked = first.asked
+    notes = (one.rpartition(": ")[0] if one.endswith("?") else one for one in asked.notes)
+    asked = replace(asked, notes=tuple(notes))
     told = {
         "SHA-256 of the file": asked.sha256,
         "Version": asked.version,

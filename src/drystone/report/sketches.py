@@ -49,15 +49,19 @@ def answer_pictures(answer: Answer) -> Iterator[Picture]:
 def loads_picture(model: Model) -> Picture:
     """The model with its loads as arrows."""
     scene = bare_scene(model.assembly, model.contacts, model)
+    scene = replace(scene, stages=tuple(replace(one, message="") for one in scene.stages))
     return _picture(_drawn(scene), f"Loads: {model.load.name}")
 
 
 def dimensions_picture(model: Model) -> Picture:
-    """An elevation and a side view with the overall dimensions."""
+    """An elevation and a side view with the overall dimensions of the free blocks."""
     from matplotlib.figure import Figure  # slow to import
 
     scene = bare_scene(model.assembly, model.contacts)
-    span = scene.bounds[1] - scene.bounds[0]
+    span, middle = scene.bounds[1] - scene.bounds[0], scene.bounds.mean(axis=0)
+    assembly = model.assembly
+    told = assembly.bounds[~assembly.fixed] if len(assembly.free) else assembly.bounds
+    ends = np.array([told[:, 0].min(axis=0), told[:, 1].max(axis=0)]) - middle
     front, side = (0, 1) if span[0] >= span[1] else (1, 0)
     views = [(front, _toward(front)), (side, _toward(side))]
     figure = Figure(figsize=(_WIDTH, 3.1), facecolor="white")
@@ -69,8 +73,11 @@ def dimensions_picture(model: Model) -> Picture:
         axes: Any = figure.add_subplot(grid[0, number])
         draw(scene, (_WIDTH, 3.1), toward=toward, layers=(), inside=axes, scaled=False)
         axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
-        _dimensions(axes, float(span[along]), float(span[2]), 0.08 * float(span.max()))
-    return _picture(figure, f"Overall dimensions; {'xy'[front]} and z in the elevation")
+        flat = [along, 2]
+        _dimensions(axes, ends[:, flat], 0.5 * span[flat], 0.08 * float(span.max()))
+    return _picture(
+        figure, f"Overall dimensions of the free blocks; {'xy'[front]} and z in the elevation"
+    )
 
 
 def signs_picture() -> Picture:
@@ -138,12 +145,18 @@ def _toward(along: int) -> Floats:
     return np.array([0.0, -1.0, 0.0]) if along == 0 else np.array([1.0, 0.0, 0.0])
 
 
-def _dimensions(axes: Any, width: float, height: float, away: float) -> None:
-    """Lines of dimension below and left of a view about the middle of the model."""
-    x, y = 0.5 * width, 0.5 * height
+def _dimensions(axes: Any, ends: Floats, half: Floats, away: float) -> None:
+    """Lines of dimension below and left of a view, about its middle.
+
+    ``ends`` (2, 2) are the least and the largest place of what is measured, ``half`` (2,) half of
+    the size of what is drawn.
+    """
+    (low, under), (high, over) = ends.tolist()
+    x, y = half.tolist()
+    across, up = quantity(high - low, "m"), quantity(over - under, "m")
     for start, end, text, at, turned in (
-        ((-x, -y - away), (x, -y - away), quantity(width, "m"), (0.0, -y - 1.35 * away), 0),
-        ((-x - away, -y), (-x - away, y), quantity(height, "m"), (-x - 1.35 * away, 0.0), 90),
+        ((low, -y - away), (high, -y - away), across, (0.5 * (low + high), -y - 1.35 * away), 0),
+        ((-x - away, under), (-x - away, over), up, (-x - 1.35 * away, 0.5 * (under + over)), 90),
     ):
         axes.annotate(
             "", xy=end, xytext=start, annotation_clip=False,

@@ -73,7 +73,9 @@ def with_brittle_mortar(model: Model, decide: Callable[[Model], Result], clock: 
         return replace(rest, model=model, message=words, iterations=steps)
     words += "whether what is left falls was not shown"
     if contacts.crushes.any():
-        words += "; some joint crushes in part (ductile mortar tells a bound from above)"
+        words += (
+            "; stone reaches its strength in some joint (ductile mortar tells a bound from above)"
+        )
     return undone(found, words)
 
 

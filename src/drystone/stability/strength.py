@@ -142,7 +142,7 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
         words += f"; {clock.reason}" if clock.late() else ""
         return replace(undone(found, words), stopped=clock.reason)
     if not found.sensitive:
-        words = f"{found.message}; its most pressed joints crush in part"
+        words = f"{found.message}; the stone reaches its strength where its joints press most"
         return replace(
             found,
             model=model,

@@ -2,6 +2,7 @@
 
 import html
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,9 @@ def bridge(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def answers(bridge: Path) -> list[Answer]:
-    return assess(bridge, friction=0.7, load="voussoir-02:0.3kN", limits=["friction --scaled"])
+    model = drystone.read(bridge, friction=0.7, load="voussoir-02:0.3kN")
+    model = replace(model, notes=("it is 440 m across: is the unit right (--units cm)?",))
+    return assess(model, limits=["load seismic:1,0"])
 
 
 @pytest.fixture(scope="module")
@@ -53,12 +56,14 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     asked = answers[0].asked
     for expected in (
         "&lt;Old&gt; bridge", "N. N.", asked.sha256, asked.version, "bridge.json", "voussoir-02",
-        "0, 0, -300 N", "friction 0.7", "2400", "Stands down to share of friction", "reactions",
+        "0, 0, -300 N", "friction 0.7", "2400", "Stands up to load factor", "reactions",
+        "seismic 1, 0", "it is 440 m across", "Checked by", "signature",
         "Proof, computed again", "thrust at the crown", "positive in compression", "kern",
     ):  # fmt: skip
         assert expected in text or expected in page, expected
     assert page.count("<svg") == 8
     assert page.count('src="data:image/png') == 6
+    assert "unit right" not in page  # a question is asked before anything is signed
     assert not re.search(r"https?://", page)
 
 
@@ -72,6 +77,7 @@ def test_the_same_answers_give_the_same_bytes_and_text_that_can_be_searched(
     assert one == pdf_of(document)
     pictures = [part for section in document.sections for part in section.parts]
     again = dimensions_picture(answers[0].model)
+    assert again.caption.startswith("Overall dimensions of the free blocks")
     assert again.png in [one.png for one in pictures if isinstance(one, Picture)]
 
 
