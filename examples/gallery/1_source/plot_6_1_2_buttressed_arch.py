@@ -12,6 +12,6 @@ case = reproduce("6.1.2")
 case.table()
 
 # %%
-# The forces in the joints at friction 0.6. White joints carry nothing.
+# The forces just below the limit of tilt (figure 6.6b), at friction 0.6.
 
-Frame(case.pictures["buttressed-arch"])
+Frame(case.pictures["tilted"])

@@ -14,7 +14,7 @@ from drystone.model import Model
 from drystone.programs import solve_cra
 from drystone.programs.cra import CRAOptions
 from drystone.reproduce.equilibrium_cases import word
-from drystone.reproduce.published_case import Case, Line
+from drystone.reproduce.published_case import ASSUMED, Case, Line
 from drystone.results import Result, Verdict
 from drystone.sequence import (
     Order,
@@ -38,7 +38,6 @@ from drystone.stability import check
 
 THOROUGH = PlanOptions(patience=math.inf)
 BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
-ASSUMED = "its dimensions are not published: the shape is ours"
 
 
 def shelf_fixes() -> Case:

@@ -18,9 +18,10 @@ from drystone.programs import (
     FrictionRule,
     Objective,
     find_forces,
+    solve_cra,
     solve_rbe,
 )
-from drystone.reproduce.published_case import Case, Line
+from drystone.reproduce.published_case import ASSUMED, Case, Line
 from drystone.results import Verdict
 from drystone.stability import check
 
@@ -48,6 +49,22 @@ def pinched_blocks() -> Case:
         )
     pictures = {"h": check(models.h_model(), friction=0.84)}
     return Case("5.1.1", "Issues of RBE: models H and A", tuple(lines), pictures)
+
+
+def wedged_block() -> Case:
+    """Figure 5.2: a block in a groove, forces that a motion fits and forces that none fits."""
+    block, lines = models.wedge("a"), []
+    pictures: dict[str, Picture] = {}
+    for kind, tilt, wanted in (("a", 45.0, "a motion fits"), ("b", 105.0, "none")):
+        load = LoadCase.tilt(block, (0.0, 1.0, 0.0), tilt)
+        model = Model.of(block, friction=0.84, load=load)
+        forces, fitted = find_forces(model), solve_cra(model)
+        told = "forces / " if _with_tension(forces) == "compression alone" else "none / "
+        told += "a motion fits" if fitted.method == "cra" and fitted.stable else "none"
+        what = f"wedge, friction 0.84, inclined by {tilt:g} degrees (5.2{kind}): RBE / CRA"
+        lines.append(Line.same(what, f"forces / {wanted}", told, ASSUMED))
+        pictures |= {f"v-{kind}": fitted, f"v-{kind}-rbe": forces}
+    return Case("5.1.2", "Insight problems: model V", tuple(lines), pictures)
 
 
 def stack() -> Case:
@@ -146,8 +163,11 @@ def buttressed_arch() -> Case:
         Line("least friction (6.6a)", "0.31", f"{least:.3f}", abs(least - 0.31) <= 0.01),
         Line("tilt, friction 0.6 (6.6b)", "12", f"{tilt:.2f}", abs(tilt - 12.0) <= 0.5),
     )  # fmt: skip
+    tilted = LoadCase.tilt(model.assembly, (0.0, 1.0, 0.0), tilt - 0.1)
     pictures: dict[str, Picture] = {
-        "buttressed-arch": check(wide), "forces": at_rest[0], "mid-span": inner, "kern": fitted,
+        "forces": at_rest[0], "mid-span": inner, "kern": fitted,
+        "least-friction": find_forces(model.with_friction(least + 0.001), rule=FrictionRule.NET),
+        "tilted": find_forces(wide.with_load(tilted)),
     }  # fmt: skip
     return Case("6.1.2", "Semi-circular arch on buttresses", lines, pictures)
 
@@ -191,7 +211,11 @@ def dome() -> Case:
              "with the source's eight-sided pyramid"),
         Line("penalty form, tilted by 35 degrees", "", _with_tension(penalty), None),
     )  # fmt: skip
-    pictures: dict[str, Picture] = {"dome": check(model), **fitted, "tilted": penalty}
+    last = LoadCase.tilt(model.assembly, (0.0, 1.0, 0.0), tilt - 0.1)
+    pictures: dict[str, Picture] = {
+        "dome": at_rest[0], **fitted, "beyond": penalty,
+        "tilted": find_forces(model.with_load(last), cone=options.cone),
+    }  # fmt: skip
     return Case("6.1.3", "Hemispherical dome", lines, pictures)
 
 

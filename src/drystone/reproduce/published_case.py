@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     Picture: TypeAlias = Result | Plan | Forces
 
 
+ASSUMED = "its dimensions are not published: the shape is ours"
+
+
 @dataclass(frozen=True)
 class Line(OneLine):
     """One claim.

@@ -26,10 +26,11 @@ def arches() -> Case:
     steep = Model.of(models.arch(0.15, 36), friction=math.tan(math.radians(43.0)))
     fixed = int(steep.assembly.fixed.sum())
     at_rest = f"{word(solve_rbe(steep).verdict)} / {word(check(steep).verdict)}"
+    rows, pictures = _rows("arch")
     lines = [
         Line.same("arch: free and fixed blocks", "36 and 2", f"{len(steep) - fixed} and {fixed}"),
         Line.same("arch at rest: RBE / CRA", "stable / stable", at_rest),
-        *(_row(one) for one in studies() if one.model == "arch"),
+        *rows,
     ]
     worn = limit_tilt(steep.with_contacts(shrink(steep.contacts, 0.87)), "y").rest
     lines.append(
@@ -46,18 +47,18 @@ def arches() -> Case:
         Line("three-legged pi: tilt", "19.5 (experiment 14.3)", "not computed", None,
              "its dimensions are not published"),
     ]  # fmt: skip
-    return Case("6.2.1", "Arch, three-legged pi and model H", tuple(lines), {"arch": check(steep)})
+    return Case("6.2.1", "Arch, three-legged pi and model H", tuple(lines), pictures)
 
 
 def wedges() -> Case:
     """Table 6.2 and figure 6.14: wedges of four types, and the one that is analysed moved."""
-    lines = [_row(one) for one in studies() if one.model.startswith("type-")]
+    lines, pictures = _rows("type-")
     model = Model.of(models.wedge("c"), friction=0.84)
     axis, tilt = (math.sqrt(3.0), 1.0, 0.0), 46.0
     tilted = model.with_load(LoadCase.tilt(model.assembly, axis, tilt))
     verdict = check(tilted).verdict
-    rests = settle(tilted)
-    moved = check(rests.path.moved_model()).verdict
+    rests = check(settle(tilted).path.moved_model())
+    moved = rests.verdict
     lines.append(
         Line(
             "type-c about xy30, 46 degrees: where it stands / where it has settled",
@@ -67,31 +68,40 @@ def wedges() -> Case:
             "undecided, since which block carries the common edge decides",
         )
     )  # fmt: skip
-    pictures: dict[str, Result] = {"wedge": check(tilted)}
+    pictures["type-c-moved"] = rests
     return Case("6.2.3", "The wedge model", tuple(lines), pictures)
 
 
 def concave() -> Case:
     """Table 6.3 and figure 6.15: hooked planks."""
-    return _tilted("6.2.4", "Interlocking connections", "concave", "short")
+    lines, pictures = _rows("concave")
+    return Case("6.2.4", "Interlocking connections", tuple(lines), pictures)
 
 
 def curved() -> Case:
     """Table 6.4 and figure 6.16: curved joints."""
-    return _tilted("6.2.5", "Freeform connections", ("curve", "cube"), "cube")
+    lines, pictures = _rows("curve", "cube")
+    return Case("6.2.5", "Freeform connections", tuple(lines), pictures)
 
 
-def _tilted(section: str, name: str, start: str | tuple[str, ...], shown: str) -> Case:
-    some = [one for one in studies() if one.model.startswith(start)]
-    first = next(one for one in some if shown in one.model)
-    picture = check(Model.of(first.build(), friction=first.friction))
-    return Case(section, name, tuple(_row(one) for one in some), {first.model: picture})
+def _rows(*start: str) -> tuple[list[Line], dict[str, Result]]:
+    """Rows of models whose names start so; each model at its limit, by friction."""
+    lines: list[Line] = []
+    pictures: dict[str, Result] = {}
+    for study in studies():
+        if study.model.startswith(start):
+            model = Model.of(study.build(), friction=study.friction)
+            found = limit_tilt(model, study.axis, options=LimitOptions(cone=FrictionCone.octagon()))
+            lines.append(_row(study, found))
+            last = LoadCase.tilt(model.assembly, study.axis, found.best.stands or 0.0)
+            name = f"{study.model}-{study.friction:.2g}"
+            if name not in pictures:
+                pictures[name] = check(model.with_load(last))
+    return lines, pictures
 
 
-def _row(study: Study) -> Line:
+def _row(study: Study, found: Limit) -> Line:
     """A row of a table: the default call, and the bound of equilibrium with the octagon."""
-    model = Model.of(study.build(), friction=study.friction)
-    found = limit_tilt(model, study.axis, options=LimitOptions(cone=FrictionCone.octagon()))
     published = f"{study.dem:g} (3DEC), {study.cra:g} (CRA)"
     if study.sofistik is not None:
         published += f", {study.sofistik:g} (Sofistik)"
