@@ -138,6 +138,7 @@ def items_of(
             remedy="use a clamp",
         )
     depth = surface[0] @ down
+    shortest = 1e-3 * float(model.assembly.size[block])
     if support is Support.CENTRING:
         ground = float(depth.max())
         return tuple(
@@ -145,15 +146,14 @@ def items_of(
             for face in _carried(model, block, seat, options.friction)
         )
     if support is Support.ROPE:
-        rise = seat.heads @ down - float(depth.min()) + options.clear
+        rise = np.maximum(seat.heads @ down - float(depth.min()) + options.clear, shortest)
         return tuple(
             Rope(name, options.limit, at, at + height * lead)
             for leads in _splayed(seat)
             for at, height, lead in zip(seat.heads, rise, leads, strict=True)
         )
     if options.foot is None:
-        least = 1e-3 * float(model.assembly.size[block])
-        deep = np.maximum(float(depth.max()) - seat.heads @ down, least)
+        deep = np.maximum(float(depth.max()) - seat.heads @ down, shortest)
         lead = _lead(seat)
         ends = zip(seat.heads, seat.heads + np.outer(deep, lead), strict=True)
         struts = tuple(

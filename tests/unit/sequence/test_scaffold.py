@@ -140,6 +140,13 @@ def balanced_plan():
     return found
 
 
+def test_ropes_of_the_highest_block_have_a_length_where_their_anchors_are_not_above_it():
+    stages = ScaffoldedStages(SLAB_ON_PIER, "rope", ScaffoldOptions(clear=0.0))
+    whole, result = stages.result(placed=0b10, held=0b10)
+    assert result.stable
+    assert min(rope.length for rope in whole.items) >= 1e-3 * SLAB.size
+
+
 @pytest.mark.parametrize("support", ["strut", "rope", "clamp", "centring"])
 def test_a_slab_waits_for_its_counterweight_on_each_kind(balanced_plan, support):
     found = scaffolding(balanced_plan, support)
