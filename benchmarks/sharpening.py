@@ -16,7 +16,7 @@ import numpy as np
 
 from drystone import Model, check, read, write
 from drystone.design import DesignMargin, SharpenOptions, sharpen
-from drystone.design.plane_joints import PlaneJoints
+from drystone.design.sharpening import PlaneJoints
 from drystone.models import arch
 
 HEAD = (

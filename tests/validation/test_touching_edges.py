@@ -24,9 +24,9 @@ from drystone import (
     solve_rbe,
 )
 from drystone.detection import DetectionOptions
-from drystone.detection.further import further_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism
+from drystone.stability.touching_edges import further_contacts
 
 FLOOR = box((20.0, 8.0, 1.0), (-10.0, -4.0, -1.0), "floor")
 

@@ -43,10 +43,10 @@ if TYPE_CHECKING:
     from drystone.design.joint_surgery import turn_joint as turn_joint
     from drystone.design.joint_surgery import wedge_joint as wedge_joint
     from drystone.design.margin import DesignMargin as DesignMargin
-    from drystone.design.mending import mend as mend
     from drystone.design.mends import MendOptions as MendOptions
     from drystone.design.mends import Mends as Mends
     from drystone.design.mends import find_mends as find_mends
+    from drystone.design.mends import mend as mend
     from drystone.design.needs import Need as Need
     from drystone.design.needs import Needs as Needs
     from drystone.design.needs import Pull as Pull
@@ -83,8 +83,7 @@ _NAMES = {
     "props": "PropForce",
     "bench": "Tried",
     "margin": "DesignMargin",
-    "mending": "mend",
-    "mends": "MendOptions Mends find_mends",
+    "mends": "MendOptions Mends find_mends mend",
     "free_moves": "block_moves free_vertices joint_moves thickening",
     "shape_values": "ShapeAim ShapeOptions",
     "shaping": "shape",

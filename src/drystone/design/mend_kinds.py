@@ -26,8 +26,7 @@ from drystone.design.changes import (
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
-from drystone.design.props import find_props
-from drystone.design.struts import struts
+from drystone.design.props import find_props, struts
 from drystone.design.words import glue_words, names_of, newtons, place
 from drystone.model import Model
 from drystone.ties import tied

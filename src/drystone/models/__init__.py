@@ -9,7 +9,7 @@ from drystone.models.bridges import segmental_bridge
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.domes import dome, lune
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
-from drystone.models.published import a_model, concave, h_model, wedge
+from drystone.models.published import a_model, bridge, concave, h_model, shelf, snake, wedge
 from drystone.models.simple import (
     box,
     harmonic_offsets,
@@ -21,7 +21,6 @@ from drystone.models.simple import (
     two_blocks_on_incline,
 )
 from drystone.models.solids import prism, welded
-from drystone.models.source_structures import bridge, shelf, snake
 from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
 from drystone.models.vaults import barrel_vault, vault
 from drystone.models.walls import buttressed_wall, corbelled_wall, ferris_wall, wall

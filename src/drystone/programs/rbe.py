@@ -29,13 +29,13 @@ from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import ConicProgram
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.near_pairs import unless_near_pairs_hold
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     balanced,
     found_mechanism,
     moving_blocks,
     sound_mechanism,
+    unless_near_pairs_hold,
 )
 from drystone.stability.strength import carried, crushing_words
 from drystone.stability.touching_edges import unless_edges_hold

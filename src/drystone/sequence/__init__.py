@@ -16,16 +16,14 @@ from drystone.sequence.friction_sweeps import (
     sweep_friction,
 )
 from drystone.sequence.gravity_regions import GravityRegion, gravity_region
-from drystone.sequence.grips import GripFace
-from drystone.sequence.handling import Handling, Hold, Placement, handling
+from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import Interlocking, interlocking
 from drystone.sequence.margins import Margin, Margins, margins
-from drystone.sequence.path_search import find_path
+from drystone.sequence.path_search import NoPath, PathOptions, RemovalPath, find_path
 from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan
-from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.robots import Robot, Turn, Turns, take_turns
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.scaffold_items import (

@@ -19,8 +19,7 @@ from drystone.sequence.freedom import (
     free_twists,
     freedom,
 )
-from drystone.sequence.path_search import PathFinder
-from drystone.sequence.removal_paths import NoPath, PathOptions, RemovalPath
+from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
 from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import members
 

@@ -15,8 +15,10 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
-from drystone.answer import Answer, Role, Scene, SceneStage, Sentence
+from drystone.answer import Answer, Layer, LayerKind, MarkerShape, Role, Scene, SceneStage, Sentence
+from drystone.assembly import Assembly
 from drystone.base import units
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -28,11 +30,45 @@ from drystone.results import Result, Verdict
 from drystone.sequence import planner
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import Order
-from drystone.sequence.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
-from drystone.sequence.scaffold_layers import scaffold_layers
+from drystone.sequence.scaffold_items import (
+    Centring,
+    Clamp,
+    Rope,
+    ScaffoldedModel,
+    ScaffoldItem,
+    Strut,
+)
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Check, check_once, mask_of
+
+_WIDE = 3.0
+"""Width of a strut or a rope, by that of other lines; chosen by eye."""
+
+
+def scaffold_layers(
+    items: Sequence[ScaffoldItem], support: Support, assembly: Assembly
+) -> tuple[Layer, ...]:
+    """Bars of struts and ropes, edges of centring, a mark for each clamp."""
+    if not items:
+        return ()
+    label = f"{len(items)} {support.words(len(items))}"
+    ends: list[tuple[Floats, Floats]] = []
+    for item in items:
+        if isinstance(item, Strut):
+            ends.append((np.array([item.foot]), np.array([item.head])))
+        elif isinstance(item, Rope):
+            ends.append((np.array([item.at]), np.array([item.anchor])))
+        elif isinstance(item, Centring):
+            ends.append((item.face, np.roll(item.face, -1, axis=0)))
+    if not ends:
+        block = assembly.indices([item.block for item in items])
+        place = assembly.centroid[block]
+        mark = MarkerShape.DIAMOND
+        return (Layer("scaffold", label, LayerKind.MARKERS, "added", place, shape=mark),)
+    start, end = (np.concatenate(side) for side in zip(*ends, strict=True))
+    return (Layer("scaffold", label, LayerKind.LINES, "added", start, end - start, width=_WIDE),)
+
 
 FEWEST = "fewest-props"
 """The order with the fewest props, by a search without limit. It may cost more than another one."""

@@ -9,10 +9,10 @@ from drystone.settlement.first_order import (
 )
 from drystone.settlement.large_displacement import move_supports, push, reduce_friction
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
-from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
     UNDECIDED,
     FlushEnds,
+    Loading,
     Outcome,
     Settlement,
     SettlementOptions,

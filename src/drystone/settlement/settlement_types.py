@@ -17,11 +17,99 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.base.table import Table
-from drystone.checks import Residuals, block_speed
+from drystone.checks import Residuals, block_speed, check_forces
+from drystone.contacts import Contacts
+from drystone.geometry.frames import rotation_about
+from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.corners import Carrier
 from drystone.model import Model
-from drystone.settlement.loading_order import Loading
-from drystone.settlement.proof import moved_model
+
+PROVEN = 1e-8
+"""Largest residual of a rest state, dimensionless: that of every equilibrium."""
+
+
+def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Model:
+    """The blocks at the end, with each corner as a separate interface.
+
+    Parameters
+    ----------
+    model
+        Before the motion.
+    motion : (n, 6) [m, rad]
+    axes : (k, 3, 3), rows n, u, v
+    point : (k, 3) [m]
+        Where the force of each corner acts.
+    """
+    assembly, contacts = model.assembly, model.contacts
+    joint = contacts.interface
+    corners = Contacts(
+        contacts.block_a[joint],
+        contacts.block_b[joint],
+        axes,
+        contacts.tributary,
+        contacts.friction[joint],
+        point,
+        np.arange(len(joint)),
+    )
+    return Model(assembly.moved(motion), corners, model.load)
+
+
+def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
+    """Equilibrium, tension and friction of the forces at the end, from points and cross products.
+
+    Parameters
+    ----------
+    moved
+        What :func:`moved_model` gives.
+    force : (k, 3) [N]
+    gap : (k,) [m]
+        Between the faces; a force where it is positive is a fault.
+    """
+    found = check_forces(moved, force)
+    open_ = (gap > 0.0) & (np.abs(force).max(axis=1, initial=0.0) > 0.0)
+    apart = float(np.linalg.norm(force[open_], axis=1).max(initial=0.0))
+    weight = float(np.linalg.norm(moved.load.wrench[:, :3], axis=1).max(initial=0.0))
+    return Residuals(
+        found.equilibrium, found.tension, found.cone, apart / weight if weight else 0.0
+    )
+
+
+PARTS = 20
+"""Of a load that is put on part by part. Chosen: ten models that were measured have the same limit
+with the load at once."""
+
+
+class Loading(enum.Enum):
+    """How the load is put on; friction remembers it."""
+
+    AT_ONCE = "at once"
+    RAMP = "ramp"
+    """All of it grows from nothing, in 20 parts with a rest after each."""
+    TURNED = "turned"
+    """All of it is turned from upright to its direction, in 20 parts with a rest after each."""
+
+
+def earlier_loads(bodies: Bodies, loading: Loading) -> list[Floats]:
+    """Loads (f, 6), scaled, under which the blocks rest before the whole load is on."""
+    shares = np.arange(PARTS) / PARTS
+    if loading is Loading.RAMP:
+        return [share * bodies.load for share in shares[1:]]
+    total = bodies.load[:, :3].sum(axis=0)
+    size = float(np.linalg.norm(total))
+    if loading is Loading.AT_ONCE or size == 0.0:
+        return []
+    down = np.array([0.0, 0.0, -1.0])
+    angle = float(np.rad2deg(np.arccos(np.clip(total @ down / size, -1.0, 1.0))))
+    if angle < 1e-9:
+        return []
+    axis = np.cross(down, total)
+    if np.linalg.norm(axis) < 1e-9 * size:
+        axis = np.array([1.0, 0.0, 0.0])
+    made = []
+    for share in shares:
+        turn = rotation_about(axis, (share - 1.0) * angle)
+        made.append((bodies.load.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6))
+    return made
 
 
 class Outcome(enum.Enum):

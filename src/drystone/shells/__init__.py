@@ -3,17 +3,17 @@
 from drystone.shells.cell_sizes import shape_volume
 from drystone.shells.fabrication import (
     FlatFace,
+    block_frame,
     flat_faces,
     own_frame,
+    schedule,
     write_blocks,
     write_unrolled,
 )
 from drystone.shells.formfinding import FormFound, find_form
-from drystone.shells.mesh_vaults import several_supports, vaults_from_mesh
-from drystone.shells.meshfit import MeshFit, patch_from_mesh
+from drystone.shells.meshfit import MeshFit, patch_from_mesh, several_supports, vaults_from_mesh
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.schedule import block_frame, schedule
 from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
 from drystone.shells.shell_families import (

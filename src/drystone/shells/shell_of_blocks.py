@@ -17,11 +17,13 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.geometry import boxes
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import loop_edges, rings
+from drystone.geometry.selfcontact import convex_bodies
+from drystone.geometry.shared_volume import shared_volumes
 from drystone.model import Model
-from drystone.shells.blocks_apart import refuse_overlaps
 from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
 from drystone.shells.courses import lay_courses
 from drystone.shells.head_joints import lay_bond
@@ -43,6 +45,54 @@ from drystone.shells.shape import Shape
 from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.springers import add_ground, springers
 from drystone.shells.weld import weld
+
+_TOLERANCE = 1e-6
+"""Largest overlap of two blocks, relative to the width of a block."""
+
+
+def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground: Bools) -> None:
+    """Refuse a shell with blocks that overlap.
+
+    Parameters
+    ----------
+    assembly
+        A block for each cell of the mesh.
+    mesh
+    width : [m]
+        Mean width of a block.
+    ground : (c,)
+        Which cells are ground.
+
+    Raises
+    ------
+    InputError
+        The surface crosses itself; two parts of it are closer than the thickness; or a strongly
+        curved block reaches into its neighbour.
+    """
+    least, bounds, blocks = _TOLERANCE * width, assembly.bounds, assembly.blocks
+    a, b = boxes.overlapping(bounds[:, 0] + 0.5 * least, bounds[:, 1] - 0.5 * least)
+    convex = convex_bodies([block.vertices for block in blocks], [block.faces for block in blocks])
+    found = shared_volumes(assembly.faces, a, b, np.full(len(a), least), convex)
+    if not len(found.row):
+        return
+    a, b, depth = a[found.row], b[found.row], found.depth
+    beneath = ground[a] | ground[b]
+    worst = int(np.lexsort((-depth, beneath))[0])
+    one, other = int(a[worst]), int(b[worst])
+    if set(mesh.cells[one]) & set(mesh.cells[other]):
+        remedy = "use a smaller thickness or wedge, or larger blocks"
+    elif beneath[worst]:
+        remedy = "give a smaller ground depth, or move the supports apart"
+    else:
+        remedy = (
+            "the surface must not cross itself, nor come closer to itself than the shell is thick"
+        )
+    rest = f", and {counted(len(a) - 1, 'more pair')}" if len(a) > 1 else ""
+    raise InputError(
+        f"overlap, {depth[worst]:.2g} m deep{rest}",
+        where=f"blocks '{mesh.names[one]}' and '{mesh.names[other]}'",
+        remedy=remedy,
+    )
 
 
 @dataclass(frozen=True, eq=False)

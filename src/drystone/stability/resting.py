@@ -15,8 +15,7 @@ from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.check_options import SAMPLES, CheckOptions
-from drystone.stability.free_fall import beside_supports
-from drystone.stability.problem import Problem
+from drystone.stability.problem import Problem, beside_supports
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, Screening
 from drystone.stability.verdict import check

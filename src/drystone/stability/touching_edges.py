@@ -1,24 +1,157 @@
-"""No proof of falling rests on edges and corners that touch and were not searched."""
+"""No proof of falling rests on edges and corners that touch and were not searched.
+
+Contacts of edges and corners that the search of contacts leaves out are looked for on what falls.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
+import shapely
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.checks import block_speed, mechanism_defects
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import EdgeContacts
-from drystone.detection.further import Further, further_contacts, held_everywhere
-from drystone.detection.parallel_edges import ParallelEdges
+from drystone.detection.candidates import near_blocks
+from drystone.detection.detection_options import DetectionOptions
+from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.parallel_edges import ParallelEdges, parallel_edges
+from drystone.detection.patches import patches_of
+from drystone.geometry.frames import frames_from_normals
 from drystone.mechanics.meeting import least_friction
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability.proofs import MECHANISM_TOLERANCE, part_of_fall, withdrawn
+
+_ELSEWHERE = 0.05
+"""Distance from the joints of two blocks, by the size of the smaller one, from which on an edge of
+one that is not convex touches the other elsewhere. Chosen: nearer to it the joint stands for it."""
+
+_AT_EDGE = 0.01
+"""Distance from a joint, by the size of the block, within which an edge ends it. Chosen."""
+
+
+@dataclass(frozen=True)
+class Further:
+    """Where blocks touch with edges and corners only.
+
+    Attributes
+    ----------
+    contacts
+        Edges and corners on faces, and edges that cross.
+    parallel
+        Parallel edges that meet, of pairs that touch nowhere else.
+    corners : (u, 2)
+        Pairs that meet at corners only, where a contact has no direction.
+    """
+
+    contacts: Contacts
+    parallel: ParallelEdges
+    corners: Ints
+
+
+def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionOptions) -> Further:
+    """What blocks touch beside their contacts, with edges and corners.
+
+    The friction of these contacts is that of none.
+    """
+    count = len(assembly)
+    low = np.minimum(contacts.block_a, contacts.block_b)
+    high = np.maximum(contacts.block_a, contacts.block_b)
+    known = np.unique(low * count + high)
+    found = _searched(assembly, known.astype(np.int64).tobytes(), options)
+    keys = found.contacts.block_a * count + found.contacts.block_b
+    again = np.flatnonzero(np.isin(keys, known))
+    found = replace(found, parallel=found.parallel.take(~_in_joints(assembly, contacts, found)))
+    if not len(again):
+        return found
+    keep = np.ones(len(found.contacts), dtype=bool)
+    size = np.cbrt(assembly.volume)
+    for i in again.tolist():
+        a, b = int(found.contacts.block_a[i]), int(found.contacts.block_b[i])
+        near = _ELSEWHERE * float(min(size[a], size[b]))
+        joints = np.flatnonzero((low == a) & (high == b))
+        keep[i] = all(_distance(contacts, int(j), found.contacts.polygon(i)) > near for j in joints)
+    return replace(found, contacts=found.contacts.select(keep))
+
+
+def _in_joints(assembly: Assembly, contacts: Contacts, found: Further) -> Bools:
+    """Which parallel edges (p,) both end a joint of their block with another one.
+
+    Four blocks whose edges meet in one line press with their faces. What two of them do across the
+    line is then decided by the joints, and the line holds nothing.
+    """
+    edges, size = found.parallel, np.cbrt(assembly.volume)
+    ends = np.zeros((len(edges), 2), dtype=bool)
+    for side, block in enumerate((edges.block_a, edges.block_b)):
+        for i, one in enumerate(block.tolist()):
+            of_block = (contacts.block_a == one) | (contacts.block_b == one)
+            joints = np.flatnonzero(of_block & (contacts.area > 0.0))
+            middle, near = edges.point[i].mean(axis=0, keepdims=True), _AT_EDGE * float(size[one])
+            ends[i, side] = any(_distance(contacts, int(j), middle) <= near for j in joints)
+    return np.asarray(ends.all(axis=1))
+
+
+def held_everywhere(pairs: Ints, bounds: Floats, friction: float) -> Contacts:
+    """Contacts that hold pairs (u, 2) in every direction where they meet.
+
+    Parameters
+    ----------
+    pairs
+    bounds : (n, 2, 3) [m]
+        Lowest and highest corner of each block.
+    friction
+    """
+    both = bounds[pairs]
+    middle = 0.5 * (both[:, :, 0].max(axis=1) + both[:, :, 1].min(axis=1))
+    count, normal = 6 * len(pairs), np.concatenate([np.eye(3), -np.eye(3)])
+    return Contacts(
+        np.repeat(pairs[:, 0], 6),
+        np.repeat(pairs[:, 1], 6),
+        frames_from_normals(np.tile(normal, (len(pairs), 1))),
+        np.zeros(count),
+        np.full(count, friction),
+        np.repeat(middle, 6, axis=0),
+        np.arange(count, dtype=np.intp),
+    )
+
+
+@lru_cache(maxsize=8)
+def _searched(assembly: Assembly, known: bytes, options: DetectionOptions) -> Further:
+    """A limit asks for the same blocks again and again."""
+    patches = patches_of(assembly)
+    a, b = near_blocks(patches, options)
+    free = ~(assembly.fixed[a] & assembly.fixed[b])
+    a, b = a[free], b[free]
+    joined = np.isin(a * len(assembly) + b, np.frombuffer(known, dtype=np.int64))
+    # two convex blocks that share a face touch nowhere else
+    several = joined & ~(patches.block_convex[a] & patches.block_convex[b])
+    some = ~joined | several
+    reach = options.reach(np.minimum(patches.size[a], patches.size[b]))[some]
+    lines, undirected = edge_contacts(assembly, patches, (a[some], b[some]), reach, options)
+    keys = a[several] * len(assembly) + b[several]
+    meets = undirected[~np.isin(undirected[:, 0] * len(assembly) + undirected[:, 1], keys)]
+    parallel = parallel_edges(assembly, patches, (meets[:, 0], meets[:, 1]), options)
+    directed = parallel.block_a * len(assembly) + parallel.block_b
+    corners = meets[~np.isin(meets[:, 0] * len(assembly) + meets[:, 1], directed)]
+    return Further(lines.contacts(patches.origin, 0.0), parallel, corners)
+
+
+def _distance(contacts: Contacts, interface: int, points: Floats) -> float:
+    """[m] from an interface to the nearest of some points (p, 3)."""
+    polygon = contacts.polygon(interface)
+    local = (points - polygon[0]) @ contacts.frame[interface].T
+    flat = (polygon - polygon[0]) @ contacts.frame[interface, 1:].T
+    shape = shapely.convex_hull(shapely.multipoints(flat))
+    beside = shapely.distance(shapely.points(local[:, 1:]), shape)
+    return float(np.hypot(local[:, 0], beside).min())
 
 
 def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:

@@ -33,15 +33,15 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.check_options import SAMPLES, CheckOptions
-from drystone.stability.free_fall import (
+from drystone.stability.mortar import with_brittle_mortar
+from drystone.stability.problem import (
     NO_APPROACH,
+    Problem,
     beside_supports,
     closing_blocks,
     unpressed,
 )
-from drystone.stability.mortar import with_brittle_mortar
-from drystone.stability.near_pairs import unless_near_pairs_hold
-from drystone.stability.problem import Problem
+from drystone.stability.proofs import unless_near_pairs_hold
 from drystone.stability.strength import within_strength
 from drystone.stability.touching_edges import unless_edges_hold
 

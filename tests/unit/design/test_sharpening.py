@@ -10,7 +10,7 @@ import drystone
 from drystone import Assembly, InputError, Model
 from drystone.cli import main
 from drystone.design import Changed, DesignMargin, SharpenOptions, sharpen
-from drystone.design.plane_joints import PlaneJoints
+from drystone.design.sharpening import PlaneJoints
 from drystone.models import arch, box, shelf, tower
 
 THIN = Model.of(arch(0.08, voussoirs=4), friction=0.7)

@@ -13,11 +13,15 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.nearest_mechanism import (
     NearestMechanism,
+    Scaling,
+    inner,
     nearest_mechanism,
+    product,
+    quotient,
+    step_lengths,
 )
 from drystone.formulations.projection import STILL, held_still
 from drystone.models import arch, barrel_vault, box, shelf, tower
-from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 from drystone.solvers.conic import ConicStatus
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import balanced, checked_mechanism, sound_mechanism

@@ -7,8 +7,8 @@ import pytest
 
 from drystone.assembly import Block
 from drystone.base.errors import InputError
-from drystone.geometry.backing import backed
 from drystone.models import box
+from drystone.repair import backed
 
 ROOM = box((2.0, 2.0, 1.0), (-1.0, -1.0, 0.0))
 INSIDE, ABOVE, BESIDE = [[0.0, 0.0, 0.3]], [[0.0, 0.0, 1.5]], [[3.0, 0.0, 0.5]]

@@ -5,9 +5,8 @@ import pytest
 
 from drystone import LoadCase, Model, settle
 from drystone.geometry.frames import rotation_about
-from drystone.mechanics import both_carriers
 from drystone.models import curve_three_blocks
-from drystone.settlement import Carrier, Outcome
+from drystone.settlement import Carrier, Outcome, path
 
 
 def cradle(tilt: float, turn: float = 0.0) -> Model:
@@ -23,13 +22,13 @@ def cradle(tilt: float, turn: float = 0.0) -> Model:
 def test_the_distance_of_the_two_places_of_an_end_does_not_depend_on_the_axes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    farthest, seen = both_carriers._farthest, []
+    farthest, seen = path._farthest, []
 
     def told(*given):  # type: ignore[no-untyped-def]
         seen.append(farthest(*given))
         return seen[-1]
 
-    monkeypatch.setattr(both_carriers, "_farthest", told)
+    monkeypatch.setattr(path, "_farthest", told)
     for turn in (0.0, 37.0, 77.0):
         settle(cradle(23.0, turn))
     assert seen[0] > 1e-5

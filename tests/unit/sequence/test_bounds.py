@@ -9,7 +9,7 @@ from drystone.models import arch, tower
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Verdict
 from drystone.sequence import StagedModel
-from drystone.sequence.local_balance import LocalBalance
+from drystone.sequence.stage_tree import LocalBalance
 from drystone.sequence.stages import members
 
 

@@ -10,7 +10,7 @@ from drystone import InputError, Model, Structure, plan
 from drystone.models import arch, bayonet, bridge, tower
 from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, take_turns
 from drystone.sequence.freedom import Joints
-from drystone.sequence.grips import grip_faces
+from drystone.sequence.handling import grip_faces
 
 LEFT, RIGHT = Robot("left", (-2.0, 0.0, 0.0), 3.0), Robot("right", (2.0, 0.0, 0.0), 3.0)
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.solvers.dissection import adjacency
-from drystone.solvers.minimum_degree import part_fronts
+from drystone.solvers.dissection import adjacency, part_fronts
 
 
 def graph_of(pairs, count):
