@@ -24,7 +24,7 @@ from drystone.io.draft import Draft, DraftBlock
 from drystone.io.face_soup import moved
 from drystone.io.jsontext import Field
 
-_TELLING = frozenset(("dtype", "assembly", "node", "face"))
+_TELLING = frozenset(("dtype", "assembly", "graph", "node", "face"))
 """Every object of COMPAS in a file has one of these keys."""
 
 
@@ -67,6 +67,8 @@ def _untyped(top: Field) -> Draft:
     """A network, a mesh, an assembly, or the blocks of results, from before types."""
     if "node" in top.value:
         return _graph(top)
+    if "graph" in top.value:  # Assembly.to_json of COMPAS 1 leaves its own type out
+        return _graph(data_of(top["graph"]))
     if "face" in top.value:
         return Draft((_mesh(top, "block"),))
     return _untyped_assembly(top) if "assembly" in top.value else _meshes(top["blocks"])

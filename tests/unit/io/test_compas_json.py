@@ -127,6 +127,15 @@ def test_files_of_compas_1_say_value_for_data(tmp_path: Path) -> None:
     assert len(load(tmp_path, json.loads(text)).assembly) == 2
 
 
+def test_an_assembly_that_wrote_itself_with_compas_1_is_read(tmp_path: Path) -> None:
+    """``Assembly.to_json`` leaves out its own type and says "value" for data."""
+    typed = json.loads(json.dumps(assembly_file()).replace('"data"', '"value"'))
+    itself = {"attributes": {"name": "Assembly"}, "graph": typed["value"]["graph"]}
+    for graph in (itself, itself | {"graph": typed["value"]["graph"]["value"]}):
+        contents = load(tmp_path, graph)
+        assert contents.assembly.names == load(tmp_path, typed).assembly.names
+
+
 def untyped_mesh(block: Block, name: str | None = None) -> dict[str, Any]:
     """As COMPAS wrote a mesh before it wrote types: each corner of a face names the next one."""
     data: dict[str, Any] = mesh(block)["data"]
