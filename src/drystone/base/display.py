@@ -34,7 +34,7 @@ class OneLine:
 
     def _summary(self) -> str:
         """The text between the brackets: the fields that differ from their defaults."""
-        return ", ".join(f"{name}={text}" for name, text in differing(self).items())
+        return ", ".join(f"{name}={text}" for name, text in differing(self, code=True).items())
 
 
 class Card(OneLine):
@@ -65,8 +65,8 @@ def picture_of(value: object) -> str:
     return "".join(draw(value) for draw in _DRAWN_BY)
 
 
-def differing(value: Any) -> dict[str, str]:
-    """The fields of a dataclass that differ from their defaults, as short text."""
+def differing(value: Any, *, code: bool = False) -> dict[str, str]:
+    """The fields of a dataclass that differ from their defaults, as short text, or as code."""
     told = {}
     for field in dataclasses.fields(value):
         one = getattr(value, field.name)
@@ -76,7 +76,8 @@ def differing(value: Any) -> dict[str, str]:
             else field.default_factory()
         )
         if field.repr and not (one is default or _plainly_equal(one, default)):
-            told[field.name] = _SHORT.repr(one)
+            word = isinstance(one, enum.Enum) and not code
+            told[field.name] = str(one.value) if word else _SHORT.repr(one)
     return told
 
 

@@ -30,6 +30,7 @@ from drystone.sequence.margins import Margin, Margins
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
 from drystone.sequence.plans import Plan
 from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.scaffolding import Scaffolding, item_numbers
 from drystone.sequence.stages import members
 
 COVERED = 0.01
@@ -192,6 +193,8 @@ class Handling(Answer):
     notes
         Placements that no robot can do, blocks without a path, blocks that cannot be placed, and
         why it ends before the plan does, one sentence each.
+    scaffolding
+        What holds the blocks that are propped, where it was found.
     """
 
     plan: Plan
@@ -199,6 +202,7 @@ class Handling(Answer):
     placements: tuple[Placement, ...]
     holds: tuple[Hold, ...]
     notes: tuple[str, ...]
+    scaffolding: Scaffolding | None = None
 
     @property
     def model(self) -> Model:
@@ -237,22 +241,55 @@ class Handling(Answer):
         stay = dict.fromkeys((*before, *steps[number].props))
         return tuple(names[block] for block in stay if block not in steps[number].blocks)
 
+    def props_removed(self, placement: Placement) -> tuple[str, ...]:
+        """Names of the blocks whose props are taken away after a placement, before the next one."""
+        names, steps = self.model.assembly.names, self.plan.steps
+        step = steps[placement.step]
+        if placement.step == 0 or placement.name != names[step.blocks[-1]]:
+            return ()
+        return tuple(names[b] for b in steps[placement.step - 1].props if b not in step.props)
+
+    def _items(self) -> list[dict[str, Any]]:
+        """The items of the scaffolding, with the first and last step after which each stands."""
+        names = self.model.assembly.names
+        when = {at: one for one in self.plan.props for at in (one.block, names[one.block])}
+        return [
+            {
+                "kind": type(item).__name__.lower(),
+                **item_numbers(item),
+                "block": names[when[item.block].block],
+                "first_step": when[item.block].first,
+                "last_step": when[item.block].last,
+            }
+            for item in (() if self.scaffolding is None else self.scaffolding.items)
+        ]
+
     def numbers(self) -> Mapping[str, Any]:
         """Robots, placements, holds and props; lengths in m, masses in kg, forces in N."""
         return {
             "format": "drystone-handling",
             "version": 2,
             "robots": plain(self.robots),
-            "placements": plain(self.placements),
+            "placements": [
+                {**plain(one), "props_removed": self.props_removed(one)} for one in self.placements
+            ],
             "holds": [{**plain(one), "props": self.props_during(one)} for one in self.holds],
             "props": plain(self.plan.numbers()["props"]),
+            "scaffold": plain(self._items()),
             "notes": list(self.notes),
         }
 
     def table(self) -> Table:
         """A row per placement: robot, mass, position, path, grips, hold, props and margins."""
         held = {one.name: (one, " ".join(self.props_during(one))) for one in self.holds}
-        rows = [_row(one, *held.get(one.name, (None, ""))) for one in self.placements]
+        rows = [
+            {
+                **_row(one, *held.get(one.name, (None, ""))),
+                "props_removed": " ".join(self.props_removed(one)),
+                **({} if one.margin is None else asdict(one.margin)),
+            }
+            for one in self.placements
+        ]
         columns = {key: [row[key] for row in rows] for key in rows[0]} if rows else {"step": []}
         units = dict.fromkeys(("reach_left", "at", "grip"), "m")
         units |= {"mass": "kg", "hold": "N", "tilt": "deg"}
@@ -270,6 +307,7 @@ def handling(
     robots: Sequence[Robot] = (),
     *,
     margins: Margins | None = None,
+    scaffolding: Scaffolding | None = None,
     options: PathOptions | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -290,6 +328,8 @@ def handling(
         When left out, placements have no robot.
     margins
         Of the stages of the plan, from :func:`margins`, to be told with the placements.
+    scaffolding
+        Of the plan, from :func:`scaffolding`, to be told beside its props.
     options
         Options of the search for paths; up is opposite to the load unless given.
 
@@ -323,6 +363,7 @@ def handling(
         notes.append(f"{clock.reason} after {len(paths)} of {counted(len(jobs), 'path')}")
     placements: list[Placement] = []
     holds: list[Hold] = []
+    outside: list[tuple[float, str]] = []
     turn, busy = 0, set[int]()
     for (number, block, here), found in zip(jobs, paths, strict=False):
         step, body = plan.steps[number], model.assembly.blocks[block]
@@ -338,6 +379,9 @@ def handling(
         grips = grip_faces(body, Joints.of(model.contacts, block, here))
         margin = None if margins is None else margins.stages[number]
         placements.append(_placed(plan, number, block, arm, found, grips, margin))
+        if arm is not None and isinstance(found, RemovalPath):
+            past = float(arm.distance(placements[-1].approach[0, :3, 3])) - arm.reach
+            outside += [(past, body.name)] if past > 0.0 else []
         if block != step.blocks[-1]:
             wrench = [a.reaction[block] for a in step.during if block in a.reaction]
             most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
@@ -345,7 +389,13 @@ def handling(
             holds.append(Hold(body.name, robot, last, most[:3], most[3:]))
             busy |= set() if who is None else {who}
         turn = turn if who is None else who + 1
-    return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
+    if outside:
+        past, name = max(outside)
+        notes.append(
+            f"{len(outside)} of {counted(len(placements), 'path')} begin out of reach, that of "
+            f"'{name}' by {past:.3g} m; hand a block over at a pose within reach"
+        )
+    return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)
 
 
 def _known(plan: Plan) -> int:
@@ -427,8 +477,8 @@ def _placed(
 
 
 def _row(one: Placement, hold: Hold | None, kept: str) -> dict[str, object]:
-    told: dict[str, object] = {
-        "step": one.step + 1,
+    return {
+        "step": one.step,
         "block": one.name,
         "status": one.status,
         "robot": one.robot,
@@ -446,4 +496,3 @@ def _row(one: Placement, hold: Hold | None, kept: str) -> dict[str, object]:
         "props": " ".join(one.props),
         "friction_used": one.friction_used,
     }
-    return told if one.margin is None else {**told, **asdict(one.margin)}

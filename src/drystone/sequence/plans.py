@@ -16,7 +16,7 @@ from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage
 from drystone.sequence.plan_steps import PlannedSteps, Status, Step
-from drystone.sequence.rules import TOO_HEAVY, Rules, too_heavy
+from drystone.sequence.rules import TOO_HEAVY, Order, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
 
@@ -168,7 +168,10 @@ class Plan(PlannedSteps, Answer):
             role = Role.BAD if self.impossible else Role.UNSURE
         said = [Sentence(self.told, role), Sentence(self.message)]
         if any(self.help) and not self.proved:
-            more = "another order may need less help; --best searches all, which may take long"
+            tried = "course" if self.rules.order is Order.TOP else "top"
+            more = (
+                f"another order may need less help: --order {tried}, or --best, which takes longer"
+            )
             said.append(Sentence(more))
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
         said += [Sentence(one) for one in why[:_REASONS]]

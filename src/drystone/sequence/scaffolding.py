@@ -170,7 +170,7 @@ class Scaffolding(Answer):
             "cost": self.cost,
             "failed": self.failed,
             "stopped": self.stopped,
-            "items": [_plain(item) for item in self.items],
+            "items": [item_numbers(item) for item in self.items],
         }
 
     def layers(self) -> Scene:
@@ -313,7 +313,7 @@ def _row(number: int, held: str, whole: ScaffoldedModel, result: Result) -> _Row
     return _Row(number, held, result.verdict.value, len(whole.items), length, largest, over)
 
 
-def _plain(item: ScaffoldItem) -> dict[str, Any]:
+def item_numbers(item: ScaffoldItem) -> dict[str, Any]:
     """An item as plain values; limits that it does not have are None."""
     told = {one.name: getattr(item, one.name) for one in fields(item)}
     told = {key: v.tolist() if isinstance(v, np.ndarray) else v for key, v in told.items()}

@@ -49,6 +49,8 @@ def test_a_person_reads_steps_and_counts(stack, capsys):
     assert "3 steps" in out
     assert "3 free, 0 held, 0 propped" in out
     assert "block-3" in out
+    assert main(["plan", stack, "--order", "course"]) == 0
+    assert "order course" in capsys.readouterr().out
 
 
 def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):

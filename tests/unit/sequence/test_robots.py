@@ -8,7 +8,7 @@ import pytest
 
 from drystone import InputError, Model, Structure, plan
 from drystone.models import arch, bayonet, bridge, tower
-from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, take_turns
+from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, scaffolding, take_turns
 from drystone.sequence.freedom import Joints
 from drystone.sequence.handling import grip_faces
 
@@ -23,10 +23,15 @@ def test_two_robots_place_blocks_in_turn():
 
 def test_a_block_goes_to_a_robot_that_reaches_it():
     work = handling(plan(bridge(), friction=0.5), [LEFT, RIGHT])
-    assert work.notes == ()
+    outside = []
     for one in work.placements:
         robot = LEFT if one.robot == "left" else RIGHT
-        assert np.linalg.norm(one.frame[:3, 3] - np.array(robot.base)) <= robot.reach
+        away = np.linalg.norm(one.approach[:, :3, 3] - np.array(robot.base), axis=1)
+        assert away[-1] <= robot.reach
+        outside.append(away[0] - robot.reach)
+    (said,) = work.notes  # paths come from outside, and that is said
+    assert said.startswith(f"{sum(x > 0.0 for x in outside)} of 9 paths begin out of reach")
+    assert f"by {max(outside):.3g} m" in said
 
 
 def test_what_no_robot_can_place_is_said():
@@ -116,8 +121,30 @@ def test_props_of_the_step_before_stay_while_a_block_is_held():
         assert structure.stands(here, held=[*held, *stay]).stands
         without.append(structure.stands(here, held=held).stands)
     assert without == [True, False, False]
-    told = [one["props"] for one in work.to_dict()["holds"]]
+    numbers = work.to_dict()
+    told = [one["props"] for one in numbers["holds"]]
     assert [tuple(one) for one in told] == [work.props_during(one) for one in work.holds]
+    stand: set[str] = set()  # props are set up and taken away step by step
+    for one, placed in zip(work.placements, numbers["placements"], strict=True):
+        gone = work.props_removed(one)
+        assert list(gone) == placed["props_removed"]
+        stand = (stand | {*one.props}) - {*gone}
+        if one.name == names[found.steps[one.step].blocks[-1]]:
+            assert stand == {*one.props}
+    assert any(work.props_removed(one) for one in work.placements)
+
+
+def test_work_lists_the_struts_of_propped_blocks_and_when_they_stand():
+    found = plan(arch(0.2, 7), friction=0.7)
+    made = scaffolding(found, "strut")
+    work = handling(found, scaffolding=made).to_dict()
+    struts, props = work["scaffold"], {one["block"]: one for one in work["props"]}
+    assert len(struts) == len(made.items) > 0
+    for one in struts:
+        prop = props[one["block"]]
+        assert one["kind"] == "strut"
+        assert [one["first_step"], one["last_step"]] == [prop["first_step"], prop["last_step"]]
+        assert one["length"] == pytest.approx(np.linalg.norm(np.subtract(one["head"], one["foot"])))
 
 
 def test_json_and_csv_hold_what_was_found(tmp_path):
@@ -133,6 +160,9 @@ def test_json_and_csv_hold_what_was_found(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["robot"] for row in rows] == ["left", "strong"]
     assert float(rows[0]["mass [kg]"]) == pytest.approx(2400.0)
+    assert (
+        [int(row["step"]) for row in rows] == [one["step"] for one in data["placements"]] == [0, 1]
+    )
     assert sorted(p.name for p in tmp_path.iterdir()) == ["work.csv", "work.json"]
 
 
