@@ -167,7 +167,6 @@ def _placed_before(found: Plan, block: int) -> Bools:
     if block not in found.step_of:
         return np.arange(len(found.model.assembly)) != block
     there = np.array(found.model.assembly.fixed)
-    there[list(found.impossible)] = True
     for step in found.steps[: found.step_of[block]]:
         there[list(step.blocks)] = True
     return there
