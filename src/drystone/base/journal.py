@@ -167,6 +167,8 @@ def add_answers(
     """
     with WorkerPool(executor) as pool:
         for found in pool.answers(task, items, late, failed=failed):
+            if found is None:  # it was stopped before it was known
+                return
             done.append(found)
             if journal is not None:
                 journal.add([found])

@@ -260,6 +260,12 @@ class TrainEnvelope(Answer):
                 )
             )
         elif self.limit is not None:
+            said.append(
+                Sentence(
+                    f"the verdict was searched at x = {self.places[self.worst]:.4g} m alone, the "
+                    f"worst of {known} by equilibrium, and governs; elsewhere equilibrium is known"
+                )
+            )
             said += self.limit.sentences()[self.limit.stands is not None :]
         if self.stopped:
             missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"

@@ -141,8 +141,10 @@ def study(
     _require_same(done, rows, out)
     tasks = (_Task(number, inputs, build, limit, chosen, each_s, how)
              for number, inputs in enumerate(rows))  # fmt: skip
+    # what is asked to stop in this process is heard inside a row too, which is not kept then
+    answered = _answered if executor is not None else partial(_answered, stop=stop)
     add_answers(
-        done, journal, executor, _answered, islice(tasks, len(done), None), failed=_failed,
+        done, journal, executor, answered, islice(tasks, len(done), None), failed=_failed,
         late=clock.late, tell=lambda count: clock.tell("studying", count, len(rows)),
     )  # fmt: skip
     columns = {name: [row[i] for row in done] for i, name in enumerate(names)}
@@ -321,9 +323,14 @@ def _rows(parameters: Any) -> list[dict[str, Any]]:
 
 
 @one_blas_thread()
-def _answered(task: _Task) -> list[Any]:
-    """The row of a task."""
-    clock = Clock(task.each_s)
+def _answered(task: _Task, stop: Stop | None = None) -> list[Any] | None:
+    """The row of a task; ``None`` where the caller asked to stop before it was known."""
+    clock = Clock(task.each_s, stop)
+    row = _row(task, clock)
+    return None if stop is not None and stop() else row
+
+
+def _row(task: _Task, clock: Clock) -> list[Any]:
     try:
         model = task.model
         if task.limit:

@@ -157,6 +157,19 @@ def test_every_limit_of_the_command_has_columns_of_its_own(limit: str, tmp_path:
     assert [*map(str, again)] == [*map(str, found)]
 
 
+def test_a_row_that_is_stopped_is_not_kept(tmp_path: Path) -> None:
+    calls: list[int] = []
+
+    def stop() -> bool:
+        calls.append(1)
+        return len(calls) > 2  # inside of the first row
+
+    out, rows = tmp_path / "rows.jsonl", {"width": [0.5, 0.4]}
+    assert not len(study(pier, rows, limit="tilt --axis y", stop=stop, out=out))
+    again = study(pier, rows, limit="tilt --axis y", out=out)
+    assert again["verdict"].tolist() == ["found", "found"]
+
+
 def test_two_parameters_are_drawn_as_a_map_and_written_as_a_page(tmp_path: Path) -> None:
     rows = {"width": [0.5, 0.4], "friction": [0.3, 0.9]}
     found = study(pier, rows, limit="tilt --axis y")
