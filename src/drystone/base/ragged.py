@@ -91,7 +91,7 @@ class Ragged(OneLine):
     def __iter__(self) -> Iterator[slice]:
         return (self[i] for i in range(len(self)))
 
-    @property
+    @cached_property
     def rows(self) -> int:
         """Number of rows, l."""
         return int(self.start[-1])

@@ -76,8 +76,8 @@ def face_points(corners: Floats, start: Ints) -> FacePoints:
     reach = loops.max(lengths(corners - middle[loops.owner]))
     far = _first_at(loops, lengths(corners - middle[loops.owner]), reach)
     side = 0.5 * (corners[far] + corners[loops.following[far]])
-    poles = np.stack([middle, 0.5 * (middle + corners[far]), 0.5 * (middle + side)])
-    exact = [_torsion(corners, loops, pole) for pole in poles]
+    poles = np.stack([middle, 0.5 * (middle + corners[far]), 0.5 * (middle + side)], axis=1)
+    exact = _torsion(corners, loops, poles)
     polar = area * np.trace(made.inertia, axis1=1, axis2=2)
     share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), start)
     share *= (area / loops.sum(share))[loops.owner]
@@ -93,12 +93,10 @@ def face_points(corners: Floats, start: Ints) -> FacePoints:
         of_corners = mine.sum(share[row] * (offset**2).sum(axis=1))
         moved = np.clip((polar[open_] - of_cells) / (of_corners - of_cells), 0.0, 1.0)
         rim, inside = share[row] * moved[mine.owner], weight * (1.0 - moved)[cells.owner]
-        right = np.ones(len(open_), dtype=bool)
-        for pole, whole in zip(poles, exact, strict=True):
-            here = pole[open_]
-            found = mine.sum(rim * lengths(corners[row] - here[mine.owner]))
-            found = found + cells.sum(inside * lengths(place - here[cells.owner]))
-            right &= np.abs(found - whole[open_]) <= ACCURATE * whole[open_]
+        here, whole = poles[open_], exact[open_]
+        found = mine.sum(rim[:, None] * lengths(corners[row, None] - here[mine.owner]))
+        found += cells.sum(inside[:, None] * lengths(place[:, None] - here[cells.owner]))
+        right = np.all(np.abs(found - whole) <= ACCURATE * whole, axis=1)
         done = right | (fine == FINENESS[-1])
         for part, points, weights in ((mine, corners[row], rim), (cells, place, inside)):
             taken = done[part.owner]
@@ -118,13 +116,13 @@ def _first_at(loops: Ragged, values: Floats, wanted: Floats) -> Ints:
 
 
 def _turned(a: Floats, b: Floats) -> Floats:
-    """(l,) cross products of plane vectors."""
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    """(...,) cross products of plane vectors."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def _torsion(corners: Floats, loops: Ragged, pole: Floats) -> Floats:
-    """(m,) integrals of the distance to a pole, edge by edge: ``h^3 / 3 integral sec^3``."""
-    local = corners - pole[loops.owner]
+def _torsion(corners: Floats, loops: Ragged, poles: Floats) -> Floats:
+    """(m, r) integrals of the distance to poles (m, r, 2), by edges: ``h^3 / 3 integral sec^3``."""
+    local = corners[:, None] - poles[loops.owner]
     after = local[loops.following]
     edge = after - local
     long = np.maximum(lengths(edge), 1e-300)

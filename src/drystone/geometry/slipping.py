@@ -47,13 +47,11 @@ def pressed_points(loops: Ragged, place: Floats, area: Floats, centre: Floats) -
     weight = area / whole[owner]
     wanted = np.array([1.0, 0.0, 0.0])
     share, pressed, row = np.zeros(len(x)), np.ones(len(x), dtype=bool), np.arange(len(x))
+    moments = weight[:, None] * np.stack([np.ones(len(x)), x, y, x * x, x * y, y * y], axis=1)
     part, w, u, v = loops, weight, x, y  # a face that is done is left out of the steps
     for _ in range(_NEWTON):
-        carries = pressed * w
-        along, across = carries * u, carries * v
-        moments = (carries, along, across, along * u, along * v, across * v)
-        matrix = np.stack([part.sum(one) for one in moments], axis=1)
-        matrix = matrix[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3) + 1e-14 * np.eye(3)
+        matrix = part.sum(pressed[:, None] * moments)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]]
+        matrix = matrix.reshape(-1, 3, 3) + 1e-14 * np.eye(3)
         plane = np.linalg.solve(matrix, np.tile(wanted[:, None], (len(part), 1, 1)))[:, :, 0]
         even, slope_x, slope_y = plane[part.owner].T
         pressure = even + slope_x * u + slope_y * v
@@ -64,8 +62,8 @@ def pressed_points(loops: Ragged, place: Floats, area: Floats, centre: Floats) -
             break
         kept = changes[part.owner]
         part = Ragged.from_counts(part.counts[changes])
-        row, pressed, w, u, v = (each[kept] for each in (row, pressed, w, u, v))
-    left = np.stack([loops.sum(one) for one in (share, share * x, share * y)], axis=1) - wanted
+        row, pressed, w, u, v, moments = (each[kept] for each in (row, pressed, w, u, v, moments))
+    left = loops.sum(share[:, None] * np.stack([np.ones(len(x)), x, y], axis=1)) - wanted
     missed = np.abs(left).max(axis=1, initial=0.0)
     return np.where(missed <= _BALANCED, 1.0, 0.0)[owner] * share
 
@@ -92,7 +90,8 @@ def slip_use(
         Largest friction of each point.
     force, torque : [N, N m]
     enough : (m,)
-        What is known to be above it is told as some number above it. Each round finds more.
+        What is known to be above it is told as some number above it, what is below as one below.
+        Each round finds more, and friction that balances both: weights times speeds.
 
     Examples
     --------
@@ -116,14 +115,15 @@ def slip_use(
     part, row = loops.take(left)
     x, y = place[row].T / size[left][part.owner]
     share = bound[row] / safe[left][part.owner]
+    moments = np.stack([np.ones(len(x)), x, y, x * x + y * y], axis=1)
     speed, before = np.ones(len(row)), np.zeros(len(left))
     for _ in range(_ROUNDS):
         if not len(left):
             break
         goal = wanted[left]
-        weight = share / np.maximum(speed, _STILL * part.max(speed)[part.owner])
-        moments = (weight, weight * x, weight * y, weight * (x * x + y * y))
-        summed, along, across, polar = (part.sum(one) for one in moments)
+        known = np.maximum(speed, _STILL * part.max(speed)[part.owner])
+        weight = share / known
+        summed, along, across, polar = part.sum(weight[:, None] * moments).T
         matrix = np.zeros((len(left), 3, 3))
         matrix[:, 0, 0] = matrix[:, 1, 1] = summed
         matrix[:, 0, 2] = matrix[:, 2, 0] = -across
@@ -131,13 +131,15 @@ def slip_use(
         matrix[:, 2, 2] = polar
         matrix += 1e-12 * (2.0 * summed + polar)[:, None, None] * np.eye(3)
         slip = np.linalg.solve(matrix, goal[:, :, None])[:, :, 0]
-        slip /= (slip * goal).sum(axis=1)[:, None]
         v, w, turn = slip[part.owner].T
         speed = np.sqrt((v - turn * y) ** 2 + (w + turn * x) ** 2)
+        most = least[left] * part.max(speed / known)  # of that friction, by what is enough
+        speed /= (slip * goal).sum(axis=1)[part.owner]
         now = power[left] = part.sum(share * speed)
         moves = (np.abs(now - before) > _SAME * now) & (now >= least[left])
+        moves &= (most > 1.0) | (least[left] == 0.0)
         left, before, kept = left[moves], now[moves], moves[part.owner]
         part = Ragged.from_counts(part.counts[moves])
-        x, y, share, speed = x[kept], y[kept], share[kept], speed[kept]
+        x, y, share, speed, moments = (each[kept] for each in (x, y, share, speed, moments))
     found = scale / np.where(loaded, safe * power, 1.0)
     return np.where(loaded, found, 0.0)

@@ -31,31 +31,37 @@ on twice as many are tried, and no more is found."""
 def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
     """The contacts of dry joints with points on the faces that turn in place of their corners.
 
-    None unless one is used so much that its torsion may need its corners. A sum tells which faces
-    may be used so much: that of the use by the force, and of the torque by what friction in
-    proportion to the distance from the centre of pressure would resist. Force and torque together
-    are resisted better. The faces that stay are first.
+    None unless one is used so much that its torsion may need its corners. Which may be is told by
+    friction that grows with the distance from the centre of pressure, beside that against the
+    force, at the corner used most. Faces pressed all over resist better. Those that stay are first.
     """
+    turns = twisted(contacts, resultants)
+    if not turns.any():
+        return None
     origin, corners, made = joint_sections(contacts)
-    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    far = contacts.corners.max(lengths(corners - at[contacts.interface]))
-    resisted = bearable(contacts, resultants.normal) * np.trace(made.inertia, axis1=1, axis2=2)
-    sliding = sliding_use(contacts, resultants)
-    twist, turns = np.abs(resultants.torque) * far, twisted(contacts, resultants)
-    much = turns & (twist > np.maximum(MUCH - sliding, TWISTED) * resisted)
+    axes, joint = contacts.frame[:, 1:], contacts.interface
+    centre = np.einsum("mij,mj->mi", axes, resultants.position - origin)
+    bound = np.where(turns, bearable(contacts, resultants.normal), np.inf)
+    force = np.einsum("mij,mj->mi", axes, resultants.force) / bound[:, None]
+    polar = bound * np.where(turns, np.trace(made.inertia, axis1=1, axis2=2), 1.0)
+    turn = (resultants.torque / polar)[joint, None] * [-1.0, 1.0]
+    across = turn * (corners - centre[joint])[:, ::-1]
+    together = contacts.corners.max(lengths(force[joint] + across))
+    least = sliding_use(contacts, resultants) + TWISTED
+    much = turns & (together > np.maximum(MUCH, least))
     if not much.any():
         return None
-    which = np.flatnonzero(turns & (twist > TWISTED * resisted))
-    points, much, least = points_of_faces(contacts, which), much[which], sliding[which] + TWISTED
+    which = np.flatnonzero(turns & (contacts.corners.max(lengths(across)) > TWISTED))
+    much, least = much[which], least[which]
     enough = np.where(much, np.maximum(MUCH, least), least)
+    points = points_of_faces(contacts, which)
     used = twisted_use(contacts, resultants, which, points, enough)
     if not (used[much] > enough[much]).any():
         return None
     loops, row = points.loops.take(used > least)
     which = which[used > least]
-    chosen = np.zeros(contacts.count, dtype=bool)
-    chosen[which] = True
-    owner, kept = which[loops.owner], contacts.select(~chosen)
+    kept = contacts.select(np.isin(np.arange(contacts.count), which, invert=True))
+    owner = which[loops.owner]
     point = origin[owner] + np.einsum("pi,pij->pj", points.place[row], contacts.frame[owner, 1:])
 
     def both(name: str) -> np.ndarray:

@@ -55,7 +55,7 @@ class Asked:
         How many stiffnesses there are to try.
     sensitive_to
         What the answer is known to depend on.
-    spread
+    on_faces
         The one of them that carries on points spread over the faces, where that may matter.
     steps
         Of all calculations.
@@ -73,7 +73,7 @@ class Asked:
     tried: tuple[Candidate, ...] = ()
     planned: int = 1
     sensitive_to: frozenset[Sensitivity] = frozenset()
-    spread: Candidate | None = None
+    on_faces: Candidate | None = None
     steps: int = 0
     balances: bool = False
     stage: str = "rest state"
@@ -128,26 +128,24 @@ class Asked:
                 self.depends_on(Sensitivity.SHEAR if number == 1 else Sensitivity.JOINTS)
             self.report("stiffness samples", min(2 + number, 2 + options.samples))
 
-    def try_spread(self, rest: Candidate) -> Model | None:
-        """Try springs on points spread over the faces, where torsion may need their corners.
-
-        Returns the model with these points where they do not hold it.
-        """
+    def on_spread_points(self, rest: Candidate) -> Model | None:
+        """The model with points spread over its faces, where torsion may need their corners."""
         model = self.problem.model
-        contacts = model.contacts
-        points = spread_where_turned(contacts, resultants_of(contacts, rest.force))
-        if points is None:
-            return None
-        model = model.with_contacts(points)
+        turned = resultants_of(model.contacts, rest.force)
+        points = spread_where_turned(model.contacts, turned)
+        return None if points is None else model.with_contacts(points)
+
+    def try_spread(self, model: Model, rest: Candidate) -> bool:
+        """Whether uniform springs on points spread over the faces of a model hold it; or late."""
         problem = Problem.build(model)
         attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
         found = attempt.begun_at(rest.displacement)
-        self.spread = attempt.from_nothing() if found is None else found
-        self.count(self.spread)
-        if self.spread.stands or self.clock.late():
-            return None
+        self.on_faces = attempt.from_nothing() if found is None else found
+        self.count(self.on_faces)
+        if self.on_faces.stands or self.clock.late():
+            return True
         self.depends_on(Sensitivity.PRESSURE)
-        return model
+        return False
 
     @cached_property
     def collapse(self) -> Floats | None:
@@ -228,7 +226,7 @@ class Asked:
             return f"stands for {stood} of {tried} contact stiffnesses tried: {self.sensitive}"
         if tried <= 2:
             return "stands"
-        spread = "" if self.spread is None else ", one with pressure spread over the faces"
+        spread = "" if self.on_faces is None else ", one with pressure spread over the faces"
         return f"stands, whichever joints press more ({tried} contact stiffnesses tried{spread})"
 
     def settles(self, found: Settlement, words: str) -> Result:

@@ -176,10 +176,13 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     follows = options.settle and problem.statics.dry
     spread: Model | None = None
     if uniform.stands:
+        if problem.statics.dry and options.samples:
+            spread = asked.on_spread_points(uniform)
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
-            asked.try_others(pool, max(options.samples, int(follows)), uniform)
-        if problem.statics.dry and options.samples and not late():
-            spread = asked.try_spread(uniform)
+            count = max(options.samples - (spread is not None), int(follows))
+            asked.try_others(pool, count, uniform)
+        if spread is not None and (late() or asked.try_spread(spread, uniform)):
+            spread = None
         if late() or not (follows and _doubtful(asked, uniform)):
             return asked.stable(uniform, _on_faces(asked, spread if follows else None))
     elif options.uniform or not follows:
