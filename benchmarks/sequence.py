@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.machine import description
 from benchmarks.niche import niche
 from benchmarks.tables import TABLES, write_table
-from drystone import Assembly, Contacts, LoadCase
+from drystone import Assembly
 from drystone.checks import check_forces
 from drystone.detection import find_contacts
 from drystone.io import read
@@ -42,7 +42,6 @@ from drystone.sequence import (
     PlanOptions,
     Rules,
     Status,
-    least_buildable_friction,
     plan,
     sweep_friction,
 )
@@ -226,12 +225,16 @@ def help_by_friction(name: str, assembly: Assembly, rules: Rules) -> tuple[str, 
 
 def least(assembly: Assembly) -> tuple[float, float]:
     """Friction coefficients around the least one that needs no props."""
-    contacts = find_contacts(assembly).contacts
-    return least_buildable_friction(contacts, partial(_plan_of, assembly), upper=0.6, width=0.002)
-
-
-def _plan_of(assembly: Assembly, contacts: Contacts) -> Plan:
-    return plan(Model(assembly, contacts, LoadCase.gravity(assembly)))
+    model = Model.of(assembly)
+    low, high = 0.0, 0.6
+    while high - low > 0.002:
+        middle = 0.5 * (low + high)
+        found = plan(model.with_friction(middle))
+        if found.steps and found.stable and not (found.props or found.impossible):
+            high = middle
+        else:
+            low = middle
+    return low, high
 
 
 def armadillo(path: Path) -> Told:

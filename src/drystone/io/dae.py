@@ -22,6 +22,7 @@ from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft
 from drystone.io.face_soup import SINGLE, FaceSoup, moved, named_apart, shapes_of
+from drystone.io.glb import Z_UP
 from drystone.io.unfolding import Unfolded, unfold
 from drystone.io.xml_tree import numbers, root_of
 
@@ -29,7 +30,7 @@ _Mesh: TypeAlias = tuple[Floats, list[Loop]]
 
 _UP = {
     "X_UP": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
-    "Y_UP": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "Y_UP": Z_UP,
     "Z_UP": np.eye(3),
 }
 """Rotations to z up."""

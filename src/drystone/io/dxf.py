@@ -26,6 +26,7 @@ from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.dxf_entities import Drawing, Entity, drawing
 from drystone.io.face_soup import EXACT, FaceSoup, moved, named_apart, shapes_of
+from drystone.io.glb import Z_UP
 from drystone.io.layers import hidden_notes, holds, require_blocks
 from drystone.io.unfolding import Unfolded
 
@@ -36,7 +37,6 @@ _STRAIGHT = 1e-6
 """Smaller bulges are none."""
 _USUAL = 1.0
 """[m] Thickness of a section when none is given."""
-_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _Mesh: TypeAlias = tuple[Floats, list[Loop]]
 _Own: TypeAlias = tuple[_Mesh | None, Floats | None, bool]
 _CLOSED, _IN_SPACE, _GRID, _FACES = 1, 8, 16, 64
@@ -339,7 +339,7 @@ def _section(
     depth = (_USUAL if thickness is None else thickness) / scale
     normals = [area_vector(one.corner) for one in outlines]
     flat = all(abs(normal[2]) >= 0.999 * np.linalg.norm(normal) for normal in normals)
-    turn = _Y_UP if flat else np.eye(3)
+    turn = Z_UP if flat else np.eye(3)
     notes = ["a section: the y axis of the drawing is up"] if flat else []
     if thickness is None:
         notes.append(f"no thickness is given: its blocks are {_USUAL:g} m thick (--thickness)")

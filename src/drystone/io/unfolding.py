@@ -14,8 +14,7 @@ Node = TypeVar("Node")
 _MOST, _DEEPEST = 100_000, 64
 """Parts in all, and in each other. Chosen."""
 _MOST_FACES = 1_000_000
-_MOST_VERTICES = 3 * _MOST_FACES
-"""Of all that a file places. Chosen: triangles that share no vertex have three each."""
+"""Of all that a file places, with three vertices each: triangles that share none. Chosen."""
 
 
 def unfold(
@@ -85,7 +84,7 @@ class Unfolded:
         """
         self._vertices += vertices
         self._faces += faces
-        if self._vertices > _MOST_VERTICES or self._faces > _MOST_FACES:
+        if self._vertices > 3 * _MOST_FACES or self._faces > _MOST_FACES:
             raise FormatError(
                 f"places more than {_MOST_FACES:,} faces, or as many vertices as they can have",
                 where=str(self._path),

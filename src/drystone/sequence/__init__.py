@@ -12,7 +12,6 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.freedom import Freedom, Obstacle, freedom
 from drystone.sequence.friction_sweeps import (
     FrictionSweep,
-    least_buildable_friction,
     sweep_friction,
 )
 from drystone.sequence.gravity_regions import GravityRegion, gravity_region
@@ -108,7 +107,6 @@ __all__ = [
     "gravity_region",
     "handling",
     "interlocking",
-    "least_buildable_friction",
     "margins",
     "plan",
     "read_dataset",

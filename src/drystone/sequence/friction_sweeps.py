@@ -1,8 +1,7 @@
-"""Plans at several friction coefficients, and the least one at which a plan needs no props."""
+"""Plans at several friction coefficients."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
@@ -168,59 +167,3 @@ def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
             solved=other.solved + evaluator.solved,
             solve_s=other.solve_s + evaluator.solve_s,
         ), ""
-
-
-@checked_call
-def least_buildable_friction(
-    model: Model,
-    plan_at: PlanAt,
-    *,
-    upper: float,
-    width: float = 0.005,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-) -> tuple[float, float]:
-    """Bracket of the least friction without props: (too little, enough).
-
-    It is found by bisection, on the assumption that more friction never increases the help. Each
-    plan needs the one before, so an ``executor`` has nothing to share. Ended early, the bracket is
-    wider.
-
-    Parameters
-    ----------
-    model
-    plan_at
-    upper
-        Coefficient at which a plan without props exists.
-    width
-        Width of the bracket.
-
-    Raises
-    ------
-    InputError
-        There is no such plan at ``upper``.
-    """
-    del executor  # one chain of plans
-    clock = Clock(time_limit_s, stop)
-    low, high = 0.0, float(upper)
-    if not _unpropped(plan_at(model.with_friction(high))):
-        raise InputError(f"there is no plan without props at friction {high:g}")
-    steps = math.ceil(math.log2(max(high / width, 1.0)))
-    for number in range(steps):
-        if clock.late():
-            break
-        if progress is not None:
-            progress("least friction", number, steps)
-        middle = 0.5 * (low + high)
-        if _unpropped(plan_at(model.with_friction(middle))):
-            high = middle
-        else:
-            low = middle
-    return low, high
-
-
-def _unpropped(plan: Plan) -> bool:
-    helped = plan.props or plan.impossible
-    return bool(plan.steps) and plan.stable and not helped
