@@ -150,6 +150,7 @@ def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> Non
         ("earth:side=-x,weight=18kN/m3,k=resting:30deg", "no state of earth"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,blocks=wall-*", "load earth: .*'wall-\\*'"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,blocks=voussoir-03", "it touches no face"),
+        ("earth:side=-x,weight=18kN/m3,k=0.3,blocks=", "'blocks=' is not NAME=VALUE"),
         ("earth:side=-x,weight=18kN/m3,k=0.3,surcharge=10", "not a number with a unit"),
         ("earth:side=-x,weight=18kN/m3,k=active:30", "'30' is no angle; write active:30deg"),
         ("earth:side=-x,weight=18kN/m3,k=30deg", "'30deg' is an angle; write active:30deg"),

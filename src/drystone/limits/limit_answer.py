@@ -144,6 +144,9 @@ class Limit(LimitValues, Answer):
         stands = self.best.stands
         if stands is None and self._open:
             return f"Not decided at {self._quantity(self.start)}"
+        if stands is None and self.best.falls == self.start:
+            at = self._quantity(self.start)
+            return f"Falls at {at}, where the search starts: change the model to stand there"
         if stands is None:
             return f"Stands at no {self.quantity.words} that was tried"
         return f"{self._verb} {self._quantity(stands)}"

@@ -220,13 +220,8 @@ class TrainEnvelope(Answer):
         role = Role.BAD if not good else Role.UNSURE if self._turned else Role.GOOD
         said = [Sentence(self.title, role)]
         if self._turned:
-            said.append(
-                Sentence(
-                    "the model is longer along y than along x, and the train moves along x: "
-                    "turn the model if it spans along y",
-                    Role.REMARK,
-                )
-            )
+            turn = "it is longer along y, and the train moves along x: turn it if it spans along y"
+            said.append(Sentence(turn, Role.REMARK))
         said += [Sentence(self.train.words), Sentence(self.fill.words)]
         if self.train.source:
             said.append(Sentence(f"'{self.train.name}' is {self.train.source}", Role.REMARK))
@@ -263,7 +258,7 @@ class TrainEnvelope(Answer):
             said.append(
                 Sentence(
                     f"the verdict was searched at x = {self.places[self.worst]:.4g} m alone, the "
-                    f"worst of {known} by equilibrium, and governs; elsewhere equilibrium is known"
+                    f"worst of {known} by equilibrium; by the verdict another may carry less"
                 )
             )
             said += self.limit.sentences()[self.limit.stands is not None :]
@@ -393,8 +388,8 @@ def limit_train(
     fill
         Such as ``cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3,passive=1``; none when left out.
     steps
-        Places of the middle of the train, from where its first axle comes to where its last one
-        leaves.
+        Places of its middle, from where its first axle comes to where its last one leaves. Each is
+        a conic program: more take longer, and may find a worse place.
     options
         Of the limit at the worst place.
 

@@ -34,8 +34,8 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
     """
     found: dict[str, Any] = {}
     for part in text.split(","):
-        name, equals, value = (one.strip() for one in part.partition("="))
-        if not equals or name not in known or name in found:
+        name, _, value = (one.strip() for one in part.partition("="))
+        if not value or name not in known or name in found:
             names = f"of {', '.join(known)}, each once; such as {example}"
             raise InputError(f"'{part}' is not NAME=VALUE", remedy=f"give some {names}")
         try:

@@ -248,6 +248,9 @@ def test_the_share_of_strength_is_that_of_a_stress_block_and_stands_in_the_asses
     assert (limit.rest.stands, limit.rest.falls) == pytest.approx((0.5, 0.5), abs=1e-3)
     assert "factor on the strength: 2" in [one.text for one in limit.sentences()]
     assert "strength" in assess(strong)[-1].title
+    weak = strong.with_capacity(JointCapacity.of(pier.contacts, compression=0.5 * weight))
+    told = "Falls at 1 of the strength of the joints, where the search starts"
+    assert limit_strength(weak).title.startswith(told)
     with pytest.raises(InputError, match="no joint has a strength"):
         limit_strength(pier)
 
