@@ -151,19 +151,20 @@ class Bench:
 
         Returns
         -------
-        size : (count,) [N]
+        force : (count, 3) [N]
+            On the blocks that were there.
         point : (count, 3) [m]
             Where it acts.
         """
         made = self.changed(make)
-        size, point = np.full(count, -1.0), np.zeros((count, 3))
+        force, point = np.zeros((2, count, 3))
         for number, case in enumerate((made, *self.margin.cases(made))):
             start = self.rests[number].get(0) if self.rests else None
             found = rest_found(case, self.stop, start).resultants
-            now = np.linalg.norm(found.force[-count:], axis=1)
-            point[now > size] = found.position[-count:][now > size]
-            size = np.maximum(size, now)
-        return size, point
+            now, at = found.force[-count:], found.position[-count:]
+            larger = np.linalg.norm(now, axis=1) > np.linalg.norm(force, axis=1)
+            force[larger], point[larger] = now[larger], at[larger]
+        return force, point
 
     def kept_at(self, interfaces: Sequence[int]) -> str:
         """The names of blocks at interfaces of the local model that may not be changed."""

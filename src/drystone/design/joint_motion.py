@@ -264,7 +264,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     missing = ""
     # those of several blocks may balance each other: their sum holds nothing
     if not ways and len(blocks) == 1 and float(np.linalg.norm(needs.force)) > 0.0:
-        missing = f"{force_words(needs.force)} at {place(needs.point)} is missing"
+        missing = f"a force of {force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
@@ -284,9 +284,8 @@ def _supports(model: Model, blocks: tuple[int, ...], needs: Needs) -> list[str]:
     props = needs.props.props
     if not props:
         return []
-    total = newtons(sum(one.size for one in props))
     if len(props) > 1:
-        on = names_of(model, [one.block for one in props])
-        return [f"{len(props)} supports on {on} that take {total} together"]
+        on, total = names_of(model, [one.block for one in props]), sum(one.size for one in props)
+        return [f"{len(props)} supports on {on} that give {newtons(total)} together"]
     at = "" if len(blocks) == 1 else f" on '{model.assembly.names[props[0].block]}'"
-    return [f"a support{at} that takes {total} at {place(props[0].point)}"]
+    return [f"a support{at} that gives {force_words(props[0].force)} at {place(props[0].point)}"]

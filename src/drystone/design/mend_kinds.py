@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -27,7 +28,7 @@ from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import find_props, struts
-from drystone.design.words import glue_words, names_of, newtons, place
+from drystone.design.words import force_words, glue_words, names_of, newtons, place
 from drystone.model import Model
 from drystone.ties import tied
 
@@ -71,10 +72,10 @@ def _prop(asked: KnownNeeds) -> Proposals:
         yield f"no prop holds it: tried were {found.tried}"
         return
 
-    def words(sizes: Floats, points: Floats) -> str:
+    def words(forces: Floats, points: Floats) -> str:
         some = [
-            f"{newtons(size)} against {names_of(bench.local, [seat.block])} at {place(point)}"
-            for seat, size, point in zip(seats, sizes.tolist(), points, strict=True)
+            f"{force_words(force)} against {names_of(bench.local, [seat.block])} at {place(point)}"
+            for seat, force, point in zip(seats, forces, points, strict=True)
         ]
         return ("a prop of " if len(seats) == 1 else f"{len(seats)} props: ") + ", ".join(some)
 
@@ -88,10 +89,9 @@ def _by_force(
 ) -> Held:
     """A change told by the forces [N] of its last joints at the margin."""
     make = change.make(0.0)
-    sizes, points = bench.largest_forces(make, count)
-    force = float(sizes.sum())
-    told = words(sizes, points)
-    return Change.single(change.kind, make, told, force, added=change.added), force
+    forces, points = bench.largest_forces(make, count)
+    told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
+    return Change.single(change.kind, make, told, total, added=change.added), total
 
 
 def _tie(asked: KnownNeeds) -> Proposals:
@@ -113,8 +113,8 @@ def _tie(asked: KnownNeeds) -> Proposals:
     def make(ends: tuple[int, int], model: Model, blocks: Ints, _: Ints) -> Model:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
 
-    def words(change: Change, sizes: Floats, _: Floats) -> str:
-        return f"a tie that pulls {newtons(float(sizes[0]))} between {change.words(0.0)}"
+    def words(change: Change, forces: Floats, _: Floats) -> str:
+        return f"a tie that pulls {newtons(math.hypot(*forces[0]))} between {change.words(0.0)}"
 
     def told(change: Change) -> Held:
         return _by_force(asked.bench, 1, partial(words, change), change)

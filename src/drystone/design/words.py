@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from drystone.base.arrays import Floats
 from drystone.model import Model
 from drystone.results import Result
@@ -18,8 +16,8 @@ _UPRIGHT = 0.1
 """A joint is neither upper nor lower if the vertical component of its normal is below this: 6
 degrees."""
 
-_PLUMB = 0.995
-"""A force is upward or downward if the vertical component of its direction is larger: 6 degrees."""
+_ALONG = 0.995
+"""A direction is that of an axis if its component along it is larger: 6 degrees."""
 
 
 def newtons(size: float) -> str:
@@ -35,16 +33,21 @@ def force_words(force: Floats) -> str:
 
     Examples
     --------
+    >>> import numpy as np
     >>> force_words(np.array([0.0, 0.0, 20.0])), force_words(np.array([-3e3, 0.0, 4e3]))
-    ('an upward force of 20 N', 'a force of 5 kN in the direction (-0.6, 0, 0.8)')
+    ('20 N (up)', '5 kN (53 degrees above level towards -x)')
+    >>> force_words(np.array([3.0, 4.0, 0.0])), force_words(np.zeros(3))
+    ('5 N (level towards (0.6, 0.8))', '0 N')
     """
-    size = float(np.linalg.norm(force))
-    way = force / size
-    for name, z in (("an upward", 1.0), ("a downward", -1.0)):
-        if z * way[2] > _PLUMB:
-            return f"{name} force of {newtons(size)}"
-    told = ", ".join(f"{round(float(x), 2) + 0.0:g}" for x in way)
-    return f"a force of {newtons(size)} in the direction ({told})"
+    size = math.hypot(*force)
+    if abs(force[2]) >= _ALONG * size:
+        return newtons(size) + (f" ({'up' if force[2] > 0.0 else 'down'})" if size else "")
+    plan = force[:2] / math.hypot(*force[:2])
+    axes = [a for a, x in zip(("+x", "+y", "-x", "-y"), (*plan, *-plan), strict=True) if x > _ALONG]
+    level = f"level towards {axes[0] if axes else place(plan).removesuffix(' m')}"
+    steep = round(math.degrees(math.asin(force[2] / size)))
+    slope = f"{abs(steep)} degrees {'above' if steep > 0 else 'below'} " if steep else ""
+    return f"{newtons(size)} ({slope}{level})"
 
 
 def rounded_up(value: float, digits: int = 3) -> float:

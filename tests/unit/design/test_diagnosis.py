@@ -59,7 +59,8 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
     assert "slides down along 'ramp'" in region.sentence
     assert "friction of 0.84 there" in region.sentence
     short = diagnose(model, options=DiagnosisOptions(needs=False)).reasons[0]
-    assert "in the direction (0.77, 0, 0.64) at " in short
+    for told in (short, region.sentence):  # what is missing, and a support: both up the ramp
+        assert "N (40 degrees above level towards +x) at " in told
 
 
 def test_a_friction_that_was_told_is_not_told_again() -> None:

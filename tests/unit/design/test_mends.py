@@ -343,6 +343,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
         for margin in (DesignMargin(), DesignMargin(load=1.5))
     )
     assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
+    assert "N (up) against 'out' at " in firm.change.description
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
