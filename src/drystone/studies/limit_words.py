@@ -9,6 +9,7 @@ from typing import Any, get_type_hints
 from drystone.answer import Answer
 from drystone.base.declared import Offered, declared, declared_at, nested, refuse_unknown
 from drystone.base.errors import InputError, meant
+from drystone.io import read
 from drystone.io.load_options import grown
 from drystone.limits import LIMITS, Limit, StandingShare, ThrustBounds, TiltSweep, TrainEnvelope
 from drystone.loads import LoadCase
@@ -78,7 +79,7 @@ def limit_of_words(words: str, model: Model) -> Callable[[Model, dict[str, Any]]
     offered, texts = _asked(words)
     values: dict[str, Any] = {}
     for path, text in texts.items():
-        one = declared_at(offered.analysis, path)
+        one = declared_at(read if path == "strength" else offered.analysis, path)
         values[path] = grown(text, model) if LoadCase in one.kinds else one.value(text)
     known = declared(offered.analysis)
 
@@ -98,6 +99,7 @@ def _asked(words: str) -> tuple[Offered, dict[str, Any]]:
         raise InputError(f"there is no limit '{name}'", where="limit", remedy=remedy)
     offered = LIMITS[name]
     paths = {path.rpartition(".")[2]: path for path in (*offered.arguments, *offered.options)}
+    paths["strength"] = "strength"  # of reading: a limit asks for it
     takes = list(offered.arguments)
     texts: dict[str, Any] = {}
     while rest:
@@ -105,7 +107,7 @@ def _asked(words: str) -> tuple[Offered, dict[str, Any]]:
         if word.startswith("--"):
             key = word.removeprefix("--").replace("-", "_")
             refuse_unknown([key], list(paths))
-            flag = bool in declared_at(offered.analysis, paths[key]).kinds
+            flag = key != "strength" and bool in declared_at(offered.analysis, paths[key]).kinds
             if not (flag or rest):
                 raise InputError(f"{word} needs a value", where="limit", remedy=f"limit {name}")
             texts[paths[key]] = True if flag else rest.pop(0)

@@ -40,6 +40,13 @@ def test_the_limit_of_each_row_is_that_of_its_parameters() -> None:
     assert set(found["mechanism"]) == {"pier"}
 
 
+def test_a_limit_of_strength_takes_the_strength_of_all_rows() -> None:
+    """A pier presses evenly on its base with its weight."""
+    found = study(pier, {"width": [0.5]}, limit="strength --strength 1MPa")
+    stress = 9.81 * float(pier(0.5).mass[1]) / 0.5
+    assert found["stands"] == pytest.approx([stress / 1e6], abs=1e-3)
+
+
 def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
     found = study(refusing, [{"width": 0.5}, {"width": 0.9}, {"width": 0.2}], seismic=(0.2, 0.0))
     assert found["verdict"].tolist() == ["stable", "refused", "unstable"]
