@@ -30,8 +30,9 @@ from drystone.mechanics.statics import Statics
 from drystone.solvers.refinement import Solve
 
 STALL = 3
-"""Largest number of successive steps that do not halve what is left. With 2, the rest state of a
-tilted curved joint is not found by way of smooth friction."""
+"""Largest number of successive steps that do not halve what is left; twice as many where they are
+compared with the last two. With 2, the rest state of a tilted curved joint is not found by
+way of smooth friction."""
 
 SHORTEST = 0.25
 """Share of a step that is taken whatever it leaves. Measured: full steps take 1,302 in
@@ -129,8 +130,7 @@ def descend(
     """
     law = _Law(statics, compliance, options, stop, blurred, hurried)
     begin = law.at(motion, statics.displacement(motion))
-    limits = Steps(LIMIT, SHORTEST, memory=2 if blurred else 1, chords=CHORDS)
-    point, solved, steps = newton(law, begin, limits)
+    point, solved, steps = newton(law, begin, Steps(LIMIT, SHORTEST, law.memory, chords=CHORDS))
     if not solved:
         return None, steps
     normal = compliance.normal * np.maximum(0.0, -point.moved[:, 0] - compliance.overlap)
@@ -168,7 +168,7 @@ class _Law(Equation[_Point, Floats]):
     ) -> None:
         self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance
-        self.hurried = hurried
+        self.hurried, self.memory = hurried, 2 if blurred else 1
         self.blur = blurred * statics.corner_load / compliance.normal
         self.weight = options.ground * statics.mass_matrix
         self.solve: Solve | None = None
@@ -194,7 +194,8 @@ class _Law(Equation[_Point, Floats]):
         if self.hurried and len(sizes) == 2 and point.largest > LOOSE:
             return True
         after = sizes[1:]  # the first step often makes it worse: progress counts from there
-        stuck = len(after) > STALL and min(after[-STALL:]) > 0.5 * min(after[:-STALL])
+        stall = STALL * self.memory
+        stuck = len(after) > stall and min(after[-stall:]) > 0.5 * min(after[:-stall])
         return stuck or (self.stop is not None and self.stop())
 
     def step(self, point: _Point, renew: bool) -> Floats:

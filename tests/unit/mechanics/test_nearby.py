@@ -5,9 +5,9 @@ import pytest
 
 from drystone import LoadCase, find_contacts, models
 from drystone.mechanics import maps
-from drystone.mechanics.law import uniform
+from drystone.mechanics.law import samples, uniform
 from drystone.mechanics.maps import SparseMaps
-from drystone.mechanics.nearby import find_rest_nearby
+from drystone.mechanics.nearby import find_rest_nearby, with_forces
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions, Start
 from drystone.model import Model
@@ -53,6 +53,17 @@ def test_a_rest_state_is_next_to_itself():
 def test_what_falls_has_no_rest_state_nearby():
     springs, start = upright(leaning(0.0), None, 0.0)
     assert find_rest_nearby(leaning(20.0).statics, springs, OPTIONS, start) is None
+
+
+def test_a_random_stiffness_is_reached_from_the_uniform_one_of_a_leaning_wall():
+    wall = models.wall(8, 6)
+    load = LoadCase.tilt(wall, (0.0, 1.0, 0.0), 20.0)
+    statics = Problem.build(Model.of(wall, friction=0.6, load=load)).statics
+    rest = find_rest(statics, uniform(statics), OPTIONS)
+    assert rest.converged
+    _, springs = samples(statics, 2, 0, tangential=0.5)
+    start = with_forces(statics, springs, OPTIONS, rest.force, rest.motion)
+    assert find_rest_nearby(statics, springs, OPTIONS, start) is not None
 
 
 def test_the_wish_to_stop_is_heard():
