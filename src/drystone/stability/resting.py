@@ -14,11 +14,9 @@ from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
-from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem, beside_supports
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, Screening
-from drystone.stability.verdict import check
 
 
 @checked_call
@@ -126,26 +124,3 @@ def _falls_freely(problem: Problem) -> bool:
     """Whether nothing presses on some blocks beside supports."""
     model, falling = problem.model, problem.unpressed
     return bool(falling.any()) and beside_supports(model.assembly, model.contacts, falling)
-
-
-def stands_for_all(
-    model: Model, *, samples: int = SAMPLES, seed: int = 0, stop: Stop | None = None
-) -> bool:
-    """Whether a model stands for all contact stiffnesses that are tried, for searches.
-
-    Where the blocks slide far they are followed, and must come to rest; with uniform stiffness
-    alone they are not.
-
-    Parameters
-    ----------
-    model
-    samples
-        Number of stiffness distributions besides the uniform one.
-    seed
-        Of the random ones.
-    stop
-        Asked often; True ends the analysis, and what is left counts as not found.
-    """
-    options = CheckOptions(samples=samples, seed=seed, uniform=True, settle=samples > 0)
-    found = check(model, options=options, stop=stop)
-    return found.stable and not found.stopped and found.samples.standing == found.samples.tried
