@@ -52,7 +52,7 @@ class PlanFiles(Pictures):
         if not plan.steps:
             wanted = [str(path) for path in astuple(self) if path is not None]
             return [], [f"not written: {', '.join(wanted)}"] if wanted else []
-        jobs, _ = replace(self, csv=None).of(made or plan)
+        jobs, notes = replace(self, csv=None).of(made or plan)
         if self.instructions is not None:
             from drystone.view.instructions import save_instructions
 
@@ -61,11 +61,12 @@ class PlanFiles(Pictures):
             from drystone.sequence import handling
 
             placed = handling(plan, robots, margins=margins, scaffolding=made)
+            notes = [*notes, *placed.notes[len(plan.notes) :]]
             flat = self.work.suffix == ".csv"
             jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
         if self.csv is not None:
             jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
-        return jobs, []
+        return jobs, notes
 
 
 def _numbers(text: str) -> tuple[float, ...]:

@@ -180,6 +180,7 @@ def test_a_work_file_ends_before_the_first_block_that_lacks_one_that_no_robot_li
     assert placed == ["c01-b00", "c01-b02"]  # the halves on the ground; all of c02 is too heavy
     assert done["notes"][0] == told["notes"][0]
     assert "ends before 'c03-" in done["notes"][1]
+    assert told["notes"][-len(done["notes"]) + 1 :] == done["notes"][1:]  # said, not only written
 
 
 def test_files_that_there_is_no_plan_for_are_named(stack, tmp_path, capsys):
