@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import random
 import tempfile
-import time
+from contextlib import suppress
 from pathlib import Path
 
 import drystone
@@ -18,7 +18,7 @@ from drystone import io
 from drystone.assembly import Assembly
 from drystone.live.serving import Live
 from drystone.models import arch, dome, vault
-from tests.page.browser import Browser, Tab, executable, running
+from tests.page.browser import Browser, BrowserError, Tab, executable, running
 
 MODELS = {"arch": arch, "vault": vault, "dome": dome}
 MODES = {
@@ -28,6 +28,7 @@ MODES = {
     "move": ": drag to move it",
 }
 """What the page says beside the pointer where an action of a mode is possible."""
+TIP = "document.getElementById('tip')"
 
 
 def main() -> None:
@@ -67,7 +68,8 @@ def actions(browser: Browser, live: Live, *, touch: bool, count: int) -> int:
             continue
         x, y, block = place
         act(tab, x, y, far=30 if mode in ("push", "move") else 0, touch=touch)
-        time.sleep(0.2)
+        with suppress(BrowserError):  # nothing was done
+            tab.until("document.getElementById('live-changes').textContent !== ''", 5.0)
         changes = tab.text("#live-changes")
         if block in changes:
             right += 1
@@ -87,10 +89,13 @@ def spot(tab: Tab, draw: random.Random, words: str) -> tuple[float, float, str] 
     })()""")
     for _ in range(400):
         x, y = left + wide * draw.uniform(0.1, 0.9), top + high * draw.uniform(0.1, 0.9)
+        if tab.run(f"document.elementFromPoint({x}, {y}) !== document.getElementById('view')"):
+            continue
+        tab.run(f"Object.assign({TIP}, {{hidden: false, textContent: '?'}})")
         tab.mouse("mouseMoved", x, y)
-        time.sleep(0.08)  # the page asks what is there once the pointer rests
-        tab.frames(2)
-        told = tab.text("#tip") if not tab.run("document.getElementById('tip').hidden") else ""
+        # the page tells what is there once the pointer rests, or hides the tip
+        tab.until(f"{TIP}.hidden || {TIP}.textContent !== '?'", 5.0)
+        told = tab.run(f"{TIP}.hidden ? '' : {TIP}.textContent")
         if words in told:
             return x, y, told.split(": ")[0]
     return None
