@@ -116,7 +116,7 @@ def _row(study: Study, found: Limit) -> Line:
 
 
 def _near(published: float, found: float) -> bool:
-    """Whether a limit of RBE is the published one, of which some are cut to whole degrees."""
+    """Whether a limit of RBE is the published one; some are cut to whole degrees."""
     cut = 1.0 if published == int(published) else 0.1
     return -0.1 <= found - published < cut + 0.05
 

@@ -77,7 +77,7 @@ class LocalMechanism(Answer):
     options
         What was asked beside the model.
     remarks
-        Where the stiffness of joints decides.
+        Where the stiffness of joints decides; a part above the ground with no demand of its storey.
     moments
         About the line of a part; ``None`` of a mechanism that is found.
     """
@@ -161,7 +161,7 @@ class LocalMechanism(Answer):
         moving = counted(int(np.count_nonzero(self._moving)), "block")
         said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
         said.append(Sentence(f"{moving} move; {self.how}"))
-        said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
+        said += [Sentence(one, Role.REMARK) for one in self.remarks]
         if self.site is not None and self.site.confidence == 1.0:
             full = "FC = 1: full knowledge of the building is taken (confidence in the site file)"
             said.append(Sentence(full, Role.REMARK))
@@ -374,12 +374,26 @@ def local_mechanism(
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
-            model, motion, found, moved, load, told, site, asked, moments=turning.moments()
-        )
+            model, motion, found, moved, load, told, site, asked,
+            remarks=_above_ground(model, turning, site), moments=turning.moments(),
+        )  # fmt: skip
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
     return replace(_found(model, along, ties, shaken, site, late), options=asked)
+
+
+def _above_ground(model: Model, turning: Turning, site: SeismicDemand | None) -> tuple[str, ...]:
+    """What is missing where a part stands above the ground and its storey shakes it."""
+    assembly = model.assembly
+    ground = min(assembly.blocks[i].vertices[:, 2].min() for i in assembly.free)
+    height = float(turning.origin[2] - ground)
+    if site is None or site.period or height <= 1e-6 * assembly.size.max():
+        return ()
+    return (
+        f"the part turns {height:.3g} m above the ground and is compared with the ground's motion "
+        "alone: give T1, psi and gamma of the building in the site file",
+    )
 
 
 def _held(model: Model, along: Floats, ties: Sequence[str]) -> Model:
@@ -465,8 +479,12 @@ def _found(
         told = "the mechanism of the largest load at which forces balance"
     if model.contacts.plain.all() and not starts:
         pushed = push(model, live, **late)
-        moved, load = share * pushed.displacement, pushed.load
-        reach = float("nan") if pushed.capacity is None else share * pushed.capacity
+        # its mean displacement is that of all weights, and one of several equal walls may fall
+        falls = (pushed.fallen or pushed.states[-1]).positions[:, :3] @ along
+        fallen = weight[falls[block] > _MOVES * falls.max(initial=0.0)].sum()
+        grown = float(weight.sum() / fallen) if fallen else share
+        moved, load = grown * pushed.displacement, pushed.load
+        reach = float("nan") if pushed.capacity is None else grown * pushed.capacity
         told += f"; followed: {pushed.message}"
     # between what stands and what falls nothing is known, but where the limit was computed
     begins = starts + (best.stands if best.computed is None else best.computed)
@@ -474,7 +492,7 @@ def _found(
     names = [named([assembly.names[i] for i in one], 1) for one in each_of]
     masses = weights_that_move(names, carried[moving], middle[moving], virtual[moving])
     found = Oscillator(begins, masses, reach)
-    remarks = () if starts else tuple(limit.remarks)
+    remarks = () if starts else tuple(f"joints decide: {one}" for one in limit.remarks)
     return LocalMechanism(model, motion, found, moved, load, told, site, remarks=remarks)
 
 

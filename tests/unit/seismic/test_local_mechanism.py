@@ -55,6 +55,12 @@ def test_a_wall_is_the_same_oscillator_however_many_courses_it_has(count: int) -
         assert found.acceleration == pytest.approx(G * 0.5 / 3.0, rel=2e-3)
 
 
+def test_stacks_side_by_side_overturn_as_far_as_one_of_them() -> None:
+    one, other = (box((0.5, 1.0, 3.0), (0.0, y, 0.0), f"wall-{y}") for y in (0, 1))
+    found = local_mechanism(standing(one, other))
+    assert found.oscillator.displacement == pytest.approx(0.25, rel=0.02)
+
+
 def test_the_mechanism_that_is_found_is_that_wall_and_is_followed_until_it_overturns() -> None:
     by_line, found = local_mechanism(courses(3), part="wall-*"), local_mechanism(courses(3))
     for name in ("multiplier", "share"):
@@ -148,6 +154,21 @@ def site(folder: Path, *lines: str) -> Path:
 def verified(folder: Path, ag: float, *more: str) -> LocalMechanism:
     path = site(folder, 'code = "ec8"', f'ag = "{ag}g"', 'soil = "A"', *more)
     return local_mechanism(courses(1, 0.5, 3.0), part="wall-0", site=SeismicDemand.named(path))
+
+
+@pytest.mark.parametrize(
+    ("part", "lines", "said"),
+    [
+        ("wall-2", (), True),
+        ("wall-*", (), False),
+        ("wall-2", ("T1 = 0.4", "psi = 0.6", "gamma = 1.2"), False),
+    ],
+)
+def test_a_part_above_the_ground_asks_for_the_demand_of_its_storey(tmp_path, part, lines, said):
+    path = site(tmp_path, 'code = "ec8"', 'ag = "0.1g"', 'soil = "A"', *lines)
+    found = local_mechanism(courses(3), part=part, site=SeismicDemand.named(path))
+    told = " ".join(one.text for one in found.sentences())
+    assert ("turns 1 m above the ground" in told) == said
 
 
 def test_the_linear_verification_compares_a0_with_ag_s_by_q(tmp_path: Path) -> None:
