@@ -171,11 +171,16 @@ class WithModel(Pictures):
         if self.out is None:
             return jobs, said
         from drystone import io
+        from drystone.ties import ties_of
 
         origin = getattr(answer.before, "origin", answer.model.origin)
         units = origin.units
         write = partial(io.write, answer.model, units=units)
-        said = [*said, *left_out(io.format_of(self.out, writing=True), units)]
+        chosen, contacts = io.format_of(self.out, writing=True), answer.model.contacts
+        said = [*said, *left_out(chosen, units)]
+        ties = "contacts," in chosen.loses and ties_of(answer.model.assembly, contacts).any()
+        if ties or (chosen.name != "json" and not contacts.plain.all()):
+            said.append("ties and glue are not in this file, what they hold falls: write .json")
         if "up" in origin.reading:
             said.append(f"z is up in {self.out.name}")
         return [(self.out, write), *jobs], said

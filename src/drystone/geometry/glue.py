@@ -157,6 +157,8 @@ def glue(pieces: Sequence[Piece]) -> list[Piece]:
     >>> len(body[0]), len(body[1])
     (8, 6)
     """
+    if not pieces:
+        return []
     points = np.concatenate([vertices for vertices, _ in pieces])
     extent = float(np.ptp(points, axis=0).max())
     loops = [vertices[list(face)] for vertices, faces in pieces for face in faces]

@@ -133,8 +133,12 @@ def test_mends_are_written_in_the_unit_of_the_file(tmp_path: Path, capsys: Capsy
     told = capsys.readouterr().out
     assert "this format does not store supports" in told
     assert "its lengths are in mm" in told
+    assert "ties and glue" not in told
     again = io.read_file(target, units="mm").assembly
     assert again.names == ("base", "out", "prop-1")
+    glued = ["mend", source, *how, "--kind", "glue", "--apply", "1", "--out"]
+    assert main([*glued, str(tmp_path / "glued.obj")]) == 0
+    assert "ties and glue are not in this file" in capsys.readouterr().out
     assert again.volume[:2] == pytest.approx([1.0, 0.2])
     assert main([*mend, "--out", str(tmp_path / "mended.dxf")]) == 2
     assert "does not end in .json, .3dm" in capsys.readouterr().err

@@ -262,6 +262,7 @@ def test_pieces_of_a_concave_body_are_put_together_again() -> None:
     below, above = cut_cell([piece], (turn @ [0.0, 0.0, 1.0])[None], np.array([1.5]))
     assert len(above) == 2
     assert len(below) == 1
+    assert glue([]) == []
     (whole,) = glue([*below, *above])
     assert (len(whole[0]), len(whole[1])) == (16, 10)
     assert Assembly((replace_body(body, whole),)).volume[0] == pytest.approx(body.volume)
