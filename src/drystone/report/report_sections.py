@@ -122,9 +122,9 @@ def _all(table: Table) -> Iterator[Part]:
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
     for one in answers:
         said = [one.sentences()[0].text, one.title]
-        if isinstance(one, Limit) and one.states:
-            load = one.states[-1][0].load.name
-            said += [] if load == model.load.name else [f"Load there: {load}"]
+        if isinstance(one, Limit) and one.best.standing is not None:
+            load = one.best.standing.load.name
+            said += [] if load == model.load.name else [f"Load that stands: {load}"]
         yield ". ".join(dict.fromkeys(said)) + "."
         for sentence in one.sentences()[1:]:
             if sentence.role is Role.REMARK:

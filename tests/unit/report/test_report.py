@@ -14,7 +14,7 @@ from drystone import Assembly, InputError, LoadCase, Model, report
 from drystone.answer import Answer
 from drystone.base.table import Table
 from drystone.cli import main
-from drystone.limits import limit_train
+from drystone.limits import Limit, limit_train
 from drystone.loads import Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
 from drystone.report import TitleBlock, assess, write_report
@@ -65,6 +65,17 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     assert page.count('src="data:image/png') == 6
     assert "unit right" not in page  # a question is asked before anything is signed
     assert not re.search(r"https?://", page)
+
+
+def test_the_summary_names_the_load_and_the_factor_that_stand(answers: list[Answer]) -> None:
+    limit = answers[1]
+    assert isinstance(limit, Limit)
+    said = document_of(answers, TitleBlock()).sections[0].parts
+    (told,) = [one for one in said if isinstance(one, str) and "load factor" in one]
+    assert limit.best.standing is not None
+    assert limit.best.falling is not None
+    assert f"Load that stands: {limit.best.standing.load.name}." in told
+    assert limit.best.falling.load.name not in told
 
 
 def test_the_same_answers_give_the_same_bytes_and_text_that_can_be_searched(
