@@ -244,7 +244,7 @@ class ScaffoldedModel(OneLine):
     Attributes
     ----------
     model
-        With an interface for each item, behind its own.
+        With a fixed block and an interface for each item, behind its own.
     items
     """
 
@@ -315,37 +315,30 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
     return with_items(model, items)
 
 
-def with_items(
-    model: Model, items: Sequence[ScaffoldItem], ground: int | None = None
-) -> ScaffoldedModel:
-    """A model whose blocks are held by items that touch them.
-
-    Parameters
-    ----------
-    model
-    items
-    ground
-        Support that bears the items in place of a body for each. Hundreds of bodies take a third of
-        the time of a check.
-    """
+def with_items(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
+    """A model whose blocks are held by items that touch them."""
     assembly = model.assembly
     bodies: list[Block] = []
     pairs: list[tuple[int, int]] = []
-    blocks = assembly.indices([item.block for item in items]).tolist()
-    joints = [item.joint(assembly.blocks[b]) for b, item in zip(blocks, items, strict=True)]
-    for k, (block, item, joint) in enumerate(zip(blocks, items, joints, strict=True)):
+    joints: list[_Joint] = []
+    for k, item in enumerate(items):
+        block = int(assembly.indices([item.block])[0])
         on = item.on if isinstance(item, Strut) else None
-        under = len(model) + k if ground is None else ground
-        pairs.append((under if on is None else int(assembly.indices([on])[0]), block))
-        if ground is None:
-            width = THICK * float(assembly.size[block])
-            bodies.append(_bar(*joint.ends, width, f"scaffold-{k:03d}"))
-    fixed = np.append(assembly.fixed, np.ones(len(bodies), dtype=bool))
+        under = len(model) + k if on is None else int(assembly.indices([on])[0])
+        joint = item.joint(assembly.blocks[block])
+        bodies.append(_bar(*joint.ends, THICK * float(assembly.size[block]), f"scaffold-{k:03d}"))
+        pairs.append((under, block))
+        joints.append(joint)
     wrench = np.concatenate([model.load.wrench, np.zeros((len(bodies), 6))])
-    joined = joined_contacts(model.contacts, _interfaces(pairs, joints))
-    bodied = Assembly((*assembly.blocks, *bodies), fixed)
-    load = replace(model.load, wrench=wrench)
-    return ScaffoldedModel(Model(bodied, joined, load, notes=model.notes), tuple(items))
+    whole = Model(
+        Assembly(
+            (*assembly.blocks, *bodies), np.append(assembly.fixed, np.ones(len(bodies), dtype=bool))
+        ),
+        joined_contacts(model.contacts, _interfaces(pairs, joints)),
+        replace(model.load, wrench=wrench),
+        notes=model.notes,
+    )
+    return ScaffoldedModel(whole, tuple(items))
 
 
 def _require_touching(body: Block, points: Any, where: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -110,12 +110,14 @@ class ScaffoldedStages:
                 raise InputError(missing, remedy="take a block that is placed earlier")
             here = self._here(placed)
             mine = [item for block in members(held) for item in self.items(block)]
-            stage = self.model.subset(here)
-            whole = with_items(stage, mine, int(np.argmax(stage.assembly.fixed)))
-            once = partial(check_once, start=self._rest[here])
-            result = (once if self.check is check_once else self.check)(whole.model)
+            whole = with_items(self.model.subset(here), mine)
+            if self.check is check_once:
+                near = np.concatenate([self._rest[here], np.zeros((len(mine), 6))])
+                result = check_once(whole.model, near)
+            else:
+                result = self.check(whole.model)
             if result.displacement is not None:
-                self._rest[here] = result.displacement
+                self._rest[here] = result.displacement[: len(here)]
             self._known[placed, held] = whole, result
         whole, result = self._known[placed, held]
         if followed and result.verdict is Verdict.UNDECIDED:
@@ -151,7 +153,7 @@ class ScaffoldedStages:
         whole, result = self.result(placed, held, followed=followed)
         here = self._here(placed)
         if not result.stable:
-            falling = tuple(here[i] for i in result.falling)
+            falling = tuple(here[i] for i in result.falling if i < len(here))
             return StageAnswer(
                 result.verdict, f"on {self.support.value}: {result.message}", falling
             )
