@@ -65,6 +65,10 @@ def test_some_blocks_are_named_in_any_of_these_ways(some: object) -> None:
     assert TOWER.indices(some).tolist() == [2]  # type: ignore[arg-type]
 
 
+def test_names_of_the_first_two_blocks_are_no_mask() -> None:
+    assert TOWER.indices(["block-1", "block-0", "block-1", "block-1"]).tolist() == [1, 0, 1, 1]
+
+
 @pytest.mark.parametrize(
     ("some", "words"),
     [

@@ -201,7 +201,7 @@ class Assembly(Card):
         if found and not (min(found) >= 0 and max(found) < len(self)):
             strange = next(i for i in found if not 0 <= i < len(self))
             raise InputError(f"there is no block {strange}", remedy=f"0 to {len(self) - 1} exist")
-        if 2 < len(found) == len(self) and max(found) <= 1 and len({*found}) < len(found):
+        if 2 < len(found) == len(self) and max(found) <= 1 and kinds.isdisjoint({str, np.str_}):
             remedy = "give a mask of bool, such as mask.astype(bool), or each position once"
             raise InputError("blocks are 0 and 1, one for each block", remedy=remedy)
         return np.array(found, dtype=np.intp)

@@ -22,7 +22,7 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
+from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 
 SOFTEST = 0.05
@@ -61,7 +61,6 @@ def solve_response(
     compliance: float,
     tolerance: float = 1e-7,
     step_limit: int = 60,
-    options: ConicOptions | None = None,
 ) -> ResponseSolution:
     """Forces and motion under the loads of ``statics`` and a motion of the supports.
 
@@ -76,7 +75,6 @@ def solve_response(
     tolerance
         On the fixed point, by the mean load.
     step_limit
-    options
     """
     k = statics.corner_count
     softness = compliance / np.maximum(statics.tributary, SOFTEST)
@@ -86,18 +84,16 @@ def solve_response(
     friction = program.rows["friction"]
     bounds = slice(friction.start, friction.stop, 3)
     right = program.right.copy()
-    bound = _associative(statics, costs, options)
-    step, defect = 0, float("inf")
-    relaxation, last = 1.0, float("inf")
-    while True:
-        step += 1
+    bound = _associative(statics, costs)
+    relaxation, last, defect = 1.0, float("inf"), float("inf")
+    for step in range(1, step_limit + 1):  # noqa: B007 - counted
         right[bounds] = bound
-        raw = replace(program, right=right).solve(options)
+        raw = replace(program, right=right).solve()
         if raw.status is not ConicStatus.SOLVED:
             break
         target = statics.friction * np.maximum(0.0, raw.x.reshape(k, 3)[:, 0])
         defect = float(np.abs(target - bound).max(initial=0.0))
-        if defect <= tolerance or step >= step_limit:
+        if defect <= tolerance:
             break
         relaxation = max(0.1, 0.5 * relaxation) if defect > last else min(1.0, 1.2 * relaxation)
         last = defect
@@ -122,11 +118,9 @@ def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> Co
     return program.build()
 
 
-def _associative(
-    statics: Statics, costs: Mapping[str, Any], options: ConicOptions | None
-) -> Floats:
+def _associative(statics: Statics, costs: Mapping[str, Any]) -> Floats:
     """A first bound (k,) on friction: that of joints that open when they slide."""
-    raw = _program(statics, statics.friction, costs).solve(options)
+    raw = _program(statics, statics.friction, costs).solve()
     if raw.status is not ConicStatus.SOLVED:
         return np.zeros(statics.corner_count)
     return statics.friction * np.maximum(0.0, raw.x.reshape(-1, 3)[:, 0])
