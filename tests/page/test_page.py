@@ -42,6 +42,8 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
         assert one in asked
     assert "supports: springer-left, springer-right" in asked
     assert asked.endswith(f"drystone\u00a0{drystone.__version__}")
+    assert "normal force at a corner" not in tab.text("#legend")  # joints are seen as lines
+    tab.click("#side")
     assert "normal force at a corner" in tab.text("#legend")
     assert "force network, up to" in tab.text("#legend")
     assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"
@@ -49,6 +51,7 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
 
 def test_every_preset_and_every_slider_changes_the_picture(opened, standing):
     tab = opened(standing)
+    tab.click("#side")
     before = pixels(tab)
     for preset in ("solid", "contacts", "utilisation"):
         tab.click(f"[data-preset={preset}]")
@@ -64,6 +67,7 @@ def test_every_preset_and_every_slider_changes_the_picture(opened, standing):
         ("#motion", 1),
     ):
         tab.slide(slider, value)
+        assert ("friction used" in tab.text("#legend")) == (slider != "#motion")  # as drawn
         after = pixels(tab)
         assert after != before, slider
         before = after
@@ -233,6 +237,7 @@ def test_exports_hold_the_picture_and_the_joints(opened, standing):
     assert len(rows) == standing.contacts.count + 2
     assert rows[1].split(",")[4] == "0.7"  # in the digits of a single number
     assert tab.run("window.named") == "drystone-stands.csv"
+    tab.click("#side")
     tab.click("#svg")
     root = ET.fromstring(tab.run("window.made.text()"))
     assert len(root.findall(".//{http://www.w3.org/2000/svg}polygon")) > 20

@@ -116,6 +116,5 @@ function showGhostOf(ends) {
     });
     shownLayers.set("live-ghost", true);
   }
-  showLegend(data, stage(), theme(), shown);
   redraw();
 }

@@ -17,7 +17,7 @@ function wrapped(pen, text, width) {
 }
 
 // Marks: texts from their upper left corner, colour bars, and the swatches of the legend.
-function captions(data, stage, theme, shown, { width, height }) {
+function captions(data, stage, theme, told, { width, height }) {
   const pen = element("canvas").getContext("2d");
   const marks = [];
   let y = 14;
@@ -30,7 +30,7 @@ function captions(data, stage, theme, shown, { width, height }) {
       y += 1.4 * look.size;
     }
   }
-  const rows = legendRows(data, stage, theme, shown);
+  const rows = legendRows(data, stage, theme, told);
   y = height - ROW * rows.length - 10;
   for (const row of rows) {
     if (row.bar) {

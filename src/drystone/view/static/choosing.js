@@ -1,10 +1,9 @@
 // What is chosen: the picture with a name, a block or a joint, what is hidden.
 
 function refreshPanels() {
-  showLegend(data, stage(), theme(), shown);
+  showLegend(data, stage(), theme(), told());
   showLayers(stage(), theme(), data, shown, (key, on) => {
     shownLayers.set(key, on);
-    showLegend(data, stage(), theme(), shown);
     redraw();
   });
   refreshCard();

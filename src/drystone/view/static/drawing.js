@@ -25,8 +25,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
   const solid = shownLayers.get("blocks") && page.opacity >= 0.5;
   // Small blocks get thin lines, or a large model drowns in them.
   const pixels = camera.share(data.blockSize) * height;
-  const time = stage().path ? Number(page.time > 0) : stage().arrives ? 1 - page.time : page.time;
-  const layers = stage().layers.filter(shown);
+  const time = awayFromRest();
   return {
     ...camera.view(width / height), ratio, colours, stateColours,
     width: Math.round(width * ratio), height: Math.round(height * ratio), // [pixels]
@@ -50,23 +49,53 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     showEdges: shownLayers.get("edges") && !(hurried && !sharp && (bare || data.count >= MANY)),
     hurried, sharp,
     coarse: coarse(),
-    showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread,
+    showGhost: hasGhost(),
     showGround: shownLayers.get("ground") && !camera.spread,
-    layers: layers.filter((layer) => isDrawn(layer, time)),
+    layers: drawnLayers().filter((layer) => !waits(layer)),
     metresPerPixel: (2 * camera.distance * SLOPE) / height,
   };
 }
 
-// While blocks move their joints mean nothing, but what would hold them stays; while pictures of many
-// blocks come slowly, lines wait.
+const awayFromRest = () => (stage().path ? Number(page.time > 0) : stage().arrives ? 1 - page.time : page.time);
+const drawnLayers = () => stage().layers.filter((layer) => shown(layer) && isDrawn(layer, awayFromRest()));
+
+// What the legend tells of a view from a direction: what it draws.
+function told({ back } = camera.axes()) {
+  return {
+    blocks: shownLayers.get("blocks"), ghost: hasGhost(),
+    layers: drawnLayers().filter((layer) => !(camera.flat && isEdgeOn(layer, back))),
+  };
+}
+
+const hasGhost = () => shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread;
+
+// While blocks move their joints mean nothing, but what would hold them stays.
 // The forces of a stage that `moved` are those at the end of its motion.
 function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
   } else if (time > 0) return layer.kind === "markers" || layer.colour === "help";
-  if (camera.spread && layer.kind === "lines" && layer.value) return false; // they would end in the air
-  if (!hurried) return true;
-  return layer.kind === "polygons" ? !bare : !coarse() || data.count < MANY;
+  return !(camera.spread && layer.kind === "lines" && layer.value); // they would end in the air
+}
+
+// Whether a parallel view looks along all faces of a layer: none is seen, as of the joints of a plane arch.
+function isEdgeOn({ kind, position, corners }, back) {
+  if (kind !== "polygons") return false;
+  const at = (corner) => position.subarray(3 * corner, 3 * corner + 3);
+  const first = starts(corners);
+  for (let face = 0; face < corners.length; face++) {
+    for (let i = first[face] + 1; i + 1 < first[face + 1]; i++) {
+      const [p, q] = [i, i + 1].map((corner) => vec.sub(at(corner), at(first[face])));
+      const normal = vec.cross(p, q);
+      if (Math.abs(vec.dot(normal, back)) > IN_PLANE * vec.length(normal)) return false;
+    }
+  }
+  return true;
+}
+
+// While pictures of many blocks come slowly, lines wait.
+function waits(layer) {
+  return hurried && (layer.kind === "polygons" ? bare : coarse() && data.count >= MANY);
 }
 
 // What lies between the plane and the eye is not drawn; the side is that of the eye at first.
@@ -114,8 +143,9 @@ function * drawSteps() {
   drawOver(view);
 }
 
-// What is written over the picture.
+// What is written over the picture, and beside it.
 function drawOver(view) {
+  if (byId("legend").dataset.told !== keysOf(told())) showLegend(data, stage(), theme(), told());
   const ratio = window.devicePixelRatio || 1;
   const { width, height } = sizeOf();
   const marks = byId("marks");

@@ -38,15 +38,14 @@ function layerText(layer) {
 }
 
 // Rows of the legend as plain values, for the page and for what is exported.
-function legendRows(data, stage, theme, shown) {
+function legendRows(data, stage, theme, told) {
   const rows = [];
   for (const [code, state] of Object.entries(data.states)) {
-    if (stage.state.includes(Number(code))) {
+    if (told.blocks && stage.state.includes(Number(code))) {
       rows.push({ colour: state[theme], text: state.label, shape: Number(code) === 6 ? "hatch" : "" });
     }
   }
-  for (const layer of stage.layers) {
-    if (!shown(layer)) continue;
+  for (const layer of told.layers) {
     const colour = data.colours[theme][layer.colour];
     if (layer.kind === "polygons" && layer.value) rows.push({ bar: layer, text: layer.label });
     else {
@@ -54,7 +53,7 @@ function legendRows(data, stage, theme, shown) {
       rows.push({ colour, text: layerText(layer), shape });
     }
   }
-  if (!stage.virtual && stage.motion?.some((way) => way !== 0) && shown({ key: "ghost" })) {
+  if (told.ghost && stage.motion.some((way) => way !== 0)) {
     const name = stage.motionName.toLowerCase();
     const text = stage.arrives ? "where the block comes from" : `${name}, at its end`;
     const [light, dark] = stage.state.includes(FALLING) ? ["#852161", "#f2add9"] : ["#404040", "#cccccc"];
@@ -63,10 +62,14 @@ function legendRows(data, stage, theme, shown) {
   return rows;
 }
 
-function showLegend(data, stage, theme, shown) {
+// What decides on the rows while a stage is shown.
+const keysOf = ({ blocks, ghost, layers }) => [blocks, ghost, ...layers.map(({ key }) => key)].join();
+
+function showLegend(data, stage, theme, told) {
   const legend = document.getElementById("legend");
+  legend.dataset.told = keysOf(told);
   legend.replaceChildren();
-  for (const row of legendRows(data, stage, theme, shown)) {
+  for (const row of legendRows(data, stage, theme, told)) {
     if (row.bar) {
       legend.append(colourBar(row.bar, data.ramp[theme]));
       continue;

@@ -25,7 +25,7 @@ function pictureOf(ratio) {
 function exportPng() {
   const { sheet, pen } = pictureOf(2);
   const { width, height } = sizeOf();
-  const marks = captions(data, stage(), theme(), shown, { width, height });
+  const marks = captions(data, stage(), theme(), told(), { width, height });
   paintCaptions(pen, marks, markColours().ink, data.ramp[theme()]);
   sheet.toBlob((blob) => download(fileName(data, "png"), blob), "image/png");
   draw();
@@ -34,8 +34,7 @@ function exportPng() {
 // The picture as SVG, with head, legend and scale.
 function linesOf() {
   const [view, size, colours] = [currentView(), sizeOf(), markColours()];
-  const lines = (layer) => layer.key !== "ghost" && shown(layer); // no ghost is drawn there
-  const marks = captions(data, stage(), theme(), lines, size);
+  const marks = captions(data, stage(), theme(), { ...told(), ghost: false }, size); // none is drawn there
   const texts = captionsSvg(marks, colours.ink, data.ramp[theme()]) + labelsSvg(view, size, colours);
   return pictureSvg(data, stage(), view, size, theme(), { hidden: page.hidden, captions: texts });
 }

@@ -16,6 +16,7 @@ function insets() {
 
 function fit(azimuth = camera.azimuth, elevation = camera.elevation, soon = flightTime()) {
   const { width, height } = sizeOf();
+  showLegend(data, stage(), theme(), told(camera.axes(azimuth, elevation))); // the picture fits above it
   camera.go(camera.fitted(azimuth, elevation, width / height, insets()), soon);
   camera.fits = true;
 }
