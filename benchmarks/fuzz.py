@@ -4,8 +4,8 @@
 
 Files of all formats are made from small models and damaged: bits turned, bytes cut, doubled and
 moved, numbers replaced by awkward ones, words of the format strewn in, values of a JSON file
-replaced by others, archives that unpack to more than they are. Each input gets 5 s and 1.5 GiB; an
-audit hook watches for what a reader must not do: run code, start programs, open sockets, write.
+replaced by others, archives that unpack to more than they are. Each input gets 5 CPU s and 1.5 GiB;
+an audit hook watches for what a reader must not do: run code, start programs, open sockets, write.
 
 3dm, STEP, IFC and USD are read by a program of its own for each file. Here that program is a fork
 of this one, which has the library loaded already. How often it died is told too: a reader answers
@@ -557,7 +557,7 @@ def _one(
     begin = time.perf_counter()
     wrong = ""
     try:
-        with _deadline(limit):
+        with _deadline(limit, busy=name not in OUTSIDE):
             watch.active = name not in OUTSIDE
             io.read(path)
         outcome = "model"

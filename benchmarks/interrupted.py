@@ -114,7 +114,9 @@ SLOW = {"png", "client"}
 OLD = b"what was there before\n"
 ASKED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PATIENCE_S = 30.0
-"""[s] after which a run hangs."""
+"""[s] of calculation, or of waiting, after which a run hangs."""
+IDLE_S = 0.1
+"""[CPU s] Who uses less in that time only waits."""
 PAGE = 4096
 """[bytes] of a block of the disk."""
 
@@ -340,7 +342,8 @@ def _ended(child: int, out: Path, err: Path, after_s: float, number: int) -> End
     if status is None:
         os.kill(child, signal.SIGUSR1)
         time.sleep(1.0)
-        os.kill(child, signal.SIGKILL)
+        for one in _session(child):
+            os.kill(one, signal.SIGKILL)
         os.waitpid(child, 0)
         return Ended(70, "", f"hangs: {err.read_text(encoding='utf-8')}", wall_s)
     code = os.waitstatus_to_exitcode(status)
@@ -353,27 +356,36 @@ def _ended(child: int, out: Path, err: Path, after_s: float, number: int) -> End
         with contextlib.suppress(ProcessLookupError):
             os.kill(one, signal.SIGKILL)
     said = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
-    return Ended(code, *said, wall_s, strays)
+    return Ended(code, *said, wall_s, [*strays])
 
 
 def _waited(child: int, limit_s: float) -> int | None:
-    end = time.monotonic() + limit_s
-    while time.monotonic() < end:
+    """The status with which a process ends; none where it hangs.
+
+    It hangs where it calculates for so long, or where it waits for so long: on a busy machine
+    it may take any time.
+    """
+    since, before_s = time.monotonic(), 0.0
+    while True:
         done, status = os.waitpid(child, os.WNOHANG)
         if done:
             return status
+        if time.monotonic() - since > limit_s:
+            used_s = sum(_session(child).values())
+            if used_s > limit_s or used_s - before_s < IDLE_S:
+                return None
+            since, before_s = time.monotonic(), used_s
         time.sleep(0.005)
-    return None
 
 
-def _session(leader: int) -> list[int]:
-    """Processes of a session that still run."""
-    found = []
+def _session(leader: int) -> dict[int, float]:
+    """Processes of a session that still run, with their CPU times and those of ended children."""
+    found = {}
     for one in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError, ValueError, IndexError):
-            state, _, _, session = (one / "stat").read_text().rpartition(")")[2].split()[:4]
-            if int(session) == leader and state != "Z":
-                found.append(int(one.name))
+            told = (one / "stat").read_text().rpartition(")")[2].split()
+            if int(told[3]) == leader and told[0] != "Z":
+                found[int(one.name)] = sum(map(int, told[11:15])) / os.sysconf("SC_CLK_TCK")
     return found
 
 
