@@ -24,8 +24,8 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen, unit
-from drystone.base.declared import refuse_unknown
 from drystone.base.errors import InputError, counted
+from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.geometry.solid import solid_angles
 from drystone.io.opening import Given
@@ -125,6 +125,7 @@ class Poses(Answer):
         return {"block": self.block.name, "transform": self.transform}
 
 
+@checked_call
 def find_poses(
     given: Block | Given, *, block: int | str | None = None, **how: Unpack[FileOptions]
 ) -> Poses:
@@ -154,7 +155,6 @@ def find_poses(
     >>> round(float(found.share[0]), 3)
     0.218
     """
-    refuse_unknown(how, [*FileOptions.__annotations__])
     if how and not is_paths(given):
         raise InputError("is of files", where=next(iter(how)), remedy="leave it out")
     origin = Origin()

@@ -1,6 +1,7 @@
 """No option is ignored: one that is not known is refused, and the nearest known one is named."""
 
 import copy
+import dataclasses
 import importlib
 import inspect
 import json
@@ -15,6 +16,7 @@ import pytest
 
 import drystone
 from drystone import InputError, Model
+from drystone.base.settings import Options
 from drystone.design import Parameter, tune
 from drystone.limits import Imperfections
 from drystone.mcp.answers import TOOLS, answer
@@ -44,7 +46,7 @@ OTHERWISE = {
 
 
 def public() -> Iterator[tuple[str, Callable[..., Any]]]:
-    """Every function that a room offers and that takes any keyword."""
+    """Every function that a room offers."""
     rooms = [one.name for one in pkgutil.walk_packages(drystone.__path__, "drystone.")]
     if find_spec("gymnasium") is None:
         rooms = [one for one in rooms if not one.startswith("drystone.gym")]
@@ -55,9 +57,12 @@ def public() -> Iterator[tuple[str, Callable[..., Any]]]:
             one = getattr(room, each)
             if inspect.isfunction(one) and one not in seen:
                 seen.add(one)
-                kinds = [param.kind for param in inspect.signature(one).parameters.values()]
-                if inspect.Parameter.VAR_KEYWORD in kinds:
-                    yield each, one
+                yield each, one
+
+
+def keywords_of(one: Callable[..., Any], kind: Any) -> list[str]:
+    """The parameters of a function that are of a kind."""
+    return [each.name for each in inspect.signature(one).parameters.values() if each.kind is kind]
 
 
 def _offers(name: str) -> bool:
@@ -67,7 +72,9 @@ def _offers(name: str) -> bool:
     return "__all__" in file.read_text(encoding="utf-8")
 
 
-FUNCTIONS = dict(public())
+OFFERED = list(public())
+FUNCTIONS = {name: one for name, one in OFFERED if keywords_of(one, inspect.Parameter.VAR_KEYWORD)}
+"""Those that take any keyword."""
 
 
 def test_there_are_such_functions() -> None:
@@ -76,17 +83,40 @@ def test_there_are_such_functions() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS.keys() - OTHERWISE))
-def test_a_misspelt_option_of_a_function_is_refused(name: str, tmp_path: Path) -> None:
-    file = tmp_path / "tower.json"
-    drystone.write(Model.of(tower(2)), file)
-    for given in (tower(2), Model.of(tower(2)), str(file)):
-        what = [given] if name in SEVERAL else given
-        for wrong, right in (("frction", "friction"), ("suports", "supports"), ("unts", "units")):
-            with pytest.raises(InputError, match=f"no argument '{wrong}'") as caught:
-                FUNCTIONS[name](what, *BESIDE.get(name, ()), **{wrong: 0.5})
-            known = inspect.signature(FUNCTIONS[name]).parameters["how"].annotation
-            if "FileOptions" not in str(known) or right == "units":
-                assert right in caught.value.remedy
+def test_a_misspelt_option_of_a_function_is_refused(name: str) -> None:
+    what = [tower(2)] if name in SEVERAL else tower(2)
+    for wrong, right in (("frction", "friction"), ("suports", "supports"), ("unts", "units")):
+        with pytest.raises(InputError, match=f"no argument '{wrong}'") as caught:
+            FUNCTIONS[name](what, *BESIDE.get(name, ()), **{wrong: 0.5})
+        known = inspect.signature(FUNCTIONS[name]).parameters["how"].annotation
+        if "FileOptions" not in str(known) or right == "units":
+            assert right in caught.value.remedy
+
+
+def test_a_misspelt_keyword_of_a_function_is_refused_whatever_else_it_takes() -> None:
+    """Python's own error would not name the nearest one."""
+    checked = [one for _, one in OFFERED if hasattr(one, "__wrapped__")]
+    mains = {getattr(drystone, name) for name in drystone.__all__}
+    assert {one for one in mains if inspect.isfunction(one)} <= {*checked}
+    for one in checked:
+        for right in keywords_of(one, inspect.Parameter.KEYWORD_ONLY):
+            with pytest.raises(InputError, match=f"no argument '{right}x'; did .* {right}\\b"):
+                one(**{f"{right}x": 1})
+
+
+def kinds_of_options(kind: type[Options] = Options) -> Iterator[type[Options]]:
+    """All of them."""
+    for one in kind.__subclasses__():
+        yield from (one, *kinds_of_options(one))
+
+
+def test_a_misspelt_field_of_options_is_refused() -> None:
+    kinds = [*kinds_of_options()]
+    assert len(kinds) > 30
+    for kind in kinds:
+        for field in dataclasses.fields(kind):  # type: ignore[arg-type]
+            with pytest.raises(InputError, match=f"'{field.name}x'; did .* {field.name}\\b"):
+                kind(**{f"{field.name}x": 1})
 
 
 def test_a_misspelt_option_of_the_models_of_a_search_is_refused() -> None:
@@ -98,7 +128,7 @@ def test_a_misspelt_option_of_the_models_of_a_search_is_refused() -> None:
 def test_options_of_files_are_refused_where_poses_are_of_no_file(how: dict[str, Any]) -> None:
     for given in (tower(1), tower(1).blocks[0]):
         with pytest.raises(InputError, match="is of files"):
-            drystone.find_poses(given, **how)  # type: ignore[arg-type]
+            drystone.find_poses(given, **how)
 
 
 @pytest.mark.parametrize("tool", sorted(TOOLS))

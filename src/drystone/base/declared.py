@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, meant
+from drystone.base.errors import InputError
 from drystone.base.settings import Options
 
 _SECTIONS = ("Attributes", "Parameters")
@@ -260,14 +260,6 @@ def nested(of: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
 def made_of(of: Callable[..., Any], values: Mapping[str, Any]) -> Any:
     """What a class of options makes of values by names such as ``plan.rules.hands``."""
     return of(**nested(of, values))
-
-
-def refuse_unknown(given: Sequence[str] | Mapping[str, Any], known: Sequence[str]) -> None:
-    """Raise InputError at the first name that is not known; the nearest one is told."""
-    for name in given:
-        if name not in known:
-            remedy = meant(name, known) if known else "there are none"
-            raise InputError(f"there is no argument '{name}'", remedy=remedy)
 
 
 def kinds_of(hint: Any) -> list[Any]:

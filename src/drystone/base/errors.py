@@ -16,7 +16,7 @@ from __future__ import annotations
 import enum
 import functools
 import importlib.util
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -52,6 +52,14 @@ def meant(given: str, known: Iterable[str], otherwise: str = "") -> str:
     if close:
         return f"did you mean {', '.join(close)}?"
     return otherwise or f"names are like {', '.join(names[:3])}"
+
+
+def refuse_unknown(given: Iterable[str], known: Collection[str]) -> None:
+    """Raise InputError at the first name that is not known; the nearest one is told."""
+    for name in given:
+        if name not in known:
+            remedy = meant(name, known) if known else "there are none"
+            raise InputError(f"there is no argument '{name}'", remedy=remedy)
 
 
 def clean(text: str) -> str:

@@ -6,6 +6,7 @@ import dataclasses
 import enum
 import functools
 import inspect
+import sys
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -13,7 +14,7 @@ from typing import Any, ParamSpec, Self, TypeVar
 
 from drystone.base.arrays import number, of_type, whole
 from drystone.base.display import OneLine, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, refuse_unknown
 from drystone.base.progress import check_keywords, with_keywords
 
 P = ParamSpec("P")
@@ -29,8 +30,13 @@ class Options(OneLine):
     Raises
     ------
     InputError
-        A field is of another type; it is named.
+        A field is of another type, or there is none of that name; it is named.
     """
+
+    def __new__(cls, *_: Any, **named: Any) -> Self:
+        """A new set of options, all of whose names are known."""
+        refuse_unknown(named, cls.__dataclass_fields__)  # type: ignore[attr-defined]
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name, (kind, optional) in _kinds(type(self)).items():  # type: ignore[arg-type]
@@ -100,12 +106,13 @@ def _checked(value: Any, kind: type, name: str) -> Any:
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
     """A public function that refuses wrong arguments with a message.
 
-    These are more arguments by position than it has, and a ``progress``, ``stop``, ``check``,
-    ``executor`` or ``time_limit_s`` that is none; and a field of its ``options`` that is given by
-    itself. The keywords of long calculations are added to its documentation.
+    These are more arguments by position than it has, an unknown keyword, a field of its
+    ``options`` that is given by itself, and a ``progress``, ``stop``, ``check``, ``executor`` or
+    ``time_limit_s`` that is none. The keywords of long calculations are added to its documentation.
     """
     known = inspect.signature(function).parameters
     most = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in known.values())
+    own = {name for name, one in known.items() if one.kind is not one.VAR_KEYWORD}
     may_be_none = {name for name, one in known.items() if one.default is None}
 
     @functools.wraps(function)
@@ -118,30 +125,38 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
                 "Model(assembly, contacts, load)",
             )
         check_keywords(named, may_be_none)
-        if "options" in known and not named.keys() <= known.keys():
-            _refuse_options_alone(function, named)
+        if not named.keys() <= own:
+            _refuse_unknown(function, named)
         return function(*given, **named)
 
     asked.__doc__ = with_keywords(function.__doc__, known)
     return asked
 
 
-def _refuse_options_alone(function: Callable[..., Any], named: Mapping[str, Any]) -> None:
-    """Refuse keywords that belong into the options of a function."""
-    hints = typing.get_type_hints(function)
-    parts = typing.get_args(hints["options"]) or (hints["options"],)
-    options = next(part for part in parts if part is not types.NoneType)
-    more = [typing.get_args(hint) for hint in hints.values() if _is_unpacked(hint)]
-    read = {name for (one,) in more for name in one.__annotations__}
-    for name in named.keys() - hints.keys() - read:
-        is_field = name in {field.name for field in dataclasses.fields(options)}
+def _refuse_unknown(function: Callable[..., Any], named: Mapping[str, Any]) -> None:
+    """Refuse keywords that a function does not have, also those that belong into its options."""
+    known, options = _keywords(function)
+    for name in named.keys() - known:
+        is_field = name in getattr(options, "__dataclass_fields__", {})
         if is_field or isinstance(vars(options).get(name), classmethod):
             given = f"({name}=...)" if is_field else f".{name}()"
             raise InputError(
                 f"'{name}' is no argument of {function.__name__}, but of its options",
                 remedy=f"give options={options.__name__}{given}",
             )
+    refuse_unknown(named, known)
 
 
-def _is_unpacked(hint: Any) -> bool:
-    return typing.get_origin(hint) is typing.Unpack
+@functools.cache
+def _keywords(function: Callable[..., Any]) -> tuple[tuple[str, ...], type]:
+    """The keywords of a function, with those of a dictionary of them; its class of options."""
+    known = inspect.signature(function).parameters
+    told = {name: one.annotation for name, one in known.items() if name in ("options", "how")}
+    place = vars(sys.modules[function.__module__])
+    hints = typing.get_type_hints(types.SimpleNamespace(__annotations__=told), place)
+    asked = hints.get("options", object)
+    options = next(one for one in typing.get_args(asked) or (asked,) if one is not types.NoneType)
+    if typing.get_origin(how := hints.get("how")) is typing.Unpack:
+        (more,) = typing.get_args(how)
+        return (*[name for name in known if name != "how"], *more.__annotations__), options
+    return tuple(known), options

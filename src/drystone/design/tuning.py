@@ -13,8 +13,7 @@ from math import isnan
 from pathlib import Path
 from typing import Any
 
-from drystone.base.declared import refuse_unknown
-from drystone.base.errors import FormatError, require
+from drystone.base.errors import FormatError, refuse_unknown, require
 from drystone.base.journal import Journal
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call

@@ -11,6 +11,7 @@ from drystone.assembly import Assembly
 from drystone.assembly.sound import require_sound
 from drystone.base.arrays import Ints, of_type
 from drystone.base.display import Card
+from drystone.base.settings import checked_call
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.block_overlaps import Overlap, block_overlaps
 from drystone.detection.candidates import (
@@ -56,6 +57,7 @@ class Detection(Card):
         return self.report._summary()
 
 
+@checked_call
 def find_contacts(
     assembly: Assembly,
     *,

@@ -11,7 +11,6 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Ints, of_type
-from drystone.base.declared import refuse_unknown
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress
@@ -494,6 +493,7 @@ def _with_one_more(case: LoadCase) -> LoadCase:
     return replace(case, wrench=np.concatenate([case.wrench, none]), motion=motion)
 
 
+@checked_call
 def as_model(given: Given, **how: Unpack[How]) -> Model:
     """The model for an analysis, made from an assembly or a file if necessary.
 
@@ -510,7 +510,6 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     InputError
         It is of another type, or ``how`` does not apply to it.
     """
-    refuse_unknown(how, list(How.__annotations__))
     if is_paths(given):
         return read(given, **how)
     loads = Loads(how.get("gravity"), how.get("load"), how.get("case", ()), how.get("seismic"))

@@ -12,10 +12,10 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
-from drystone.base.declared import refuse_unknown
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors, require
 from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.settings import checked_call
 from drystone.base.units import length, scale_of
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Contents, Draft
@@ -213,6 +213,7 @@ def _suffixes(able: str) -> list[str]:
     return sorted({suffix for one in FORMATS if getattr(one, able) for suffix in one.suffixes})
 
 
+@checked_call
 def read_file(
     path: Paths,
     *,
@@ -254,16 +255,15 @@ def read_file(
     >>> contents.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
-    refuse_unknown(how, [*FileOptions.__annotations__])
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
         place = place_of(path)
         return build(draft, place, units, supports=supports, skip_defects=skip_defects, **rest)
 
 
+@checked_call
 def inspect(path: Paths, *, supports: str | None = None, **how: Unpack[FileOptions]) -> Built:
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
-    refuse_unknown(how, [*FileOptions.__annotations__])
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
         return try_blocks(draft, place_of(path), units, supports=supports, **rest)
@@ -321,6 +321,7 @@ def _draft_of(
     return draft
 
 
+@checked_call
 def write(
     model: Model | Assembly | Result | Contents,
     path: PathLike,

@@ -16,9 +16,8 @@ from drystone.base.declared import (
     declared,
     declared_at,
     nested,
-    refuse_unknown,
 )
-from drystone.base.errors import DrystoneError, InputError
+from drystone.base.errors import DrystoneError, InputError, refuse_unknown
 from drystone.design import diagnose, find_mends
 from drystone.detection import find_contacts
 from drystone.io import Inspection, read

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import Any
 
-from drystone.base.declared import Declared, declared, refuse_unknown
-from drystone.base.errors import InputError
+from drystone.base.declared import Declared, declared
+from drystone.base.errors import InputError, refuse_unknown
 from drystone.base.files import MIB, write_text
 from drystone.io import FORMATS, read
 from drystone.io.capacity_words import law_of

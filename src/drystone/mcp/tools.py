@@ -29,8 +29,7 @@ from mcp.types import (
 from pydantic import WithJsonSchema
 
 import drystone
-from drystone.base.declared import refuse_unknown
-from drystone.base.errors import InputError, meant
+from drystone.base.errors import InputError, meant, refuse_unknown
 from drystone.mcp.answers import TOOLS, Tool, answer
 from drystone.mcp.folder import MODEL, Folder
 

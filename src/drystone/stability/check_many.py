@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
-from drystone.base.declared import refuse_unknown
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
@@ -91,7 +90,6 @@ def check_many(
     if one or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
-    refuse_unknown(how, [*How.__annotations__])
     clock = Clock(time_limit_s, stop, progress)
     chosen = CheckOptions.of(options)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)

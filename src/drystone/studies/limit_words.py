@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, get_type_hints
 
 from drystone.answer import Answer
-from drystone.base.declared import Offered, declared, declared_at, nested, refuse_unknown
-from drystone.base.errors import InputError, meant
+from drystone.base.declared import Offered, declared, declared_at, nested
+from drystone.base.errors import InputError, meant, refuse_unknown
 from drystone.io import read
 from drystone.io.load_options import grown
 from drystone.limits import LIMITS, Limit, StandingShare, ThrustBounds, TiltSweep, TrainEnvelope

@@ -12,7 +12,6 @@ import numpy as np
 
 from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import of_type
-from drystone.base.declared import refuse_unknown
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
@@ -124,7 +123,6 @@ def study(
     [8.2, 15.8]
     """
     rows = _rows(parameters)
-    refuse_unknown(how, [*_READING])
     found = ("verdict", *_columns(limit), "mechanism", "message", "time_s")
     _require(rows[0], found, build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)

@@ -21,6 +21,7 @@ from drystone.answer.scene import (
 )
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
+from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.view.around import draw_bar, draw_gravity, draw_scale_bar, write_legend, write_title
@@ -45,6 +46,7 @@ AXES = (0.02, 0.11, 0.96, 0.73)
 """Place of the drawing in the figure: left, bottom, width, height as shares."""
 
 
+@checked_call
 def save_figure(
     subject: Subject,
     path: str | PathLike[str] | None = None,

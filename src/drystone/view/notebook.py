@@ -18,6 +18,7 @@ from typing import Any
 
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, require
+from drystone.base.settings import checked_call
 from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
 from drystone.view.subjects import Subject, scene_of
@@ -90,6 +91,7 @@ def _framed(page: str, style: str) -> str:
     )
 
 
+@checked_call
 def show(value: Subject, height: int = 480) -> None:
     """Show the page of a value: below the cell of a notebook, else in the browser.
 

@@ -9,6 +9,7 @@ from os import PathLike
 
 from drystone.answer.scene import Scene
 from drystone.base.files import write_text
+from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.view.encode import encode, to_text
 from drystone.view.panels import panel
@@ -25,6 +26,7 @@ SCRIPTS = (
 """Scripts in their order in the page. They share one scope: later ones use earlier ones."""
 
 
+@checked_call
 def save_page(
     subject: Subject,
     path: str | PathLike[str],
