@@ -163,6 +163,20 @@ def test_blocks_are_hidden_and_isolated_and_come_back(opened, standing):
     assert pixels(tab) == before
 
 
+def test_names_are_written_on_blocks_that_are_seen(opened):
+    blocks = (box((4.0, 1.0, 1.0), name="front"), box((0.5, 0.5, 0.5), (0.0, 3.0, 0.0), "behind"))
+    tab = opened(drystone.check(drystone.Model.of(Assembly(blocks, fixed=[True, True]))))
+    tab.run("document.querySelector('[data-layer=names]').click()")
+    tab.run("URL.createObjectURL = (blob) => { window.made = blob; return 'data:,'; };")
+    tab.key("1")
+    for opacity, seen in ((1, "front"), (0.5, "frontbehind")):
+        tab.slide("#opacity", opacity)
+        tab.click("#svg")
+        root = ET.fromstring(tab.run("window.made.text()"))
+        texts = [text.text for text in root.findall(".//{http://www.w3.org/2000/svg}text")]
+        assert "".join(text for text in texts if text in ("front", "behind")) == seen
+
+
 def test_names_that_are_html_stay_text(opened):
     plain = tower(3)
     named = tuple(b.renamed(f"{EVIL}{i}") for i, b in enumerate(plain.blocks))

@@ -58,17 +58,16 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
             parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
         elif len(step.blocks) > 1:
             parts.append(f"stands together with {', '.join(names[b] for b in step.blocks[:k])}")
-        if step.props:
-            parts.append(f"propped: {', '.join(names[b] for b in step.props)}")
         state = _state(plan, placed, number, held)
+        if (propped := np.flatnonzero(state == State.PROPPED)).size:
+            parts.append(f"propped: {', '.join(names[b] for b in propped)}")
         if state[block] in (State.FREE, State.LATER):
             state[block] = State.COMING
         here = f"block {numbers[block]} of {len(numbers)}"
         label = f"{here}, {names[block]} (step {number + 1} of {len(plan.steps)})"
         stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
         told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
-        stage = replace(stage, headline=told)
-        out.append(replace(stage, motion=_way_in(plan, block, step.motion[k])))
+        out.append(replace(stage, headline=told, motion=_way_in(plan, block, step.motion[k])))
     return out
 
 
@@ -80,7 +79,7 @@ def _way_in(plan: PlannedSteps, block: int, direction: Floats) -> Floats:
 
 
 def _state(plan: PlannedSteps, placed: int, number: int, held: tuple[int, ...]) -> Ints:
-    """State (n,) of the blocks at the end of a step."""
+    """State (n,) of the blocks in a step; props of the step before stay while a hand holds."""
     state = np.full(len(plan.model.assembly), State.ABSENT, dtype=np.intp)
     for block in members(placed):
         state[block] = _STATE_OF[plan.status[block]]
@@ -88,8 +87,9 @@ def _state(plan: PlannedSteps, placed: int, number: int, held: tuple[int, ...]) 
         if placed >> prop.block & 1:
             state[prop.block] = State.LATER if prop.first > number else State.FREE
     state[state == State.HELD] = State.FREE  # a hand lets go when its step has ended
-    state[[b for b in held if placed >> b & 1]] = State.HELD
-    state[[b for b in plan.steps[number].props if placed >> b & 1]] = State.PROPPED
+    state[list(held)] = State.HELD
+    late = plan.steps[max(0, number - bool(held)) : number + 1]
+    state[[b for step in late for b in step.props if placed >> b & 1]] = State.PROPPED
     state[plan.model.assembly.fixed] = State.SUPPORT
     return state
 

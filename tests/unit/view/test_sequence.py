@@ -51,6 +51,15 @@ def test_a_block_has_its_colour_while_it_is_propped_and_is_hatched_before(planne
         assert seen.index(State.PROPPED) == seen.count(State.ABSENT) + len(later)
 
 
+def test_what_carries_while_a_block_is_held_is_told(planned):
+    """A prop of the step before stays until the hold ends."""
+    helped = [stage for stage in planned.layers().stages[:-1] if stage.prop.any()]
+    for stage in helped:
+        told = np.isin(stage.state, (State.HELD, State.PROPPED))
+        assert told[np.abs(stage.prop).max(axis=1) > 0.0].all()
+    assert any("prop and a hand" in stage.headline for stage in helped)
+
+
 def test_a_hand_lets_go_when_its_step_has_ended(planned):
     scene = planned.layers()
     assert any((stage.state == State.HELD).any() for stage in scene.stages[:-1])

@@ -16,8 +16,13 @@ function apart(labels, measure, height) {
   return kept;
 }
 
+// Names and numbers: on what is seen of a block, or in its middle where blocks are glassy. While pictures
+// come slowly nothing is looked for.
 function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
   const out = [];
+  const solid = view.showBlocks && view.opacity >= 1 && renderer;
+  if (solid && view.hurried) return out;
+  const seen = solid ? seenBlocks(renderer, view, size) : null;
   const { centroid, number } = data.blocks;
   for (let i = 0; i < data.count; i++) {
     if (stage.state[i] === 0 || hidden.has(i)) continue;
@@ -27,9 +32,9 @@ function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
     const c = centroid.subarray(3 * i, 3 * i + 3);
     const middle = vec.add(c, awayOf(data, view, i));
     const place = projected(view.projection, middle, size.width, size.height);
-    if (isBeyond(view.section, middle)) continue;
+    if (seen ? !seen.has(i) : isBeyond(view.section, middle)) continue;
     if (!place || place.x < 0 || place.y < 0 || place.x > size.width || place.y > size.height) continue;
-    out.push({ ...place, text: text.length > 40 ? `${text.slice(0, 39)}\u2026` : text });
+    out.push({ ...place, ...seen?.get(i), text: text.length > 40 ? `${text.slice(0, 39)}\u2026` : text });
   }
   return out;
 }

@@ -33,7 +33,7 @@ function exportPng() {
 
 // The picture as SVG, with head, legend and scale.
 function linesOf() {
-  const [view, size, colours] = [currentView(), sizeOf(), markColours()];
+  const [view, size, colours] = [{ ...currentView(), hurried: false }, sizeOf(), markColours()];
   const marks = captions(data, stage(), theme(), { ...told(), ghost: false }, size); // none is drawn there
   const texts = captionsSvg(marks, colours.ink, data.ramp[theme()]) + labelsSvg(view, size, colours);
   return pictureSvg(data, stage(), view, size, theme(), { hidden: page.hidden, captions: texts });
