@@ -15,9 +15,9 @@ from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.geometry.kern import edge_ratio, kern_ratio
-from drystone.geometry.pressure import peak_pressure
-from drystone.geometry.quadrature import FacePoints, face_points
+from drystone.geometry.kern import edge_ratio, kern_ratio, sections
+from drystone.geometry.pressure import linear_pressure, peak_pressure
+from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import pressed_points, slip_use
 from drystone.virtual import joint_sections, local_corners
 
@@ -184,8 +184,8 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     used = sliding_use(contacts, resultants).copy()
     which = np.flatnonzero(twisted(contacts, resultants))
     if len(which):
-        points = points_of_faces(contacts, which)
-        used[which] = np.maximum(used[which], twisted_use(contacts, resultants, which, points))
+        faces = PressedFaces.of(contacts, resultants, which)
+        used[which] = np.maximum(used[which], faces.use(contacts, resultants))
     return frozen(used)
 
 
@@ -199,37 +199,60 @@ def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
     return turned
 
 
-def points_of_faces(contacts: Contacts, which: Ints) -> FacePoints:
-    """The points that stand for some faces (t,), about their mean corners along u and v."""
-    part, row = contacts.corners.take(which)
-    return face_points(local_corners(contacts)[1][row], part.start)
+@dataclass(frozen=True, eq=False)
+class PressedFaces:
+    """Points of t faces, of what a linear pressure presses and of the rest, along u and v.
 
-
-def twisted_use(
-    contacts: Contacts,
-    resultants: Resultants,
-    which: Ints,
-    points: FacePoints,
-    enough: Floats | float = np.inf,
-) -> Floats:
-    """Force and torque by the largest that some faces (t,) resist under a linear pressure.
-
-    A use above ``enough`` (t,) is some number above it.
+    Attributes
+    ----------
+    which : (t,)
+    points
+    share : (p,)
+        Of the normal force.
+    centre : (t, 2) [m]
+        Of pressure, from the mean corner.
     """
-    origin = local_corners(contacts)[0]
-    axes = contacts.frame[which, 1:]
-    centre = np.einsum("mij,mj->mi", axes, resultants.position[which] - origin[which])
-    share = pressed_points(*points, centre)
-    bound = (contacts.friction * resultants.normal)[which]
-    owner = points.loops.owner
-    return slip_use(
-        points.loops,
-        points.place - centre[owner],
-        bound[owner] * share,
-        np.einsum("mij,mj->mi", axes, resultants.force[which]),
-        np.where(points.loops.sum(share) > 0.0, resultants.torque[which], 0.0),
-        enough,
-    )
+
+    which: Ints
+    points: FacePoints
+    share: Floats
+    centre: Floats
+
+    @classmethod
+    def of(
+        cls, contacts: Contacts, resultants: Resultants, which: Ints, exact: Bools | bool = True
+    ) -> PressedFaces:
+        """Some faces (t,) under their forces; those that act on a rim act just within it."""
+        part, row = contacts.corners.take(which)
+        origin, corners = local_corners(contacts)
+        away = resultants.position[which] - origin[which]
+        centre = np.einsum("mij,mj->mi", contacts.frame[which, 1:], away)
+        one = (sections(corners[row], part.start), corners[row], part.start)
+        middle, far = one[0].centroid, edge_ratio(*one, centre)
+        within = middle + (centre - middle) * (HINGED / np.maximum(far, HINGED))[:, None]
+        plane = linear_pressure(*one, within)
+        points = cut_face_points(*one[1:], plane, exact)
+        return cls(which, points, pressed_points(points, plane, within), centre)
+
+    def rows(self, wanted: Bools) -> tuple[Ints, Floats, Floats]:
+        """Faces (p,), places (p, 2) [m] and areas (p,) [m2] of the points of some of them (t,)."""
+        loops, row = self.points.loops.take(wanted)
+        return self.which[wanted][loops.owner], self.points.place[row], self.points.area[row]
+
+    def use(
+        self, contacts: Contacts, resultants: Resultants, enough: Floats | float = np.inf
+    ) -> Floats:
+        """Force and torque (t,) by the largest that the faces resist, as :func:`slip_use` does."""
+        which, owner = self.which, self.points.loops.owner
+        bound = (contacts.friction * resultants.normal)[which]
+        return slip_use(
+            self.points.loops,
+            self.points.place - self.centre[owner],
+            bound[owner] * self.share,
+            np.einsum("mij,mj->mi", contacts.frame[which, 1:], resultants.force[which]),
+            resultants.torque[which],
+            enough,
+        )
 
 
 def forces_around(contacts: Contacts, force: Floats) -> Floats:

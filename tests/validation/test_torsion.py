@@ -169,6 +169,64 @@ def test_an_eccentric_load_with_a_torque() -> None:
     holds_up_to(tipped, TORQUE, FRICTION * weight(model) * arm)
 
 
+def arm_in_a_corner(leg: float) -> float:
+    """Mean distance from the centre of pressure, a quarter of the leg from both edges.
+
+    The pressure falls from a right angle to zero at the other side of a triangle.
+    """
+    at = (np.arange(400) + 0.5) / 400.0 * leg
+    x, z = np.meshgrid(at, at, indexing="ij")
+    pressure = np.maximum(leg - x - z, 0.0)
+    return float((pressure * np.hypot(x - 0.25 * leg, z - 0.25 * leg)).sum() / pressure.sum())
+
+
+def arm_along_an_edge(depth: float) -> float:
+    """Mean distance from the centre of pressure, a third of the depth of a strip from its edge."""
+    at = (np.arange(400) + 0.5) / 400.0
+    x, z = np.meshgrid(depth * at, at, indexing="ij")
+    pressure = depth - x
+    return float((pressure * np.hypot(x - depth / 3.0, z - 0.5)).sum() / pressure.sum())
+
+
+@pytest.mark.parametrize("near", [0.15, 0.08, 0.03, 0.01])
+def test_a_face_that_is_pressed_near_its_rim_resists_what_its_pressed_part_does(
+    near: float,
+) -> None:
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, 1.0), (0.0, 1.0)))])
+    off = weight(model) * (0.5 - near)
+    corner = loaded(model, [0.0, 0.0, 0.0, -off, 0.0, off])
+    limit = FRICTION * weight(model) * arm_in_a_corner(4.0 * near)
+    used = check(loaded(corner, limit * TORQUE)).utilisation.max()
+    assert used == pytest.approx(1.0, abs=0.02)
+    edge = loaded(model, [0.0, 0.0, 0.0, 0.0, 0.0, off])
+    limit = FRICTION * weight(model) * arm_along_an_edge(3.0 * near)
+    used = check(loaded(edge, limit * TORQUE)).utilisation.max()
+    assert used == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_face_that_is_pressed_near_its_corner_needs_its_corners() -> None:
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, 1.0), (0.0, 1.0)))])
+    off = 0.48 * weight(model)
+    corner = loaded(model, [0.0, 0.0, 0.0, -off, 0.0, off])
+    limit = FRICTION * weight(model) * arm_in_a_corner(0.08)
+    assert not asked(loaded(corner, 0.95 * limit * TORQUE)).sensitive
+    above = asked(loaded(corner, 1.05 * limit * TORQUE))
+    assert above.sensitive_to == (Sensitivity.PRESSURE,)
+
+
+def test_a_concave_face_is_pressed_in_part() -> None:
+    legs = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.2, 0.2), (0.2, 1.0), (0.0, 1.0)]
+    model = standing([ground(WIDE)], [plate(legs)])
+    x, _, z = model.assembly.centroid[-1]
+    # the last 0.3 m of a leg, since the pressure falls from its end to zero
+    end = loaded(model, weight(model) * np.array([0.0, 0.0, 0.0, 0.1 - z, 0.0, x - 0.9]))
+    at = (np.arange(400) + 0.5) / 400.0
+    away, across = np.meshgrid(0.3 * at, 0.2 * at, indexing="ij")
+    arm = ((0.3 - away) * np.hypot(away - 0.1, across - 0.1)).sum() / (0.3 - away).sum()
+    used = check(loaded(end, FRICTION * weight(model) * arm * TORQUE)).utilisation.max()
+    assert used == pytest.approx(1.0, abs=0.02)
+
+
 def test_a_stack_that_is_twisted_in_the_middle() -> None:
     model = Model.of(tower(4), friction=FRICTION)
     block = float(-model.load.wrench[-1, 2])

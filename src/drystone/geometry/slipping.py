@@ -16,56 +16,40 @@ import numpy as np
 
 from drystone.base.arrays import Floats, dot, lengths
 from drystone.base.ragged import Ragged
+from drystone.geometry.quadrature import FacePoints
 
 _ROUNDS = 60
 _SAME = 1e-4
 """Change of all factors at which the rounds end."""
 _STILL = 1e-6
 """Least speed of a point that is divided by, by that of its face."""
-_NEWTON = 40
-"""Steps to the pressed part of a face. Chosen: 12 are enough half way from the kern to the rim."""
-_BALANCED = 1e-6
-"""What may be left of a force and its moments, by the force times the size of the face."""
 
 
-def pressed_points(loops: Ragged, place: Floats, area: Floats, centre: Floats) -> Floats:
+def pressed_points(points: FacePoints, plane: Floats, centre: Floats) -> Floats:
     """The shares (p,) of a normal force that press on the points of faces.
 
-    They are those of a linear pressure that does not pull, ``area max(0, q + s . x)``.
+    They are ``area max(0, q + s . x)``, but for what the points have other moments than the faces.
 
     Parameters
     ----------
-    loops, place, area
-        Points of m faces, as of :func:`drystone.geometry.quadrature.face_points`.
+    points
+        Of m faces.
+    plane : (m, 3)
+        q, and s [1/m], as of :func:`drystone.geometry.pressure.linear_pressure`.
     centre : (m, 2) [m]
-        Where the force acts. Where no linear pressure has it, as on the rim, the shares are zero.
+        Where the forces act.
     """
-    owner, whole = loops.owner, loops.sum(area)
+    loops, place, area = points
+    owner = loops.owner
+    share = area * np.maximum(plane[owner, 0] + dot(place, plane[owner, 1:]), 0.0)
+    share /= loops.sum(share)[owner]
     local = place - centre[owner]
-    size = np.sqrt(loops.sum(area * dot(local, local)) / whole)
-    x, y = local.T / size[owner]
-    weight = area / whole[owner]
-    wanted = np.array([1.0, 0.0, 0.0])
-    share, pressed, row = np.zeros(len(x)), np.ones(len(x), dtype=bool), np.arange(len(x))
-    moments = weight[:, None] * np.stack([np.ones(len(x)), x, y, x * x, x * y, y * y], axis=1)
-    part, w, u, v = loops, weight, x, y  # a face that is done is left out of the steps
-    for _ in range(_NEWTON):
-        matrix = part.sum(pressed[:, None] * moments)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]]
-        matrix = matrix.reshape(-1, 3, 3) + 1e-14 * np.eye(3)
-        plane = np.linalg.solve(matrix, np.tile(wanted[:, None], (len(part), 1, 1)))[:, :, 0]
-        even, slope_x, slope_y = plane[part.owner].T
-        pressure = even + slope_x * u + slope_y * v
-        share[row] = w * np.maximum(pressure, 0.0)
-        before, pressed = pressed, pressure > 0.0
-        changes = part.any(before != pressed)
-        if not changes.any():
-            break
-        kept = changes[part.owner]
-        part = Ragged.from_counts(part.counts[changes])
-        row, pressed, w, u, v, moments = (each[kept] for each in (row, pressed, w, u, v, moments))
-    left = loops.sum(share[:, None] * np.stack([np.ones(len(x)), x, y], axis=1)) - wanted
-    missed = np.abs(left).max(axis=1, initial=0.0)
-    return np.where(missed <= _BALANCED, 1.0, 0.0)[owner] * share
+    local /= np.sqrt(loops.sum(share * dot(local, local)))[owner, None]
+    basis = np.column_stack([np.ones(len(local)), local])
+    matrix = loops.sum(share[:, None, None] * basis[:, :, None] * basis[:, None, :])
+    wanted = np.tile(np.array([1.0, 0.0, 0.0])[:, None], (len(loops), 1, 1))
+    mended = np.linalg.solve(matrix, wanted)[owner, :, 0]
+    return share * np.maximum(dot(mended, basis), 0.0)
 
 
 def slip_use(

@@ -9,19 +9,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import lengths
+from drystone.base.arrays import dot, lengths
 from drystone.contacts import Contacts
 from drystone.joints import (
+    PressedFaces,
     Resultants,
     bearable,
-    points_of_faces,
     sliding_use,
     twisted,
-    twisted_use,
 )
 from drystone.virtual import joint_sections
 
-MUCH, TWISTED = 0.5, 0.01
+MUCH, TWISTED = 0.8, 0.01
 """Use of a face, and the part of it that is torsion, from which on its corners may be needed.
 Measured on 148 models that stand and have joints that turn: spread points do not hold two lunes,
 used to 1.00. From a use of 1 on, or a part of 0.03, they would be missed, both or one; from nothing
@@ -31,9 +30,11 @@ on twice as many are tried, and no more is found."""
 def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
     """The contacts of dry joints with points on the faces that turn in place of their corners.
 
-    None unless one is used so much that its torsion may need its corners. Which may be is told by
-    friction that grows with the distance from the centre of pressure, beside that against the
-    force, at the corner used most. Faces pressed all over resist better. Those that stay are first.
+    None unless one is used so much that its torsion may need its corners. Which of those that are
+    pressed all over may be is told by friction that grows with the distance from the centre of
+    pressure, beside that against the force, at the corner used most. They resist better. The rest
+    is told by few points, and again by as many as it takes where they are used much. Faces that
+    stay are first.
     """
     turns = twisted(contacts, resultants)
     if not turns.any():
@@ -48,21 +49,31 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     across = turn * (corners - centre[joint])[:, ::-1]
     together = contacts.corners.max(lengths(force[joint] + across))
     least = sliding_use(contacts, resultants) + TWISTED
-    much = turns & (together > np.maximum(MUCH, least))
+    lever = np.einsum("mij,mj->mi", made.inverse, centre - made.centroid)
+    opened = contacts.corners.min(dot(corners - made.centroid[joint], lever[joint])) < -1.0
+    much = turns & (opened | (together > np.maximum(MUCH, least)))
     if not much.any():
         return None
-    which = np.flatnonzero(turns & (contacts.corners.max(lengths(across)) > TWISTED))
+    twist = contacts.corners.max(lengths(across))
+    which = np.flatnonzero(turns & (opened | (twist > TWISTED)))
     much, least = much[which], least[which]
     enough = np.where(much, np.maximum(MUCH, least), least)
-    points = points_of_faces(contacts, which)
-    used = twisted_use(contacts, resultants, which, points, enough)
-    if not (used[much] > enough[much]).any():
+    few = PressedFaces.of(contacts, resultants, which, exact=False)
+    used = few.use(contacts, resultants, enough)
+    near = much & (used > enough)
+    if not near.any():
         return None
-    loops, row = points.loops.take(used > least)
-    which = which[used > least]
-    kept = contacts.select(np.isin(np.arange(contacts.count), which, invert=True))
-    owner = which[loops.owner]
-    point = origin[owner] + np.einsum("pi,pij->pj", points.place[row], contacts.frame[owner, 1:])
+    many = PressedFaces.of(contacts, resultants, which[near])
+    used[near] = many.use(contacts, resultants, enough[near])
+    if not (used[near] > enough[near]).any():
+        return None
+    wanted = used > least
+    kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))
+    owner, place, area = (
+        np.concatenate(both)
+        for both in zip(few.rows(wanted & ~near), many.rows(wanted[near]), strict=True)
+    )
+    point = origin[owner] + np.einsum("pi,pij->pj", place, contacts.frame[owner, 1:])
 
     def both(name: str) -> np.ndarray:
         return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
@@ -71,7 +82,7 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
         both("block_a"),
         both("block_b"),
         both("frame"),
-        np.concatenate([kept.area, points.area[row]]),
+        np.concatenate([kept.area, area]),
         both("friction"),
         np.concatenate([kept.point, point]),
         np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),

@@ -7,6 +7,9 @@ import pytest
 from scipy.optimize import linprog
 
 from drystone.base.ragged import Ragged
+from drystone.geometry.kern import sections
+from drystone.geometry.pressure import linear_pressure
+from drystone.geometry.quadrature import cut_face_points
 from drystone.geometry.slipping import pressed_points, slip_use
 
 
@@ -65,15 +68,17 @@ def test_what_carries_nothing_is_not_used() -> None:
 
 
 def test_pressure_is_linear_and_does_not_pull() -> None:
-    at = np.linspace(0.05, 0.95, 10)
-    place = np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2)
-    centre = np.array([[0.2, 0.5], [0.5, 0.5], [3.0, 0.5]])
-    loops = Ragged.from_counts([100, 100, 100])
-    share = pressed_points(loops, np.tile(place, (3, 1)), np.full(300, 0.01), centre)
-    tipped, even, outside = share.reshape(3, 100)
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    corners, start = np.tile(square, (2, 1)), np.array([0, 4, 8])
+    centre = np.array([[0.2, 0.5], [0.5, 0.5]])
+    plane = linear_pressure(sections(corners, start), corners, start, centre)
+    assert plane == pytest.approx(np.array([[10.0 / 3.0, -50.0 / 9.0, 0.0], [1.0, 0.0, 0.0]]))
+    points = cut_face_points(corners, start, plane)
+    assert points.loops.sum(points.area) == pytest.approx([1.0, 1.0])
+    share = pressed_points(points, plane, centre)
     assert (share >= 0.0).all()
-    assert tipped.sum() == pytest.approx(1.0)
-    assert tipped @ place == pytest.approx(centre[0])
-    assert (tipped[place[:, 0] > 0.7] == 0.0).all()
-    assert even == pytest.approx(np.full(100, 0.01))
-    assert not outside.any()
+    assert points.loops.sum(share) == pytest.approx([1.0, 1.0])
+    assert points.loops.sum(share[:, None] * points.place) == pytest.approx(centre)
+    tipped, even = points.loops.split(share)
+    assert (tipped[points.place[points.loops[0], 0] > 0.6001] == 0.0).all()
+    assert even == pytest.approx(points.area[points.loops[1]])
