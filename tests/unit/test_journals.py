@@ -142,6 +142,20 @@ def test_a_data_set_that_does_not_say_what_was_asked_is_refused(file: Path) -> N
             read_dataset(file.parent.parent)
 
 
+def test_a_structure_of_a_data_set_that_was_changed_is_refused_and_written_anew(file: Path) -> None:
+    """A digit that is damaged leaves a sound file of another structure."""
+    folder = file.parent.parent
+    whole = gathered(file)
+    (structure,) = (folder / "structures").iterdir()
+    sound = structure.read_bytes()
+    structure.write_bytes(sound.replace(b"0.6", b"0.7"))
+    with pytest.raises(drystone.FormatError, match="is of other work: structures differ"):
+        read_dataset(folder)
+    assert gathered(file) == whole
+    assert structure.read_bytes() == sound
+    assert len(read_dataset(folder).orders) == len(whole)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("part", ["order", "held", "falling"])
 @pytest.mark.parametrize("block", [-1, 3, 10**30])
 def test_an_order_with_blocks_that_its_structure_has_not_is_refused(

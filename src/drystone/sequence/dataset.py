@@ -290,7 +290,7 @@ def dataset(
     total = sum(len(task.orders) for task in tasks)
     clock, folder = Clock(time_limit_s, stop), as_path(out)
     shards = _Shards(folder, _about(given, chosen, total), given)
-    _write_structures(folder, dict(zip(names, given, strict=True)), anew=not shards.found)
+    _write_structures(folder, dict(zip(names, given, strict=True)))
     left = _left(tasks, len(shards.found))
     with WorkerPool(executor) as pool:
         answers = pool.answers(_answered, [task for _, task in left], clock.late)
@@ -313,7 +313,7 @@ def read_dataset(folder: PathLike) -> Dataset:
     Raises
     ------
     FormatError
-        There is none, or it is damaged.
+        There is none, or it is damaged, or its structures are not those of its orders.
     """
     place = as_path(folder)
     files = sorted((place / "structures").glob("*.json"))
@@ -331,7 +331,7 @@ def read_dataset(folder: PathLike) -> Dataset:
             remedy="make the data set anew",
         ) from error  # fmt: skip
     structures = tuple(supported_model(file) for file in files)
-    shards = _Shards(place, about, structures)
+    shards = _Shards(place, about | {"structures": _digest(structures)}, structures)
     made = len(shards.found)
     stopped = f"{made} of {total} orders" if made < total else ""
     names = tuple(file.stem for file in files)
@@ -377,13 +377,15 @@ def _shard(number: int) -> str:
 
 def _about(models: Sequence[Model], options: DatasetOptions, orders: int) -> dict[str, Any]:
     """What the records depend on."""
-    digest = hashlib.sha256()
-    for model in models:
-        digest.update(fingerprint(StagedModel(model)).encode())
     kept = {name: getattr(options, name) for name in DatasetOptions.__dataclass_fields__}
     kept["each_s"] = str(options.each_s)
     made = {"format": "drystone-dataset", "version": version()}
-    return {**made, "structures": digest.hexdigest(), "options": kept, "orders": orders}
+    return {**made, "structures": _digest(models), "options": kept, "orders": orders}
+
+
+def _digest(models: Sequence[Model]) -> str:
+    told = "".join(fingerprint(StagedModel(model)) for model in models)
+    return hashlib.sha256(told.encode()).hexdigest()
 
 
 def _models(models: Iterable[Given], how: How) -> list[Model]:
@@ -400,14 +402,12 @@ def _name(number: int, model: Model) -> str:
     return f"{number:04}-{Path(model.origin.file).stem or 'structure'}"
 
 
-def _write_structures(folder: Path, models: Mapping[str, Model], *, anew: bool) -> None:
-    """Make the folders, and write the structures, those that are there ``anew`` only."""
+def _write_structures(folder: Path, models: Mapping[str, Model]) -> None:
+    """Make the folders, and write the structures, in place of files that may be damaged."""
     for part in ("structures", "orders"):
         (folder / part).mkdir(parents=True, exist_ok=True)
     for name, model in models.items():
-        place = folder / "structures" / f"{name}.json"
-        if anew or not place.exists():
-            write(model, place)
+        write(model, folder / "structures" / f"{name}.json")
 
 
 def _left(tasks: Sequence[_Task], done: int) -> list[tuple[int, _Task]]:
