@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,11 +192,19 @@ class BlockOrdering:
 def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockOrdering:
     """As :class:`BlockOrdering`; of the same small graph it is made once.
 
-    The order of a graph that is not cut depends on no position.
+    The order of a graph that is not cut depends on no position. That of a large one is made once
+    for all that use it at the same time, as joints and their spread points do.
     """
-    if len(position) > WHOLE:
-        return BlockOrdering(position, row, column, width)
-    return _ordering_of_graph(len(position), row.tobytes(), column.tobytes(), width)
+    if len(position) <= WHOLE:
+        return _ordering_of_graph(len(position), row.tobytes(), column.tobytes(), width)
+    key = (position.tobytes(), row.tobytes(), column.tobytes(), width)
+    made = _IN_USE.get(key)
+    if made is None:
+        made = _IN_USE[key] = BlockOrdering(position, row, column, width)
+    return made
+
+
+_IN_USE: WeakValueDictionary[tuple[bytes, bytes, bytes, int], BlockOrdering] = WeakValueDictionary()
 
 
 @lru_cache(maxsize=16)
