@@ -122,7 +122,7 @@ def plan(
             "drystone.sequence.PlanOptions",
             ("rules.hands", "rules.payload", "scaffold", *SCAFFOLD_LIMITS),
             shown=("rules.hands", "scaffold"),
-            flags={"rules.hands": "--hands --robots", **SCAFFOLD_LIMITS},
+            flags=SCAFFOLD_LIMITS,
         ),
     ],
     robot: Annotated[

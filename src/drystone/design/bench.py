@@ -37,12 +37,12 @@ class Tried(OneLine):
     what
         What was tried, and how far.
     skipped
-        Whether it was not tried, as the region has too many blocks for it.
+        Where it was not tried: on so many blocks, or with blocks that are kept.
     """
 
     kind: str
     what: str
-    skipped: bool = False
+    skipped: str = ""
 
 
 class Bench:

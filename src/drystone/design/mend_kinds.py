@@ -127,12 +127,16 @@ def _tie(asked: KnownNeeds) -> Proposals:
     yield Tries(changes, why, Take.FIRST, told=told)
 
 
+def _kept(kind: str, what: str, names: str) -> Tried:
+    return Tried(kind, f"{what} may not be changed (kept: {names})", f"with {names} kept")
+
+
 def _friction(asked: KnownNeeds) -> Proposals:
     """The least friction of one joint, else of all that may be changed."""
     bench, count = asked.bench, asked.bench.local.contacts.count
     free = [k for k in range(count) if not bench.kept_at([k])]
     if not free:
-        kept = f"its joints may not be changed (kept: {bench.kept_at(range(count))})"
+        kept = _kept("friction", "its joints", bench.kept_at(range(count)))
         yield kept if count else "it touches no other block"
         return
     # no joint alone, and no margin, takes less than all joints take
@@ -157,7 +161,7 @@ def _joints(asked: KnownNeeds, kind: str) -> Proposals:
         name = bench.joint_name(group[0]) if len(group) == 1 else "all its joints"
         stay = bench.kept_at(group)
         if stay:
-            yield f"{name.rstrip(',')} may not be changed (kept: {stay})"
+            yield _kept(kind, name.rstrip(","), stay)
             continue
         try:
             sides = [joint_change(bench.local, kind, group, side, name) for side in (1.0, -1.0)]
@@ -174,7 +178,7 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     bench = asked.bench
     stay = bench.kept(bench.own)
     if stay:
-        yield f"its blocks may not be changed (kept: {stay})"
+        yield _kept("thicker", "its blocks", stay)
         return
 
     def make(share: float, model: Model, blocks: Ints, _: Ints) -> Model:
@@ -211,8 +215,7 @@ def _glue(asked: KnownNeeds) -> Proposals:
     changes = glue_changes(bench.local, len(bench.own), pulling, SMALL_REGION)
     free = {on: one for on, one in changes.items() if not bench.kept_at(on)}
     if not free:
-        kept = bench.kept_at([k for on in changes for k in on]) if changes else ""
-        kept = f"its joints may not be changed (kept: {kept})"
+        kept = _kept("glue", "its joints", bench.kept_at([k for on in changes for k in on]))
         yield kept if changes else "none of its joints would pull"
         return
     found = {frozenset(one.at): one.value for one in asked.needs.glue}
@@ -250,7 +253,7 @@ def _merge(asked: KnownNeeds) -> Proposals:
     if changes or not stay:
         yield Tries(changes, why)
     else:
-        yield f"its blocks may not be changed (kept: {stay})"
+        yield _kept("merge", "its blocks", stay)
 
 
 _PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
@@ -286,6 +289,6 @@ def holding(kind: str, asked: KnownNeeds) -> Iterator[Held]:
     largest = _LARGEST.get(kind, len(bench.own))
     if len(bench.own) > largest:
         what = f"not tried on a region of more than {largest} blocks"
-        bench.tried.append(Tried(kind, what, skipped=True))
+        bench.tried.append(Tried(kind, what, "on so many blocks (drystone shape may help)"))
         return
     yield from held_by(kind, _PROPOSED[kind](asked), asked)

@@ -163,9 +163,9 @@ class MendOptions(Options):
         keep = _several(self.keep, int | str, "keep")
         for kind in kinds:
             if kind not in KINDS:
-                raise InputError(
-                    f"there is no kind of mend '{kind}'", remedy=f"choose from {', '.join(KINDS)}"
-                )
+                each = "give several each on its own; " if "," in kind else ""
+                remedy = f"{each}choose from {', '.join(KINDS)}"
+                raise InputError(f"there is no kind of mend '{kind}'", remedy=remedy)
         if not kinds:
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
         object.__setattr__(self, "kinds", kinds)
@@ -243,17 +243,14 @@ class Mends(Answer):
         return [f"{named(blocks)}: {one.kind}: {one.what}" for blocks, one in self.tried]
 
     def _failed(self) -> str:
-        tried = [(blocks, one) for blocks, one in self.tried if not one.skipped]
-        regions = len({blocks for blocks, _ in tried})
-        where = f" in {regions} regions" if regions > 1 else ""
-        skipped = dict.fromkeys(one.kind for _, one in self.tried if one.skipped)
         said = []
-        if tried:
-            told = counted(len(tried), "combination was", "combinations were")
-            kinds = ", ".join(dict.fromkeys(one.kind for _, one in tried))
-            said.append(f"{told} tried without success{where}: {kinds}")
-        if skipped:
-            said.append(f"not tried on so many blocks: {', '.join(skipped)}; try drystone shape")
+        for why in sorted({one.skipped for _, one in self.tried}):
+            some = [(blocks, one) for blocks, one in self.tried if one.skipped == why]
+            told = counted(len(some), "combination was", "combinations were")
+            told = f"not tried {why}" if why else f"{told} tried without success"
+            where = f" in {n} regions" if (n := len({blocks for blocks, _ in some})) > 1 else ""
+            kinds = ", ".join(dict.fromkeys(one.kind for _, one in some))
+            said.append(f"{told}{where}: {kinds}")
         return f"{'; '.join(said)} (--all lists them)"
 
     def layers(self) -> Scene:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drystone.design.bench import Bench, Held
+from drystone.design.bench import Bench, Held, Tried
 from drystone.design.changes import Change
 from drystone.design.needs import Needs
 
@@ -66,7 +66,7 @@ class KnownNeeds:
     known: bool
 
 
-Proposals: TypeAlias = Iterator[Tries | str]
+Proposals: TypeAlias = Iterator[Tries | Tried | str]
 """Changes to try, and why others are not tried."""
 
 
@@ -74,7 +74,9 @@ def held_by(kind: str, proposals: Proposals, asked: KnownNeeds) -> Iterator[Held
     """The changes of a kind that hold a region, with their least values; else it is noted why."""
     bench, holds = asked.bench, False
     for tries in proposals:
-        if isinstance(tries, str):
+        if isinstance(tries, Tried):
+            bench.tried.append(tries)
+        elif isinstance(tries, str):
             bench.fail(kind, tries)
         elif not (tries.last and holds):
             found = _held(bench, tries, asked.known)

@@ -119,7 +119,8 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--robots", "0"], "1 or more"),
+        (["--hands", "0"], "1 or more"),
+        (["--robots", "left:-2,0,0:3"], "did you mean '--robot'?"),
         (["--scaffold-limit", "5"], "add --scaffold"),
         (["--scaffold-foot", "block-1"], "add --scaffold"),
         (["--scaffold", "rope", "--scaffold-foot", "block-1"], "is for struts"),

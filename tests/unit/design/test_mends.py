@@ -355,11 +355,16 @@ def test_blocks_to_keep_are_not_changed() -> None:
         assert found.mends == ()
         assert {one.kind for _, one in found.tried} == {*kinds}
         assert all("may not be changed" in one.what for _, one in found.tried)
+        (note,) = [one.text for one in found.sentences() if "kept" in one.text]
+        assert "'out' kept: " in note
+        assert "tried without" not in note
 
 
 def test_wrong_options_are_refused_in_words() -> None:
     with pytest.raises(InputError, match="no kind of mend 'magic'"):
         MendOptions(kinds=("magic",))
+    with pytest.raises(InputError, match=r"'glue,tie'; give several each on its own"):
+        MendOptions(kinds=("glue,tie",))
     with pytest.raises(InputError, match="no kind of mend is allowed"):
         MendOptions(kinds=())
     with pytest.raises(InputError, match=r"margin of friction is 1\.5"):
