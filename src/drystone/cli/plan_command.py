@@ -168,6 +168,8 @@ def plan(
 ) -> Told:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
+    Whether two robots that hold the last block in turn can build it: drystone.sequence.take_turns.
+
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input. 130: stopped by Ctrl-C, with the blocks that
     are known to be placed last.
