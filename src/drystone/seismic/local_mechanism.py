@@ -241,12 +241,24 @@ class LocalMechanism(Answer):
             "mechanism", self.title, self.how, state, motion=seen(assembly, self.motion),
             motion_name="Mechanism", plays=True,
             layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load),
-                    *self._hinges()),
+                    *self._earthquake(), *self._hinges()),
         )  # fmt: skip
         charts = (self.chart(),) if len(self.displacement) else ()
         title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
         return Scene(assembly, contacts, (stage,), title, self.asked.facts(), charts=charts,
                      preset="solid")  # fmt: skip
+
+    def _earthquake(self) -> tuple[Layer, ...]:
+        """The force of the earthquake on what moves, as one arrow that ends in its middle."""
+        assembly, alpha = self.model.assembly, self.oscillator.multiplier
+        mass = np.where(self._moving, assembly.mass, 0.0)
+        along = np.array(self.options.direction.split(","), dtype=float)
+        force, middle = alpha * STANDARD_GRAVITY * mass.sum() * along, mass @ assembly.centroid
+        return (
+            Layer("acceleration", f"earthquake, {alpha:.4g} g", LayerKind.ARROWS, "load",
+                  middle[None] / mass.sum(), force[None], single=True, width=4.0,
+                  group="acceleration"),
+        )  # fmt: skip
 
     def _hinges(self) -> tuple[Layer, ...]:
         """The line about which a part turns; of a mechanism that is found the joints."""
@@ -267,11 +279,11 @@ class LocalMechanism(Answer):
     def chart(self) -> Chart:
         """The capacity curve, its line, and the spectrum as displacement and acceleration."""
         curve, end = self.table(), self.oscillator.displacement
-        marks = [
-            Marks(MarkKind.LINE, curve["displacement"], curve["acceleration"], "ink", "capacity")
-        ]
         line = np.array([0.0, end]), np.array([self.acceleration, 0.0])
-        marks.append(Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"))
+        marks = [
+            Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"),
+            Marks(MarkKind.LINE, curve["displacement"], curve["acceleration"], "ink", "capacity"),
+        ]
         there = self.state.secant * self.ultimate
         ends: tuple[tuple[float, str], ...] = ()
         if math.isfinite(self.secant_period):
@@ -374,7 +386,7 @@ def local_mechanism(
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
-            model, motion, found, moved, load, told, site, asked,
+            _held(model, along, ties), motion, found, moved, load, told, site, asked,
             remarks=_above_ground(model, turning, site), moments=turning.moments(),
         )  # fmt: skip
     if line is not None:

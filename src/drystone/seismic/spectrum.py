@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.files import PathLike, as_path, digest, read_bytes
 from drystone.base.table import Table
 from drystone.base.units import measured
 from drystone.io.jsontext import Field, parse_toml
@@ -144,6 +146,8 @@ class SeismicDemand(OneLine):
         What is verified; by Circolare 617/2009 at SLV when left out.
     building_damping : [%]
         By which Circolare 7/2019 takes the acceleration of a storey.
+    given
+        What the site file says, by its keys, its name and its hash; empty where there is none.
     """
 
     spectrum: Spectrum
@@ -154,6 +158,7 @@ class SeismicDemand(OneLine):
     participation: float = 1.0
     state: LimitState = field(default_factory=LimitState.named)
     building_damping: float = 5.0
+    given: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def named(cls, path: PathLike) -> SeismicDemand:
@@ -202,6 +207,7 @@ class SeismicDemand(OneLine):
             participation,
             state,
             _positive(top.get("damping", 5.0)),
+            {**top.value, "site file": as_path(path).name, "SHA-256 begins": digest(path)[:32]},
         )
 
     def accelerations(self) -> dict[str, float]:
@@ -273,7 +279,10 @@ class SeismicDemand(OneLine):
     def table(self) -> Table:
         """The spectrum, the factors and what is verified, as a calculation report lists them."""
         spectrum, state = self.spectrum, self.state
-        told = [
+        taken = ", as no edition is given" if self.given and "edition" not in self.given else ""
+        keys = ("code", "soil", "type", "TC_star", "topography", "site file", "SHA-256 begins")
+        told = [(key, str(self.given[key])) for key in keys if key in self.given]
+        told += [
             ("ground ag", f"{spectrum.ground:.4g} m/s2"),
             ("soil and topography S", f"{spectrum.soil:.4g}"),
             ("amplification F0", f"{spectrum.plateau:.4g}"),
@@ -282,7 +291,7 @@ class SeismicDemand(OneLine):
             ) + " s"),
             ("behaviour factor q", f"{self.behaviour:.4g}" if state.behaviour else "not counted"),
             ("confidence factor FC", f"{self.confidence:.4g}"),
-            ("limit state", f"{state.name}, Circolare of {state.edition}"),
+            ("limit state", f"{state.name}, Circolare of {state.edition}{taken}"),
         ]  # fmt: skip
         if self.period:
             above = f"{self.period:.3g} s, {self.shape:.3g}, {self.participation:.3g}"

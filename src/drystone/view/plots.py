@@ -104,7 +104,9 @@ def _chart_figure(chart: Chart, title: str) -> Figure:
         _draw_marks(axes, one, np.deg2rad(one.x) if chart.polar else one.x)
     for at, text in chart.lines:
         axes.axvline(at, color=colour["edge"], linestyle=":", linewidth=1.2)
-        axes.annotate(text, (at, axes.get_ylim()[1]), fontsize=9, ha="right", va="top", rotation=90)
+        axes.annotate(text, (at, 1.0), xycoords=("data", "axes fraction"), xytext=(-3, -3),
+                      textcoords="offset points", fontsize=9, ha="right", va="top",
+                      rotation=90)  # fmt: skip
     if chart.logarithmic:
         axes.set_xscale("log")
     if chart.polar or chart.top is not None:

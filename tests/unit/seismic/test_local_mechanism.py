@@ -105,6 +105,9 @@ def test_a_tie_holds_with_its_strength() -> None:
     found = local_mechanism(model, part="wall-0", ties=["wall-0:15kN@0,1,2.8"])
     expected = (weight * 0.2 + 15e3 * 2.8) / (weight * 1.5)
     assert found.oscillator.multiplier == pytest.approx(expected)
+    drawn = {one.key: one.vector for one in found.layers().stages[0].layers}
+    assert drawn["loads"][0].tolist() == [-15e3, 0.0, 0.0]
+    assert drawn["acceleration"][0].tolist() == pytest.approx([expected * weight, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("shape", ["L", "T"])
@@ -154,6 +157,16 @@ def site(folder: Path, *lines: str) -> Path:
 def verified(folder: Path, ag: float, *more: str) -> LocalMechanism:
     path = site(folder, 'code = "ec8"', f'ag = "{ag}g"', 'soil = "A"', *more)
     return local_mechanism(courses(1, 0.5, 3.0), part="wall-0", site=SeismicDemand.named(path))
+
+
+def test_the_site_is_told_as_its_file_says_it(tmp_path: Path) -> None:
+    lines = ('code = "ntc"', 'ag = "0.2g"', 'soil = "B"', "F0 = 2.4", "TC_star = 0.33")
+    demand = SeismicDemand.named(site(tmp_path, *lines))
+    told = demand.table()
+    said = dict(zip(told["of"], told["value"], strict=True))
+    assert (said["code"], said["soil"], said["TC_star"]) == ("ntc", "B", "0.33")
+    assert (said["site file"], len(said["SHA-256 begins"])) == ("site.toml", 32)
+    assert said["limit state"] == "SLV, Circolare of 2009, as no edition is given"
 
 
 @pytest.mark.parametrize(
