@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -11,10 +11,11 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import joined_contacts
@@ -38,6 +39,7 @@ from drystone.settlement.settlement_types import (
     Settlement,
     SettlementOptions,
     SettlementPath,
+    rest_residuals,
 )
 
 TOLD = 3
@@ -205,9 +207,79 @@ def _carried(
         if not all(_on_faces(path) for path in again):
             break
         case, paths = more, again
+    paths = _part_by_part(case, paths, executor)
     outcome, message = outcome_of(paths, clock)
     spent = {"solve": clock.elapsed_s - began}
     return Settlement(outcome, message, paths, clock.reason, chosen, spent)
+
+
+def _part_by_part(
+    case: FollowedCase, paths: tuple[SettlementPath, ...], executor: Workers | None
+) -> tuple[SettlementPath, ...]:
+    """The paths; where many do not rest, those of parts that neither touch nor may meet, if all do.
+
+    Few blocks that rest far are followed again on stiffer springs, which many are not: what
+    stands beside them must not change their end. A part that falls may end on another one.
+    """
+    found: list[tuple[Ints, tuple[SettlementPath, ...]]] = []
+    for blocks in _parts(case) if {path.outcome for path in paths} != {Outcome.RESTS} else ():
+        one = case.model.subset(blocks.tolist())
+        left_at = case.left_at if len(one.assembly.free) > FEW else np.inf
+        alone = _carried(one, None, case.chosen, case.clock, executor, None, left_at)
+        if not alone.rests or any(path.met for path in alone.paths):
+            return paths
+        found.append((blocks, alone.paths))
+    return _joined(case.model, found) if found else paths
+
+
+def _parts(case: FollowedCase) -> list[Ints]:
+    """Of many blocks those that touch or may meet, with all supports; none if all of them do."""
+    if case.motion is not None or not case.many:
+        return []
+    fixed = case.model.assembly.fixed
+    joints = followed_model(case.model, case.apart)[0].contacts
+    free = ~(fixed[joints.block_a] | fixed[joints.block_b])
+    part = linked(joints.block_a[free], joints.block_b[free], len(fixed))
+    numbers = np.unique(part[~fixed])
+    some = numbers if len(numbers) > 1 else ()
+    return [np.flatnonzero(fixed | (part == number)) for number in some]
+
+
+def _joined(
+    model: Model, parts: Sequence[tuple[Ints, tuple[SettlementPath, ...]]]
+) -> tuple[SettlementPath, ...]:
+    """The paths of a model of which all parts rest; some parts have one for both carriers."""
+    most = max(len(paths) for _, paths in parts)
+    return tuple(
+        _one_path(model, [(blocks, paths[min(k, len(paths) - 1)]) for blocks, paths in parts])
+        for k in range(most)
+    )
+
+
+def _one_path(model: Model, parts: Sequence[tuple[Ints, SettlementPath]]) -> SettlementPath:
+    """One path of parts of a model that all rest; those that rest early stay there."""
+    contacts, count = model.contacts, len(model.assembly)
+    frames = max(len(path.positions) for _, path in parts)
+    positions, travel = np.zeros((frames, count, 6)), np.zeros(count)
+    force, gap = np.zeros((contacts.corner_count, 3)), np.zeros(contacts.corner_count)
+    point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
+    for blocks, path in parts:
+        own = np.isin(contacts.block_a, blocks) & np.isin(contacts.block_b, blocks) & model.active
+        corners, at = own[contacts.interface], path.model.active[path.model.contacts.interface]
+        last = np.minimum(np.arange(frames), len(path.positions) - 1)
+        positions[:, blocks], travel[blocks] = path.positions[last], path.travel
+        force[corners], gap[corners] = path.force[at], path.gap[at]
+        point[corners], axes[corners] = path.point[at], path.axes[at]
+    longest = max((path for _, path in parts), key=lambda one: one.steps)
+    whole = replace(
+        longest, carrier=parts[0][1].carrier, model=model, positions=positions, travel=travel,
+        force=force, point=point, axes=axes, gap=gap,
+        share=max(path.share for _, path in parts),
+        iterations=sum(path.iterations for _, path in parts),
+        overlap=min(path.overlap for _, path in parts),
+        beyond=max(path.beyond for _, path in parts),
+    )  # fmt: skip
+    return replace(whole, residuals=rest_residuals(whole.moved_model(), force, gap))
 
 
 def _on_faces(path: SettlementPath) -> bool:

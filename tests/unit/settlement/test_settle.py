@@ -105,6 +105,27 @@ def test_many_plugs_that_taper_wedge_themselves() -> None:
     assert normal == pytest.approx(row.mass[2] * 9.81 / np.sin(np.deg2rad(0.05)), rel=1e-2)
 
 
+def test_a_plug_rests_beside_blocks_that_it_does_not_touch_as_it_does_alone() -> None:
+    # statics: N = W / (2 (sin a + mu cos a)); the springs of a plug alone are made stiffer
+    lean, y = float(np.tan(np.deg2rad(0.01))), (-0.5, 0.5)
+    wall = [(0.5, 0.0), (1.5, 0.0), (1.5 + lean, 1.0), (0.5 + lean, 1.0)]
+    sides = prism([(-x, z) for x, z in wall], y, "left"), prism(wall, y, "right")
+    plug = prism([(-0.5, 0.0), (0.5, 0.0), (0.5 + lean, 1.0), (-0.5 - lean, 1.0)], y, "plug")
+    slab = box((9.0, 1.0, 0.5), (4.0, -0.5, -0.5), name="slab")
+    away = [
+        box((1.0, 1.0, 0.5), (5.0 + 2.0 * (i % 4), -0.5, 0.5 * (i // 4)), name=f"box-{i}")
+        for i in range(24)
+    ]
+    fixed = np.arange(28) < 3
+    model = Model.of(Assembly((*sides, slab, plug, *away), fixed), friction=0.1)
+    alone = settle(model.subset([0, 1, 3]), options=MOVING)
+    beside = settle_for_verdict(model, options=MOVING)
+    assert alone.outcome is beside.outcome is Outcome.RESTS
+    assert beside.path.displacement[3] == pytest.approx(alone.displacement[2])
+    assert beside.path.residuals is not None
+    assert beside.path.residuals.largest < 1e-9
+
+
 @pytest.mark.parametrize(("angle", "outcome"), [(8.0, Outcome.RESTS), (8.4, Outcome.FALLS)])
 def test_for_the_verdict_many_blocks_are_followed_until_one_leaves(
     angle: float, outcome: Outcome
