@@ -132,6 +132,7 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
             "number of draws is 'x'",
         ),
         (lambda: drystone.settle(MODEL, (0, 0, -0.1)), "give translations by name of the block"),
+        (lambda: drystone.settle(MODEL, {0: (0, 0, 1e308)}), r"'block-0': it is moved by 1e\+308"),
         (lambda: drystone.write(MODEL, 42), "the path is 42"),
         (lambda: drystone.read("tower.obj", up=["z"]), "cannot point up"),
     ],

@@ -142,8 +142,8 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
     if motion is not None:
         remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
         of_type(motion, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
-        for block, one in motion.items():
-            case = case + LoadCase.settlement(assembly, block, one)
+        moved = (LoadCase.settlement(assembly, block, one) for block, one in motion.items())
+        case = model.with_load(sum(moved, case)).load  # refused where it cannot be calculated with
     if case.motion is None:
         return None
     for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
