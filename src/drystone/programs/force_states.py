@@ -27,15 +27,10 @@ from drystone.io.registry import read_file
 from drystone.joints import by_joint
 from drystone.model import Model
 from drystone.programs.cra import solve_cra
-from drystone.programs.penalty import HELD, PenaltyOptions, solve_cra_penalty
+from drystone.programs.penalty import HELD, PULLS, PenaltyOptions, solve_cra_penalty
 from drystone.programs.rbe import RBEOptions, solve_rbe
 from drystone.programs.virtual_words import virtual_contacts
 from drystone.results import Result
-
-_PULLS = 1e-5
-"""Share of the largest force from which on a pull, or what is not balanced, is some. Below is the
-rounding of interior points: 7e-7 where tension costs a million times as much."""
-
 
 _ALONE = "Compression alone balances the loads"
 
@@ -83,7 +78,7 @@ class Forces(Answer):
     def _small(self, force: Floats) -> float:
         """What counts as no force [N]: by the largest one, or the largest load of a free block."""
         load = self.model.load.wrench[~self.assembly.fixed, :3]
-        return _PULLS * max(float(np.abs(one).max(initial=0.0)) for one in (force, load))
+        return PULLS * max(float(np.abs(one).max(initial=0.0)) for one in (force, load))
 
     @cached_property
     def unheld(self) -> tuple[str, ...]:
@@ -112,12 +107,12 @@ class Forces(Answer):
         """Joints whose friction exceeds the threshold."""
         if self.threshold is None:
             return np.zeros(0, dtype=np.intp)
-        return np.flatnonzero(self.friction > self.threshold * (1.0 + _PULLS))
+        return np.flatnonzero(self.friction > self.threshold * (1.0 + PULLS))
 
     @property
     def _balanced(self) -> bool:
         residuals = self.result.residuals
-        return residuals is None or residuals.equilibrium <= _PULLS
+        return residuals is None or residuals.equilibrium <= PULLS
 
     @property
     def title(self) -> str:

@@ -37,6 +37,10 @@ the load."""
 HELD = 0.01
 """Glue holds a block when the ground carries less than this share of its load."""
 
+PULLS = 1e-5
+"""Share of the largest force from which on a pull, or what is not balanced, is some. Below is the
+rounding of interior points: 7e-7 where tension costs a million times as much."""
+
 
 @dataclass(frozen=True)
 class PenaltyOptions(Options):
@@ -164,8 +168,11 @@ def solve_cra_penalty(
         displacement,
         prop=-problem.wrench(glued.ground),
     )
+    names = assembly.names
     return told(
-        _words([assembly.names[i] for i in order], {assembly.names[i] for i in unheld}),
+        _words(
+            [names[i] for i in order], {names[i] for i in unheld}, residuals.equilibrium <= PULLS
+        ),
         force=force,
         tension=tension,
         displacement=displacement,
@@ -207,11 +214,13 @@ def _glue(statics: Statics, stiffness: float) -> Compliance:
     return law.uniform(statics, slip=1.0, glue=stiffness)
 
 
-def _words(needy: list[str], unheld: set[str]) -> str:
+def _words(needy: list[str], unheld: set[str], balanced: bool) -> str:
     if not needy:
         return "no block shows that it needs help"
     shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
     stuck = [name for name in needy if name in unheld]
+    if not balanced:
+        return f"help is needed at {shown}; no tension was found that balances the loads: prop them"
     if not stuck:
         return f"help is needed at {shown}; glue would do"
     props = ", ".join(stuck[:5]) + (f" and {len(stuck) - 5} more" if len(stuck) > 5 else "")

@@ -222,3 +222,12 @@ def test_forces_of_a_solved_compas_file_are_shown(
     assert "has no forces" in capsys.readouterr().err
     with pytest.raises(InputError, match="has no forces"):
         find_forces(tower(3), form="file")
+
+
+@pytest.mark.parametrize(("virtual", "told"), [("out", "prop them"), ("kern", "glue would do")])
+def test_the_penalty_form_praises_glue_only_where_its_forces_balance(
+    virtual: str, told: str
+) -> None:
+    found = find_forces(arch(0.15, 7), friction=0.7, form="penalty", virtual=[virtual])
+    assert found.title.startswith("Tension" if virtual == "kern" else "These forces do not")
+    assert found.result.message.endswith(told)
