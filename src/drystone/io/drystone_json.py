@@ -20,6 +20,7 @@ from drystone.io.jsontext import Field
 from drystone.io.load_parts import load_of_parts
 from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
+from drystone.loads.placing import SurfaceLoad
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
@@ -28,7 +29,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench", "motion", "parts")
+LOAD = ("name", "wrench", "motion", "acceleration", "surface", "parts")
 ARRAYS = {
     "force": 3,
     "force_with_props": 3,
@@ -173,13 +174,25 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
     name = field.get("name", "load").text()
     if field.has("parts"):
-        for key in ("wrench", "motion"):
+        for key in ("wrench", "motion", "acceleration", "surface"):
             if field.has(key):
                 raise field.error(f"has both a {key} and parts", "leave one out")
         return load_of_parts(field["parts"], assembly, name)
     n = len(assembly)
     motion = field["motion"].floats(n, 6) if field.has("motion") else None
-    return LoadCase(field["wrench"].floats(n, 6), name, motion=motion)
+    acceleration = field["acceleration"].floats(3) if field.has("acceleration") else np.zeros(3)
+    surface = _surface(field["surface"], n) if field.has("surface") else None
+    wrench = field["wrench"].floats(n, 6)
+    return LoadCase(wrench, name, motion=motion, acceleration=acceleration, surface=surface)
+
+
+def _surface(field: Field, n: int) -> SurfaceLoad:
+    field.only(("block", "point", "traction", "wrench"))
+    block = field["block"].integers(None)
+    if len(block) and not 0 <= block.min() <= block.max() < n:
+        raise field["block"].error(f"is not below {n}", "give positions of blocks")
+    lines = [field[key].floats(len(block), 2, 3) for key in ("point", "traction")]
+    return SurfaceLoad(block, *lines, field["wrench"].floats(n, 6))
 
 
 def _result(

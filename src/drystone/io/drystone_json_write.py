@@ -90,9 +90,13 @@ def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[st
 
 
 def _load_content(load: LoadCase) -> dict[str, Any]:
-    content = {"name": load.name, "wrench": load.wrench.tolist()}
+    content: dict[str, Any] = {"name": load.name, "wrench": load.wrench.tolist()}
     if load.motion is not None:
         content["motion"] = load.motion.tolist()
+    if load.acceleration.any():
+        content["acceleration"] = load.acceleration.tolist()
+    if load.surface is not None:
+        content["surface"] = {key: values.tolist() for key, values in vars(load.surface).items()}
     return content
 
 

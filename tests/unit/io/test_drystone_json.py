@@ -319,3 +319,19 @@ def test_a_number_of_thousands_of_digits_is_told_in_plain_words(tmp_path: Path) 
     path.write_text('{"blocks": [' + "9" * 5000 + "]}", encoding="utf-8")
     with pytest.raises(FormatError, match="a whole number has thousands of digits"):
         io.read_file(path)
+
+
+def test_a_load_keeps_its_acceleration_and_its_fields_on_faces(tmp_path: Path) -> None:
+    assembly = tower(2)
+    load = LoadCase.gravity(assembly) + LoadCase.surface_load(assembly, 1, (0, 0, -2e3))
+    path = tmp_path / "tower.json"
+    io.write(Model.of(assembly, load=load), path)
+    again = io.read(path).load
+    assert again.acceleration.tolist() == load.acceleration.tolist()
+    for key, values in vars(load.surface).items():
+        np.testing.assert_array_equal(getattr(again.surface, key), values)
+    data = json.loads(path.read_text())
+    data["loads"][0]["surface"]["block"][0] = 7
+    path.write_text(json.dumps(data))
+    with pytest.raises(FormatError, match="is not below"):
+        io.read(path)
