@@ -191,8 +191,8 @@ def _surface(field: Field, n: int) -> SurfaceLoad:
     block = field["block"].integers(None)
     if len(block) and not 0 <= block.min() <= block.max() < n:
         raise field["block"].error(f"is not below {n}", "give positions of blocks")
-    lines = [field[key].floats(len(block), 2, 3) for key in ("point", "traction")]
-    return SurfaceLoad(block, *lines, field["wrench"].floats(n, 6))
+    point, traction = (field[key].floats(len(block), 2, 3) for key in ("point", "traction"))
+    return SurfaceLoad(block, point, traction, field["wrench"].floats(n, 6))
 
 
 def _result(
