@@ -24,6 +24,7 @@ SECTIONS: dict[str, Callable[[], Case]] = {
     "4.5": method_cases.assembly_graph,
     "5.1.1": equilibrium_cases.pinched_blocks,
     "5.1.2": equilibrium_cases.wedged_block,
+    "5.3": equilibrium_cases.penalty_form,
     "6.1.1": equilibrium_cases.stack,
     "6.1.2": equilibrium_cases.buttressed_arch,
     "6.1.3": equilibrium_cases.dome,

@@ -67,6 +67,32 @@ def wedged_block() -> Case:
     return Case("5.1.2", "Insight problems: model V", tuple(lines), pictures)
 
 
+def penalty_form() -> Case:
+    """Equations 5.7 and 5.8: forces with tension where no motion fits compression alone."""
+    model = Model.of(models.overhang([0.6]), friction=0.8)
+    usual, cheap = (find_forces(model, form="penalty", gamma=gamma) for gamma in (1e6, 10.0))
+    result = usual.result
+    force, tension = result.force, result.tension
+    assert force is not None
+    assert tension is not None
+    pulls, small = tension > 0.0, _PRESSES * np.abs(force).max()
+    both = int((pulls & (force[:, 0] > small)).sum())
+    rubs = int((pulls & (np.linalg.norm(force[:, 1:], axis=1) > small)).sum())
+    share = usual.pull.sum() / cheap.pull.sum()
+    slides = find_forces(models.two_blocks_on_incline(40.0), friction=0.3, form="penalty")
+    lines = (
+        Line.same("block pushed out by 0.6 of its length", "tension", _with_tension(usual)),
+        Line.same("corners that press and pull at once (5.7)", "0", str(both)),
+        Line.same("corners that pull and rub", "0", str(rubs)),
+        Line("pull at gamma 1e6 by that at gamma 10 (5.8)", "no more", f"{share:.3f}",
+             bool(share <= 1.0)),
+        Line("block that slides down a slope", "", slides.title, None,
+             "eq. 5.8 lets a corner press as hard as another one pulls, so friction holds it; "
+             "ours does not"),
+    )  # fmt: skip
+    return Case("5.3", "Penalty formulation", lines, {"overhang": usual, "slope": slides})
+
+
 def stack() -> Case:
     """Figures 6.1 to 6.3: two blocks, their joint level, overhanging and inclined."""
     level = Model.of(models.two_blocks_on_incline(0.0), friction=0.8)
