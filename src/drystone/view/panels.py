@@ -84,7 +84,7 @@ def _axes(chart: Chart) -> Iterator[str]:
     for at, text in chart.lines:
         x = float(_place(chart, np.array([at]), np.zeros(1))[0][0])
         yield f'<path d="M{x:.1f} {TOP:g}V{base:g}" stroke="var(--ink)" stroke-dasharray="3 3"/>'
-        yield _text(x, TOP - 7.0, text)
+        yield _text(x, TOP - 7.0, text, "end" if x > 0.8 * WIDTH else "middle")
     for value in dict.fromkeys((low, high)):
         y = float(_place(chart, np.zeros(1) + chart.span[0], np.array([value]))[1][0])
         yield _text(LEFT - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
