@@ -294,14 +294,14 @@ def beside_heavy_ones() -> Assembly:
     return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
 
 
-def test_light_blocks_that_fall_on_softer_joints_only_are_not_said_to_fall() -> None:
+def test_light_blocks_that_fall_on_much_softer_joints_only_are_decided() -> None:
     """Softer joints of light blocks are there to tell rest from rounding; they prove no fall."""
     model, axis = beside_heavy_ones(), (3.0**0.5, 1.0, 0.0)
     assert check(tilted(model, axis, 15.0, 0.6)).stable
-    for tilt in (21.5, 22.0, 24.0):
+    for tilt in (21.0, 21.5, 22.5):
         found = check(tilted(model, axis, tilt, 0.6))
-        assert not found.falls, tilt
-        assert "left with" not in found.message or Sensitivity.WEIGHTS in found.sensitive_to
+        assert found.stable, tilt
+        assert Sensitivity.WEIGHTS in found.sensitive_to
     assert check(tilted(model, axis, 28.0, 0.6)).falls
 
 
