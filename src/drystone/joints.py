@@ -30,6 +30,9 @@ From this share of the friction on, friction counts as fully used. Chosen."""
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
 
+WITHIN = 1.0 - TWISTED
+"""The same of a force on the rim, which acts just within it."""
+
 _ON_EDGE = 1e-6
 """A force acts on the rim, within this share of the distance from the centroid: above rounding."""
 _LOOKED_AT = 20
@@ -229,7 +232,7 @@ class PressedFaces:
         centre = np.einsum("mij,mj->mi", contacts.frame[which, 1:], away)
         one = (sections(corners[row], part.start), corners[row], part.start)
         middle, far = one[0].centroid, edge_ratio(*one, centre)
-        within = middle + (centre - middle) * (HINGED / np.maximum(far, HINGED))[:, None]
+        within = middle + (centre - middle) * (WITHIN / np.maximum(far, WITHIN))[:, None]
         plane = linear_pressure(*one, within)
         points = cut_face_points(*one[1:], plane, exact)
         return cls(which, points, pressed_points(points, plane, within), centre)

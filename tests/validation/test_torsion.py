@@ -227,6 +227,24 @@ def test_a_concave_face_is_pressed_in_part() -> None:
     assert used == pytest.approx(1.0, abs=0.02)
 
 
+def test_points_of_thin_parts_press_by_their_areas() -> None:
+    """The end of a leg of an L is pressed; another program finds its limit with 20,000 points."""
+    legs = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.0521), (0.1076, 0.0521), (0.1076, 0.6211), (0, 0.6211)]
+    model = standing([ground(WIDE)], [plate(legs)]).with_friction(0.4)
+    x, y, z = model.assembly.centroid[-1]
+    at = np.array([0.01853, 0.0, 0.61187])
+    down, limit = 24539.0, 1.0118
+    force = limit * np.array([818.0, 0.0, -900.932])
+    wrench = np.array([*force, *np.cross(at - [x, y, z], force)])
+    wrench[4] -= limit * 135.02
+    pressed = np.array([0.0, -down, 0.0])
+    held = loaded(model, [0.0, weight(model) - down, 0.0, *np.cross(at - [x, y, z], pressed)])
+    for share, sensitive in ((0.94, False), (1.1, True)):
+        found = asked(loaded(held, share * wrench))
+        assert found.utilisation.max() == pytest.approx(share, abs=0.02)
+        assert found.sensitive == sensitive
+
+
 def test_a_stack_that_is_twisted_in_the_middle() -> None:
     model = Model.of(tower(4), friction=FRICTION)
     block = float(-model.load.wrench[-1, 2])

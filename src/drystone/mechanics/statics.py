@@ -201,14 +201,17 @@ class Statics:
     def normal_stiffness(self) -> Floats:
         """(k,) tributary area, at least 5 % of its interface's mean and a small share of the block.
 
-        Slivers would make the system ill-conditioned; lines and points have no area.
+        Slivers would make the system ill-conditioned; lines and points have no area. Points that
+        are spread over a face have their own: else small ones press as much as large ones.
         """
         area = self.tributary
         if not len(area):
             return area
         count = np.bincount(self.interface)
         mean = np.bincount(self.interface, area) / np.maximum(count, 1)
-        stiff = np.maximum(np.maximum(area, 0.05 * mean[self.interface]), _SPECK * self.block_area)
+        least = np.maximum(0.05 * mean[self.interface], _SPECK * self.block_area)
+        spread = (count[self.interface] == 1) & (area > 0.0)
+        stiff = np.where(spread, area, np.maximum(area, least))
         return stiff if self.felt is None else stiff * np.clip(self.felt / _LIGHT, _SOFTEST, 1.0)
 
     def with_felt(self, force: Floats) -> Statics | None:
