@@ -248,7 +248,7 @@ def _parts(case: FollowedCase) -> list[Ints]:
 def _joined(
     model: Model, parts: Sequence[tuple[Ints, tuple[SettlementPath, ...]]]
 ) -> tuple[SettlementPath, ...]:
-    """The paths of a model of which all parts rest; some parts have one for both carriers."""
+    """The paths of a model whose parts all rest; some parts have one for both carriers."""
     most = max(len(paths) for _, paths in parts)
     return tuple(
         _one_path(model, [(blocks, paths[min(k, len(paths) - 1)]) for blocks, paths in parts])
