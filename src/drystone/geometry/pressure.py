@@ -53,6 +53,7 @@ def peak_pressure(
     --------
     A force at a sixth of the height from the edge compresses half of the height:
 
+    >>> from drystone.geometry.kern import sections
     >>> wall = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
     >>> one = (sections(wall, np.array([0, 4])), wall, np.array([0, 4]))
     >>> peak_pressure(*one, np.array([6.0]), np.array([[0.5, 0.5]])).round(6).tolist()
