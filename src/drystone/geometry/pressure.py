@@ -117,8 +117,7 @@ def _opened(made: Sections, corners: Floats, start: Ints, position: Floats) -> F
     owner = loops.owner
     size = np.sqrt(made.area)
     local = (corners - position[owner]) / size[owner, None]  # unit area, the force at the origin
-    away = (position - made.centroid) / size[:, None]
-    slope = size[:, None] ** 2 * np.einsum("mij,mj->mi", made.inverse, away)
+    slope = size[:, None] * np.einsum("mij,mj->mi", made.inverse, position - made.centroid)
     # as in a strip, which is pressed to three times the distance of the force from its rim
     ahead = np.maximum(loops.max(dot(local, slope[owner])), EDGE)
     plane = np.column_stack([np.ones(len(slope)), slope / (2.0 * ahead[:, None])])

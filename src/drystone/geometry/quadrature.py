@@ -29,11 +29,12 @@ ACCURATE = 0.02
 FINENESS = (0.7, 1.25, 1.5, 2.0, 3.0, 4.0, 6.0)
 """Cells between the centroid and the farthest corner, from few to many. Chosen: 3 are enough for a
 strip of a hundredth of its length. A single ring is enough for a sixth of random polygons, and to
-look at it takes as long as all that comes after."""
+look whether it is takes as long as all that comes after."""
 
 COARSE, EVEN, PRESSED = 0, 1, 3
-"""What of these is tried first: the first one is taken as it is. On a part that is pressed linearly
-too few are not seen: of 700 faces the friction against a turn would be up to 9 % too large."""
+"""What of these is tried first. The first one is taken as it is: of 700 faces the friction against
+a turn is right within 15 %. On a part that is pressed linearly too few are not seen: begun with the
+second, it would be up to 9 % too large."""
 
 
 class FacePoints(NamedTuple):

@@ -84,7 +84,7 @@ def _of_corners(values: Floats, block: Ints) -> Floats:
 
     With the corner as the last index sums over k take a fifth of the time of products of matrices.
     """
-    return values.transpose(*range(1, values.ndim), 0).take(block, axis=-1)
+    return np.moveaxis(values, 0, -1).take(block, axis=-1)
 
 
 def _product(matrix: Floats, vector: Floats) -> Floats:

@@ -24,7 +24,7 @@ MUCH, TWISTED = 0.8, 0.01
 """Use of a face, and the part of it that is torsion, from which on its corners may be needed.
 Measured on 148 models that stand and have joints that turn: spread points do not hold two lunes,
 used to 1.00. From a use of 1 on, or a part of 0.03, they would be missed, both or one; from nothing
-on twice as many are tried, and no more is found."""
+on twice as many are tried, and no more is found. Few points find a use of 1 to be 0.85 or more."""
 
 
 def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
