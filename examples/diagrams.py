@@ -35,6 +35,7 @@ FLOORS = {
         "statics",
         "checks",
         "joints",
+        "friction_use",
         "virtual",
         "free_faces",
         "ties",

@@ -15,23 +15,15 @@ from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.geometry.kern import edge_ratio, kern_ratio, sections
-from drystone.geometry.pressure import linear_pressure, peak_pressure
-from drystone.geometry.quadrature import FacePoints, cut_face_points
-from drystone.geometry.slipping import pressed_points, slip_use
-from drystone.virtual import joint_sections, local_corners
+from drystone.geometry.kern import edge_ratio, kern_ratio
+from drystone.geometry.pressure import peak_pressure
+from drystone.virtual import joint_sections
 
 LOADED = 1e-9
 """A joint with less normal force than this share of the largest has no ratios."""
 HINGED = 0.99
 """From this share of the distance between centroid and rim on, a force counts as acting on the rim.
 From this share of the friction on, friction counts as fully used. Chosen."""
-
-TWISTED = 1e-3
-"""A smaller torque, by the friction of a face times the root of its area, is not counted."""
-
-WITHIN = 1.0 - TWISTED
-"""The same of a force on the rim, which acts just within it."""
 
 _ON_EDGE = 1e-6
 """A force acts on the rim, within this share of the distance from the centroid: above rounding."""
@@ -161,101 +153,6 @@ def by_joint(
         getattr(made, name)[alone] = getattr(resultants, name)[first]
         frozen(getattr(made, name))
     return made, frozen(used)
-
-
-def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
-    normal, tangential = resultants.normal, resultants.tangential
-    capacity = bearable(contacts, normal)
-    least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    loaded = (normal > least) | ~contacts.dry
-    return frozen(
-        np.where(
-            loaded & (capacity > 0.0),
-            tangential / np.where(capacity > 0.0, capacity, 1.0),
-            np.where(loaded & (tangential > least), np.inf, 0.0),
-        )
-    )
-
-
-def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
-
-    A dry face bears the torque that friction resists under a linear pressure that does not pull.
-    Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
-    """
-    used = sliding_use(contacts, resultants).copy()
-    which = np.flatnonzero(twisted(contacts, resultants))
-    if len(which):
-        faces = PressedFaces.of(contacts, resultants, which)
-        used[which] = np.maximum(used[which], faces.use(contacts, resultants))
-    return frozen(used)
-
-
-def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
-    """The dry faces (m,) that are pressed and whose torque counts."""
-    normal = resultants.normal
-    bound = np.maximum(bearable(contacts, normal), 0.0)
-    turned: Bools = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
-    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
-    return turned
-
-
-@dataclass(frozen=True, eq=False)
-class PressedFaces:
-    """Points of t faces, of what a linear pressure presses and of the rest, along u and v.
-
-    Attributes
-    ----------
-    which : (t,)
-    points
-    share : (p,)
-        Of the normal force.
-    centre : (t, 2) [m]
-        Of pressure, from the mean corner.
-    """
-
-    which: Ints
-    points: FacePoints
-    share: Floats
-    centre: Floats
-
-    @classmethod
-    def of(
-        cls, contacts: Contacts, resultants: Resultants, which: Ints, exact: Bools | bool = True
-    ) -> PressedFaces:
-        """Some faces (t,) under their forces; those that act on a rim act just within it."""
-        part, row = contacts.corners.take(which)
-        origin, corners = local_corners(contacts)
-        away = resultants.position[which] - origin[which]
-        centre = np.einsum("mij,mj->mi", contacts.frame[which, 1:], away)
-        one = (sections(corners[row], part.start), corners[row], part.start)
-        middle, far = one[0].centroid, edge_ratio(*one, centre)
-        within = middle + (centre - middle) * (WITHIN / np.maximum(far, WITHIN))[:, None]
-        plane = linear_pressure(*one, within)
-        points = cut_face_points(*one[1:], plane, exact)
-        return cls(which, points, pressed_points(points, plane, within), centre)
-
-    def rows(self, wanted: Bools) -> tuple[Ints, Floats, Floats]:
-        """Faces (p,), places (p, 2) [m] and areas (p,) [m2] of the points of some of them (t,)."""
-        loops, row = self.points.loops.take(wanted)
-        return self.which[wanted][loops.owner], self.points.place[row], self.points.area[row]
-
-    def use(
-        self, contacts: Contacts, resultants: Resultants, enough: Floats | float = np.inf
-    ) -> Floats:
-        """Force and torque (t,) by the largest that the faces resist, as :func:`slip_use` does."""
-        which, owner = self.which, self.points.loops.owner
-        bound = (contacts.friction * resultants.normal)[which]
-        return slip_use(
-            self.points.loops,
-            self.points.place - self.centre[owner],
-            bound[owner] * self.share,
-            np.einsum("mij,mj->mi", contacts.frame[which, 1:], resultants.force[which]),
-            resultants.torque[which],
-            enough,
-        )
 
 
 def forces_around(contacts: Contacts, force: Floats) -> Floats:
@@ -544,7 +441,6 @@ __all__ = [
     "joint_table",
     "resultants_of",
     "thrust_line",
-    "utilisation_of",
     "world_forces",
     "worst_joints",
 ]

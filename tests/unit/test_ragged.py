@@ -29,6 +29,9 @@ def test_sums_means_and_extremes_are_those_of_a_loop(counts: list[int], seed: in
         np.testing.assert_array_equal(rows.any(values > 0.0)[i], (part > 0.0).any(axis=0))
         np.testing.assert_array_equal(rows.all(values > 0.0)[i], (part > 0.0).all(axis=0))
         np.testing.assert_array_equal(rows.sum(values > 0.0)[i], (part > 0.0).sum(axis=0))
+    full, row = rows.take(rows.counts > 0)
+    largest = [part[:, 0].max() for part in parts if len(part)]
+    np.testing.assert_array_equal(values[row, 0][full.argmax(values[row, 0])], largest)
 
 
 @given(COUNTS)

@@ -150,6 +150,11 @@ class Ragged(OneLine):
         """Largest of the values (l, ...) of each owner; ``empty`` where it has no row."""
         return self._reduced(np.maximum, values, empty)
 
+    def argmax(self, values: NDArray[Any]) -> Ints:
+        """(n,) the first row with the largest of the values (l,) of each owner, who has one."""
+        rows = np.flatnonzero(values >= self.max(values)[self.owner])
+        return rows[np.searchsorted(self.owner[rows], np.arange(len(self)))]
+
     def any(self, values: Bools) -> Bools:
         """Whether a row of each owner is true; false where it has none."""
         return self._reduced(np.logical_or, values, False)

@@ -26,8 +26,9 @@ from drystone.design.words import (
     place,
     rounded_up,
 )
+from drystone.friction_use import utilisation_of
 from drystone.geometry.kern import edge_ratio
-from drystone.joints import LOADED, Resultants, resultants_of, utilisation_of
+from drystone.joints import LOADED, Resultants, resultants_of
 from drystone.model import Model
 from drystone.virtual import joint_sections
 

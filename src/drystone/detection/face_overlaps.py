@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, plane_cross
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.patches import Patches
 from drystone.detection.planes import Pieces, Planes, merged, tidy
@@ -108,7 +108,7 @@ def _is_convex(corner: Floats, start: Ints) -> Bools:
     loops = Ragged(start)
     edge = corner[loops.following] - corner
     after = edge[loops.following]
-    turn = edge[:, 0] * after[:, 1] - edge[:, 1] * after[:, 0]
+    turn = plane_cross(edge, after)
     return loops.all(turn >= 0.0)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, plane_cross
 from drystone.base.ragged import Ragged
 
 Padded = tuple[Floats, Ints]
@@ -116,7 +116,7 @@ def areas(corner: Floats, start: Ints) -> Floats:
     loops = Ragged(start)
     local = corner - corner[loops.spread(loops.first)]
     after = local[loops.following]
-    area: Floats = 0.5 * loops.sum(local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0])
+    area: Floats = 0.5 * loops.sum(plane_cross(local, after))
     return area
 
 
@@ -148,7 +148,7 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> _Flat:
         forth, back = corner[after] - corner, corner - corner[before]
         near = np.hypot(forth[:, 0], forth[:, 1]) <= tolerance[loop]
         chord = corner[after] - corner[before]
-        twice = np.abs(forth[:, 0] * back[:, 1] - forth[:, 1] * back[:, 0])
+        twice = np.abs(plane_cross(forth, back))
         spare = near | (twice <= tolerance[loop] * np.hypot(chord[:, 0], chord[:, 1]))
         if not spare.any():
             break

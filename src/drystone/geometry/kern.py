@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, plane_cross
 from drystone.base.ragged import Ragged
 
 
@@ -62,7 +62,7 @@ def sections(corners: Floats, start: Ints) -> Sections:
     mean, total = loops.mean(corners), loops.sum
     a = corners - loops.spread(mean)
     b = a[loops.following]
-    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    cross = plane_cross(a, b)
     both = a + b
     signed = total(0.5 * cross)
     flat = np.abs(signed) <= 1e-14 * total((a**2).sum(axis=1))

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, dot, lengths
+from drystone.base.arrays import Bools, Floats, Ints, dot, lengths, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.geometry.kern import sections
 from drystone.geometry.polygon import tributary_areas
@@ -80,11 +80,11 @@ def face_points(corners: Floats, start: Ints, first: Ints | int = EVEN) -> FaceP
         return FacePoints(loops, corners, np.zeros(0))
     made = sections(corners, start)
     area, middle = made.area, made.centroid
-    reach = loops.max(lengths(corners - middle[loops.owner]))
-    far = _first_at(loops, lengths(corners - middle[loops.owner]), reach)
+    away = lengths(corners - middle[loops.owner])
+    far = loops.argmax(away)
+    reach = away[far]
     side = 0.5 * (corners[far] + corners[loops.following[far]])
     poles = np.stack([middle, 0.5 * (middle + corners[far]), 0.5 * (middle + side)], axis=1)
-    exact = _torsion(corners, loops, poles)
     polar = area * np.trace(made.inertia, axis1=1, axis2=2)
     share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), start)
     share *= (area / loops.sum(share))[loops.owner]
@@ -103,11 +103,13 @@ def face_points(corners: Floats, start: Ints, first: Ints | int = EVEN) -> FaceP
         of_corners = mine.sum(share[row] * (offset**2).sum(axis=1))
         moved = np.clip((polar[open_] - of_cells) / (of_corners - of_cells), 0.0, 1.0)
         rim, inside = share[row] * moved[mine.owner], weight * (1.0 - moved)[cells.owner]
-        here, whole = poles[open_], exact[open_]
-        found = mine.sum(rim[:, None] * lengths(corners[row, None] - here[mine.owner]))
-        found += cells.sum(inside[:, None] * lengths(place[:, None] - here[cells.owner]))
-        done = np.all(np.abs(found - whole) <= ACCURATE * whole, axis=1)
-        done |= number in (COARSE, len(FINENESS) - 1)
+        done = np.full(len(open_), number in (COARSE, len(FINENESS) - 1))
+        if not done.all():
+            here = poles[open_]
+            whole = _torsion(corners[row], mine, here)
+            found = mine.sum(rim[:, None] * lengths(corners[row, None] - here[mine.owner]))
+            found += cells.sum(inside[:, None] * lengths(place[:, None] - here[cells.owner]))
+            done = np.all(np.abs(found - whole) <= ACCURATE * whole, axis=1)
         for part, points, weights in ((mine, corners[row], rim), (cells, place, inside)):
             taken = done[part.owner]
             parts.append((open_[part.owner[taken]], points[taken], weights[taken]))
@@ -175,24 +177,13 @@ def _clipped(loops: Ragged, corner: Floats, height: Floats) -> tuple[Ragged, Flo
     return Ragged.from_owners(owner, len(loops)), np.stack([corner, met], axis=1)[kept]
 
 
-def _first_at(loops: Ragged, values: Floats, wanted: Floats) -> Ints:
-    """(m,) the first row of each polygon with the wanted value."""
-    rows = np.flatnonzero(values >= wanted[loops.owner])
-    return rows[np.searchsorted(loops.owner[rows], np.arange(len(loops)))]
-
-
-def _turned(a: Floats, b: Floats) -> Floats:
-    """(...,) cross products of plane vectors."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
 def _torsion(corners: Floats, loops: Ragged, poles: Floats) -> Floats:
     """(m, r) integrals of the distance to poles (m, r, 2), by edges: ``h^3 / 3 integral sec^3``."""
     local = corners[:, None] - poles[loops.owner]
     after = local[loops.following]
     edge = after - local
     long = np.maximum(lengths(edge), 1e-300)
-    height = _turned(local, edge) / long
+    height = plane_cross(local, edge) / long
     safe = np.where(height == 0.0, 1.0, np.abs(height))
 
     def primitive(along: Floats) -> Floats:
@@ -223,7 +214,7 @@ class _Pieces(NamedTuple):
 def _star_shaped(corners: Floats, loops: Ragged) -> _Pieces:
     """Convex polygons as they are, others as triangles."""
     local = corners[loops.following] - corners
-    turn = _turned(local, local[loops.following])
+    turn = plane_cross(local, local[loops.following])
     convex = loops.min(turn) >= 0.0
     whole, row = loops.take(convex)
     if convex.all():
@@ -267,5 +258,5 @@ def _cells(pieces: _Pieces, polygons: Ints, size: Floats) -> tuple[Ragged, Float
     ring = 2.0 / 3.0 * (end**3 - begin**3) / grown
     arc = (number % arcs[part] + 0.5) / arcs[part]
     place = middle[part] + ring[:, None] * (out[part] + arc[:, None] * along[part])
-    area = 0.5 * _turned(out, along)[part] * grown / arcs[part]
+    area = 0.5 * plane_cross(out, along)[part] * grown / arcs[part]
     return Ragged.from_owners(owner[part], len(polygons)), place, area

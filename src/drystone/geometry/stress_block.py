@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, dot
+from drystone.base.arrays import Floats, Ints, dot, plane_cross
 from drystone.base.ragged import Ragged
 
 _STEPS = 200
@@ -49,7 +49,7 @@ def cut_off(corners: Floats, start: Ints, plane: Floats) -> Floats:
     apex = corners[loops.first]
     apex[owner[crosses]] = crossing[crosses]
     one, other = one - apex[owner], other - apex[owner]
-    area = np.where(inside | crosses, one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], 0.0) / 2.0
+    area = np.where(inside | crosses, plane_cross(one, other), 0.0) / 2.0
     whole = loops.sum(area)
     moment = loops.sum(area[:, None] * (one + other)) / 3.0 + whole[:, None] * apex
     return np.column_stack([whole, moment])

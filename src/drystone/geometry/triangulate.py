@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints, cross, unit
+from drystone.base.arrays import Bools, Floats, Ints, cross, plane_cross, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
@@ -79,15 +79,15 @@ def _convex(flat: Floats, start: Ints) -> Bools:
     loops = Ragged(start)
     after = loops.following
     edge = flat[after] - flat
-    turn = _cross(edge, edge[after])
-    area = 0.5 * loops.sum(_cross(flat, flat[after]))
+    turn = plane_cross(edge, edge[after])
+    area = 0.5 * loops.sum(plane_cross(flat, flat[after]))
     return ~loops.any(turn < -_FLAT_TURN * loops.spread(np.abs(area)))
 
 
 def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
     """Whether a polygon with more than three corners has a triangle of almost no area."""
     a, b, c = (flat[triangle[:, i]] for i in range(3))
-    double = _cross(b - a, c - a)
+    double = plane_cross(b - a, c - a)
     polygons = Ragged(first)
     return (polygons.min(double) < _THIN * polygons.sum(double)) & (polygons.counts > 1)
 
@@ -118,11 +118,6 @@ def _delaunay(flat: Floats, start: Ints, chosen: Ints) -> list[Ints]:
         rows = [[place[tuple(corner)] for corner in triangle] for triangle in triangles.tolist()]
         found[i] = np.array(rows, dtype=np.intp).reshape(-1, 3)
     return found
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    cross: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return cross
 
 
 def fan_warped(faces: Faces, tolerance: float) -> Faces:

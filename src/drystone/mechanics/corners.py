@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, plane_cross
 from drystone.contacts import Contacts
 from drystone.mechanics.face_edges import FaceSides, to_the_end
 
@@ -244,7 +244,7 @@ def _on_both(ends: Ends, carried: Floats) -> Bools:
     edge = ends.place[ends.after] - ends.place
     now = edge + carried[ends.after] - carried
     spot = ends.place + carried
-    twice = spot[:, 0] * now[:, 1] - spot[:, 1] * now[:, 0]
+    twice = plane_cross(spot, now)
     was = ends.place[:, 0] * edge[:, 1] - ends.place[:, 1] * edge[:, 0]
     count = int(ends.joint.max(initial=-1)) + 1
     area, before = (np.bincount(ends.joint, one, count) for one in (twice, was))

@@ -11,13 +11,8 @@ import numpy as np
 
 from drystone.base.arrays import dot, lengths
 from drystone.contacts import Contacts
-from drystone.joints import (
-    PressedFaces,
-    Resultants,
-    bearable,
-    sliding_use,
-    twisted,
-)
+from drystone.friction_use import PressedFaces, sliding_use, twisted
+from drystone.joints import Resultants, bearable
 from drystone.virtual import joint_sections
 
 MUCH, TWISTED = 0.8, 0.01
@@ -58,20 +53,24 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     which = np.flatnonzero(turns & (opened | (twist > TWISTED)))
     much, least = much[which], least[which]
     enough = np.where(much, np.maximum(MUCH, least), least)
-    few = PressedFaces.of(contacts, resultants, which, exact=False)
-    used = few.use(contacts, resultants, enough)
+    faces = PressedFaces.of(contacts, resultants, which)
+    few = faces.points(exact=False)
+    used = faces.use(few, contacts, resultants, enough)
     near = much & (used > enough)
     if not near.any():
         return None
-    many = PressedFaces.of(contacts, resultants, which[near])
-    used[near] = many.use(contacts, resultants, enough[near])
+    nearest = faces.take(near)
+    many = nearest.points(exact=True)
+    used[near] = nearest.use(many, contacts, resultants, enough[near])
     if not (used[near] > enough[near]).any():
         return None
     wanted = used > least
     kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))
     owner, place, area = (
         np.concatenate(both)
-        for both in zip(few.rows(wanted & ~near), many.rows(wanted[near]), strict=True)
+        for both in zip(
+            faces.rows(few, wanted & ~near), nearest.rows(many, wanted[near]), strict=True
+        )
     )
     point = origin[owner] + np.einsum("pi,pij->pj", place, contacts.frame[owner, 1:])
 

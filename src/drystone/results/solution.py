@@ -14,11 +14,11 @@ from drystone.answer import Verdict
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.checks import Residuals, normal_force_by_strength
+from drystone.friction_use import utilisation_of
 from drystone.joints import (
     Resultants,
     linear_strength_use,
     resultants_of,
-    utilisation_of,
     world_forces,
 )
 from drystone.loads import LoadCase
@@ -171,7 +171,7 @@ class Solution(OfModel, OneLine):
     def utilisation(self) -> Floats:
         """Share (m,) of the force and torque that each interface can bear along its face.
 
-        See :func:`drystone.joints.utilisation_of`: above 1 it needs forces at its corners.
+        See :func:`drystone.friction_use.utilisation_of`: above 1 it needs forces at its corners.
         """
         return utilisation_of(self.contacts, self.resultants)
 

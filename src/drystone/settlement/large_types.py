@@ -32,13 +32,13 @@ from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
+from drystone.friction_use import utilisation_of
 from drystone.joints import (
     HINGED,
     Resultants,
     hinged,
     joint_table,
     resultants_of,
-    utilisation_of,
 )
 from drystone.model import Model
 from drystone.settlement.settlement_types import SettlementOptions

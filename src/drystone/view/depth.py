@@ -18,7 +18,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, plane_cross
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import sharp_edges
@@ -282,9 +282,9 @@ def _depth_at(flat: Floats, depth: Floats, at: Floats) -> Floats:
     """Depth of the planes of triangles (p, 3, 2) with corner depths (p, 3) at points (p, 2)."""
     a, b = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
     p = at - flat[:, 0]
-    whole = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    whole = plane_cross(a, b)
     whole = np.where(whole == 0.0, 1.0, whole)
-    s = (p[:, 0] * b[:, 1] - p[:, 1] * b[:, 0]) / whole
-    t = (a[:, 0] * p[:, 1] - a[:, 1] * p[:, 0]) / whole
+    s = plane_cross(p, b) / whole
+    t = plane_cross(a, p) / whole
     value: Floats = depth[:, 0] + s * (depth[:, 1] - depth[:, 0]) + t * (depth[:, 2] - depth[:, 0])
     return value

@@ -1,0 +1,143 @@
+"""How much of their friction joints use: by a force along their faces, and by a torque.
+
+A dry face bears the torque that friction resists under a linear pressure that does not pull.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.ragged import Ragged
+from drystone.contacts import Contacts
+from drystone.geometry.kern import edge_ratio, sections
+from drystone.geometry.pressure import linear_pressure
+from drystone.geometry.quadrature import FacePoints, cut_face_points
+from drystone.geometry.slipping import pressed_points, slip_use
+from drystone.joints import LOADED, Resultants, bearable
+from drystone.virtual import local_corners
+
+TWISTED = 1e-3
+"""A smaller torque, by the friction of a face times the root of its area, is not counted."""
+
+WITHIN = 1.0 - TWISTED
+"""The same of a force on the rim, which acts just within it."""
+
+
+def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
+    normal, tangential = resultants.normal, resultants.tangential
+    capacity = bearable(contacts, normal)
+    least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    loaded = (normal > least) | ~contacts.dry
+    return frozen(
+        np.where(
+            loaded & (capacity > 0.0),
+            tangential / np.where(capacity > 0.0, capacity, 1.0),
+            np.where(loaded & (tangential > least), np.inf, 0.0),
+        )
+    )
+
+
+def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Force and torque in the plane by the largest that it can bear (m,); infinite for none.
+
+    A dry face bears the torque that friction resists under a linear pressure that does not pull.
+    Above 1 it needs forces at its corners, which resist more. Lines and points bear forces only.
+    """
+    used = sliding_use(contacts, resultants).copy()
+    which = np.flatnonzero(twisted(contacts, resultants))
+    if len(which):
+        faces = PressedFaces.of(contacts, resultants, which)
+        turned = faces.use(faces.points(exact=True), contacts, resultants)
+        used[which] = np.maximum(used[which], turned)
+    return frozen(used)
+
+
+def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
+    """The dry faces (m,) that are pressed and whose torque counts."""
+    normal = resultants.normal
+    bound = np.maximum(bearable(contacts, normal), 0.0)
+    turned: Bools = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
+    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
+    return turned
+
+
+@dataclass(frozen=True, eq=False)
+class PressedFaces:
+    """The linear pressure of t faces, along u and v.
+
+    Attributes
+    ----------
+    which : (t,)
+    loops : Ragged
+        Corners of each face.
+    corners : (l, 2) [m]
+        From the mean corner, as all places here.
+    plane : (t, 3)
+        As :func:`drystone.geometry.pressure.linear_pressure` gives it.
+    within : (t, 2) [m]
+        Where the forces act; just within the rim if they act on it.
+    """
+
+    which: Ints
+    loops: Ragged
+    corners: Floats
+    plane: Floats
+    within: Floats
+
+    @classmethod
+    def of(cls, contacts: Contacts, resultants: Resultants, which: Ints) -> PressedFaces:
+        """Some faces (t,) under their forces."""
+        loops, row = contacts.corners.take(which)
+        origin, corners = local_corners(contacts)
+        centre = _along_faces(contacts, resultants.position - origin, which)
+        one = (sections(corners[row], loops.start), corners[row], loops.start)
+        middle, far = one[0].centroid, edge_ratio(*one, centre)
+        within = middle + (centre - middle) * (WITHIN / np.maximum(far, WITHIN))[:, None]
+        return cls(which, loops, one[1], linear_pressure(*one, within), within)
+
+    def take(self, some: Bools) -> PressedFaces:
+        """Some of the faces (t,)."""
+        loops, row = self.loops.take(some)
+        return PressedFaces(
+            self.which[some], loops, self.corners[row], self.plane[some], self.within[some]
+        )
+
+    def points(self, exact: bool) -> FacePoints:
+        """Points of what is pressed and of the rest: as many as make the torsion right, or few."""
+        return cut_face_points(self.corners, self.loops.start, self.plane, exact)
+
+    def rows(self, points: FacePoints, wanted: Bools) -> tuple[Ints, Floats, Floats]:
+        """Faces (p,), places (p, 2) [m] and areas (p,) [m2] of the points of some of them (t,)."""
+        loops, row = points.loops.take(wanted)
+        return self.which[wanted][loops.owner], points.place[row], points.area[row]
+
+    def use(
+        self,
+        points: FacePoints,
+        contacts: Contacts,
+        resultants: Resultants,
+        enough: Floats | float = np.inf,
+    ) -> Floats:
+        """Force and torque (t,) by the largest that the faces resist, as :func:`slip_use` does."""
+        owner, which = points.loops.owner, self.which
+        centre = _along_faces(contacts, resultants.position - local_corners(contacts)[0], which)
+        bound = (contacts.friction * resultants.normal)[which]
+        return slip_use(
+            points.loops,
+            points.place - centre[owner],
+            bound[owner] * pressed_points(points, self.plane, self.within),
+            _along_faces(contacts, resultants.force, which),
+            resultants.torque[which],
+            enough,
+        )
+
+
+def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:
+    """Vectors (m, 3) of some interfaces (t,) along u and v, (t, 2)."""
+    along: Floats = np.einsum("mij,mj->mi", contacts.frame[which, 1:], vectors[which])
+    return along
