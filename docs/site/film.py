@@ -188,7 +188,7 @@ def pictures(tab: Tab, shot: Shot) -> Iterator[Image.Image]:
     numbers = [float(x) for x in view["v"].split(",")]
     first, last = np.radians(shot.azimuth)
     numbers[1], numbers[2] = np.radians(shot.elevation), shot.room * numbers[2]
-    del view["o"]  # as the preset has it
+    view.pop("a", None)  # the eye moves
     if shot.preset:
         view["p"] = shot.preset
     count = round(shot.seconds * RATE)

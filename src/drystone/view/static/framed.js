@@ -20,6 +20,8 @@ function hearAround(event) {
 function connectAround() {
   if (!around) return;
   window.addEventListener("message", hearAround);
-  for (const kind of ["pointerup", "keyup", "wheel"]) canvas.addEventListener(kind, () => setTimeout(tellAround, 0));
+  for (const kind of ["pointerup", "keyup", "wheel", "click", "input"]) {
+    document.addEventListener(kind, () => setTimeout(tellAround, 0), { passive: true });
+  }
   tellAround();
 }

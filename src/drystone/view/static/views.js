@@ -32,12 +32,15 @@ function fitAll() {
   fit();
 }
 
-// The view as text for the end of an address, and back.
+// The view as text for the end of an address, and back: the one that the camera goes to. A view of the
+// whole model is that in a window of another size, too.
 function viewText() {
-  const { azimuth, elevation, distance, target, flat } = camera;
+  const { azimuth, elevation, distance, target } = camera.flight?.to ?? camera;
   const numbers = [azimuth, elevation, distance, ...target].map((x) => Number(x.toPrecision(6)));
-  const parts = { v: numbers.join(","), p: page.preset, s: page.stage, o: page.opacity };
-  if (flat) parts.f = 1;
+  const parts = { v: numbers.join(","), p: page.preset, s: page.stage };
+  if (page.opacity !== data.presets[page.preset].opacity) parts.o = page.opacity;
+  if (camera.flat) parts.f = 1;
+  if (camera.fits) parts.a = Object.values(sizeOf()).join();
   const { axis, at, side } = page.section;
   if (axis >= 0) parts.x = [axis, at, side].join(",");
   if (camera.spread) parts.e = camera.spread;
@@ -77,7 +80,7 @@ function readView(text) {
   if (data.presets[parts.get("p")]) choosePreset(parts.get("p"));
   if (whole("s", data.stages.length) >= 0) setStage(whole("s", data.stages.length));
   const opacity = Number(parts.get("o"));
-  if (opacity > 0 && opacity <= 1) page.opacity = opacity;
+  if (opacity > 0 && opacity <= 1) byId("opacity").value = page.opacity = opacity;
   camera.flat = parts.get("f") === "1";
   const [axis, at, side] = (parts.get("x") ?? "-1,0,1").split(",").map(Number);
   if ([-1, 0, 1, 2].includes(axis) && Math.abs(at) <= 1) setSection(axis, at, side < 0 ? -1 : 1);
@@ -88,6 +91,8 @@ function readView(text) {
   changeHidden();
   const [azimuth, elevation, distance, ...target] = numbers;
   camera.go({ azimuth, elevation, distance: Math.max(distance, 1e-9), target }, 0);
+  camera.fits = parts.has("a");
+  if (camera.fits && parts.get("a") !== Object.values(sizeOf()).join()) fit(azimuth, elevation, 0);
   if (whole("b", data.count) >= 0) actions.select(whole("b", data.count));
   if (whole("j", data.contacts.a.length) >= 0) actions.selectJoint(whole("j", data.contacts.a.length));
   return true;
