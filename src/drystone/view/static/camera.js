@@ -19,7 +19,7 @@ class Camera {
     this.distance = 1;
     this.flat = false; // parallel projection
     this.flight = null;
-    this.fits = false; // shows the whole model, and was not moved since
+    this.fits = ""; // size of the picture that it shows the whole model in, where it was not moved since
     this.spread = 0; // how far the model is taken apart
   }
 
@@ -63,7 +63,7 @@ class Camera {
 
   // Goes to a view; `soon` is the time it takes [ms], 0 for at once.
   go(view, soon = FLIGHT) {
-    this.fits = false;
+    this.fits = "";
     const to = { ...view };
     to.azimuth = this.azimuth + nearestTurn(to.azimuth - this.azimuth);
     if (soon <= 0) {
@@ -126,7 +126,7 @@ class Camera {
   }
 
   orbit(dx, dy) {
-    [this.flight, this.fits] = [null, false];
+    [this.flight, this.fits] = [null, ""];
     this.azimuth -= dx;
     this.elevation = Math.min(VERTICAL, Math.max(-VERTICAL, this.elevation + dy));
     this.changed();
@@ -134,7 +134,7 @@ class Camera {
 
   // By shares of the height of the picture.
   pan(dx, dy) {
-    [this.flight, this.fits] = [null, false];
+    [this.flight, this.fits] = [null, ""];
     const { right, up } = this.axes();
     const size = 1 / this.share(1);
     const shift = vec.add(vec.scale(right, -dx * size), vec.scale(up, dy * size));
@@ -143,7 +143,7 @@ class Camera {
   }
 
   zoom(factor) {
-    [this.flight, this.fits] = [null, false];
+    [this.flight, this.fits] = [null, ""];
     const [low, high] = [1e-3 * this.radius, 30 * this.radius];
     this.distance = Math.min(high, Math.max(low, this.distance * factor));
     this.changed();

@@ -78,12 +78,8 @@ function connect() {
     const open = byId("fold").getAttribute("aria-expanded") === "true";
     byId("fold").setAttribute("aria-expanded", String(!open));
   });
-  let seen = canvas.clientWidth > 0;
   new ResizeObserver(() => {
-    const shown = canvas.clientWidth > 0;
-    const fits = camera.fits && !camera.flight;
-    if (shown && (!seen || fits)) fit(camera.azimuth, camera.elevation, 0); // hidden at first
-    seen ||= shown;
+    if (canvas.clientWidth > 0 && !camera.flight) refit();
     redraw();
   }).observe(canvas);
   window.addEventListener("resize", () => redraw()); // a new pixel ratio

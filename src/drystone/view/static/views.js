@@ -18,7 +18,13 @@ function fit(azimuth = camera.azimuth, elevation = camera.elevation, soon = flig
   const { width, height } = sizeOf();
   showLegend(data, stage(), theme(), told(camera.axes(azimuth, elevation))); // the picture fits above it
   camera.go(camera.fitted(azimuth, elevation, width / height, insets()), soon);
-  camera.fits = true;
+  camera.fits = `${width},${height}`;
+}
+
+// Fits the model anew where it was fitted into a picture of another size.
+function refit() {
+  const { width, height } = sizeOf();
+  if (camera.fits && camera.fits !== `${width},${height}`) fit(camera.azimuth, camera.elevation, 0);
 }
 
 // Straight views are parallel projections, as on a drawing.
@@ -40,7 +46,7 @@ function viewText() {
   const parts = { v: numbers.join(","), p: page.preset, s: page.stage };
   if (page.opacity !== data.presets[page.preset].opacity) parts.o = page.opacity;
   if (camera.flat) parts.f = 1;
-  if (camera.fits) parts.a = Object.values(sizeOf()).join();
+  if (camera.fits) parts.a = camera.fits;
   const { axis, at, side } = page.section;
   if (axis >= 0) parts.x = [axis, at, side].join(",");
   if (camera.spread) parts.e = camera.spread;
@@ -91,8 +97,8 @@ function readView(text) {
   changeHidden();
   const [azimuth, elevation, distance, ...target] = numbers;
   camera.go({ azimuth, elevation, distance: Math.max(distance, 1e-9), target }, 0);
-  camera.fits = parts.has("a");
-  if (camera.fits && parts.get("a") !== Object.values(sizeOf()).join()) fit(azimuth, elevation, 0);
+  camera.fits = parts.get("a") ?? "";
+  refit();
   if (whole("b", data.count) >= 0) actions.select(whole("b", data.count));
   if (whole("j", data.contacts.a.length) >= 0) actions.selectJoint(whole("j", data.contacts.a.length));
   return true;
