@@ -17,8 +17,6 @@ corner carries nothing.
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -155,7 +153,7 @@ class _Edges:
         n = axes[:, 0]
         self.points = [contacts.point - gap[:, :1] * n, contacts.point + gap[:, 1:] * n]
         found = [
-            self._of_blocks(block[contacts.interface], point, along, out)
+            self.sides.owned(block, self._middle(point), along, out)
             for block, point in zip(self._blocks, self.points, strict=True)
         ]
         self.owned = found[0][0], found[1][0]
@@ -166,53 +164,44 @@ class _Edges:
         self.fitted: Bools = (least < -BENT) & (most > BENT)
 
     @property
-    def _blocks(self) -> tuple[Ints, Ints]:
-        return self.contacts.block_a, self.contacts.block_b
+    def _blocks(self) -> list[Ints]:
+        """(k,) each, the blocks a and b of the edges."""
+        contacts = self.contacts
+        return [block[contacts.interface] for block in (contacts.block_a, contacts.block_b)]
 
-    def _of_blocks(
-        self, block: Ints, point: Floats, along: Floats, outward: Floats
-    ) -> tuple[Bools, Floats]:
-        owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
-        middle = 0.5 * (point + point[self.after])
-        for one, here in _by_block(block):
-            owned[here], bend[here] = self.sides.owned(
-                one, middle[here], along[here], outward[here]
-            )
-        return owned, bend
+    def _middle(self, point: Floats) -> Floats:
+        """(k, 3) the middle of each edge between some corners (k, 3)."""
+        return np.asarray(0.5 * (point + point[self.after]))
 
     def _nearest(self, along: Floats) -> tuple[Bools, Bools]:
         """The same where no edge is one of a block, as of imperfect joints: by the nearest ones."""
-        off = np.full((2, len(self.after)), np.inf)
-        for side, (block, point) in enumerate(zip(self._blocks, self.points, strict=True)):
-            middle = 0.5 * (point + point[self.after])
-            for one, here in _by_block(block[self.contacts.interface]):
-                off[side, here] = self.sides.nearest(one, middle[here], along[here])
-        longer = off > FLUSH_REACH * self._size()
-        of_a, of_b = off[0] < NEARER * off[1], off[1] < NEARER * off[0]
-        return of_a & longer[1], of_b & longer[0]
+        off_a, off_b = (
+            self.sides.nearest(block, self._middle(point), along)
+            for block, point in zip(self._blocks, self.points, strict=True)
+        )
+        flush = FLUSH_REACH * self._size()
+        of_a, of_b = off_a < NEARER * off_b, off_b < NEARER * off_a
+        return of_a & (off_b > flush), of_b & (off_a > flush)
 
     def _size(self) -> Floats:
         """(k,) [m] of the smaller block at each edge."""
-        a, b = self._blocks
-        return np.asarray(np.cbrt(np.minimum(self.volume[a], self.volume[b])))[
-            self.contacts.interface
-        ]
+        return np.asarray(np.cbrt(np.minimum(*(self.volume[block] for block in self._blocks))))
 
     def reach(self) -> Floats:
         """(k,) [m] how far the face of the block that does not carry the edge goes on beyond it."""
         contacts, (of_a, of_b) = self.contacts, self.owned
         reach = np.where(of_a & of_b, FLUSH_REACH * self._size(), np.inf)
         for block, point, alone in zip(
-            self._blocks, self.points, (of_b & ~of_a, of_a & ~of_b), strict=True
-        ):
-            alone = alone & self.outward.any(axis=1)
-            for i in np.unique(contacts.interface[alone]).tolist():
-                here = np.flatnonzero(alone & (contacts.interface == i))
-                frame, origin = contacts.frame[i], point[contacts.start[i]]
-                segments = self.sides.in_plane(int(block[i]), frame, origin)
-                middle = 0.5 * (point[here] + point[self.after[here]])
-                at = (middle - origin) @ frame[1:].T
-                reach[here] = to_the_end(at, self.outward[here], segments)
+            (contacts.block_a, contacts.block_b), self.points, (of_b & ~of_a, of_a & ~of_b),
+            strict=True,
+        ):  # fmt: skip
+            edge = np.flatnonzero(alone & self.outward.any(axis=1))
+            joints, row = np.unique(contacts.interface[edge], return_inverse=True)
+            frame, origin = contacts.frame[joints], point[contacts.start[joints]]
+            segments = self.sides.in_planes(block[joints], frame, origin)
+            arm = self._middle(point)[edge] - origin[row]
+            at = (frame[row, 1:] @ arm[:, :, None])[..., 0]
+            reach[edge] = to_the_end(at, self.outward[edge], row, *segments)
         return reach
 
 
@@ -266,14 +255,6 @@ def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
         if (nearer == away).all():
             return away
         away = nearer
-
-
-def _by_block(block: Ints) -> Iterator[tuple[int, Ints]]:
-    """Each block with the numbers of its edges; (k,) has the block of every edge."""
-    order = np.argsort(block, kind="stable")
-    bounds = np.flatnonzero(np.diff(block[order], prepend=-1, append=-1))
-    for first, last in pairwise(bounds.tolist()):
-        yield int(block[order[first]]), order[first:last]
 
 
 def _neighbours(contacts: Contacts) -> tuple[Ints, Ints]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, cross
-from drystone.geometry.polyhedron import Faces
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, unit
+from drystone.base.ragged import BATCH, Ragged, expand
 
 FLUSH = 1e-6
 """Distance below which an edge of an interface lies on an edge of a block, by the block's size."""
@@ -32,42 +34,53 @@ class FaceSides:
     """
 
     def __init__(self, assembly: Assembly) -> None:
-        faces: Faces = assembly.faces
-        following = np.arange(len(faces.loop)) + 1
-        following[faces.start[1:] - 1] = faces.start[:-1]
-        self.begin, self.end = faces.point[faces.loop], faces.point[faces.loop[following]]
-        self.face = np.repeat(np.arange(faces.count), np.diff(faces.start))
-        # relative to the first corner of the face, so a distant origin costs no digits
-        first = self.begin[faces.start[:-1]][self.face]
-        twice = np.zeros((faces.count, 3))
-        np.add.at(twice, self.face, cross(self.begin - first, self.end - first))
-        length = np.linalg.norm(twice, axis=1, keepdims=True)
-        self.normal = twice / np.where(length > 0.0, length, 1.0)
-        owner = faces.owner[self.face]
-        order = np.argsort(owner, kind="stable")
-        bounds = np.searchsorted(owner[order], np.arange(len(assembly) + 1))
-        self.of_block = [order[bounds[i] : bounds[i + 1]] for i in range(len(assembly))]
+        faces = assembly.faces
+        self.begin = faces.point[faces.loop]
+        self.end = self.begin[faces.corners.following]
+        self.axis, self.length = unit(self.end - self.begin)
+        self.face, self.normal = faces.corners.owner, faces.normals
+        self.of_block = Ragged.from_owners(faces.owner[self.face], len(assembly))
         self.size = np.cbrt(assembly.volume)
         self.largest = assembly.size
 
-    def in_plane(self, block: int, frame: Floats, origin: Floats) -> Floats:
-        """Ends (e, 2, 2), local u and v, of the outer sides of the faces of a block in a plane."""
-        here = self.of_block[block]
-        begin, end = self.begin[here] - origin, self.end[here] - origin
-        size = self.size[block]
-        lean = np.linalg.norm(cross(self.normal[self.face[here]], frame[0][None]), axis=1)
-        near = np.maximum(np.abs(begin @ frame[0]), np.abs(end @ frame[0])) < COPLANAR * size
-        flat = (lean < COPLANAR) & near
-        ends = np.stack([begin[flat], end[flat]], axis=1) @ frame[1:].T
+    def in_planes(self, block: Ints, frame: Floats, origin: Floats) -> tuple[Ragged, Floats]:
+        """The outer sides of the faces of blocks (r,) in a plane each.
+
+        Parameters
+        ----------
+        block, frame, origin
+            Axes (r, 3, 3) of the planes, rows n, u, v, and a point (r, 3) [m] of each.
+
+        Returns
+        -------
+        of_row
+            Which sides belong to which plane.
+        ends : (s, 2, 2) [m]
+            Local u and v of both ends of each side.
+        """
+        rows, ends = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 2, 2))]
+        for row, side in _pairs(self.of_block, block):
+            n, size = frame[row, 0], self.size[block[row]]
+            arms = [self.begin[side] - origin[row], self.end[side] - origin[row]]
+            near = np.maximum(*(np.abs(dot(arm, n)) for arm in arms)) < COPLANAR * size
+            flat = np.flatnonzero(near)
+            lean = lengths(cross(self.normal[self.face[side[flat]]], n[flat]))
+            flat = flat[lean < COPLANAR]
+            rows.append(row[flat])
+            axes = frame[row[flat], 1:]
+            ends.append(np.stack([(axes @ arm[flat, :, None])[..., 0] for arm in arms], axis=1))
+        row, found = np.concatenate(rows), np.concatenate(ends)
         # sides between two faces in the plane are no ends
-        back = np.abs(ends[:, None, ::-1] - ends[None]).max(axis=(2, 3), initial=0.0)
-        inner = (back < FLUSH * size).any(axis=1)
-        return np.asarray(ends[~inner])
+        outer = np.ones(len(row), dtype=bool)
+        for one, other in _pairs(Ragged.from_owners(row, len(block)), row):
+            back = np.abs(found[one, ::-1] - found[other]).max(axis=(1, 2), initial=0.0)
+            outer[one[back < FLUSH * self.size[block[row[one]]]]] = False
+        return Ragged.from_owners(row[outer], len(block)), found[outer]
 
     def owned(
-        self, block: int, middle: Floats, along: Floats, outward: Floats
+        self, block: Ints, middle: Floats, along: Floats, outward: Floats
     ) -> tuple[Bools, Floats]:
-        """Which edges (k,) of interfaces are edges of a block, and their bend (k,).
+        """Which edges (k,) of interfaces are edges of a block (k,) each, and their bend (k,).
 
         The bend is the sine of the angle by which the block's surface turns away from the interface
         at the edge: positive at a convex edge, negative at a re-entrant one.
@@ -80,55 +93,66 @@ class FaceSides:
         outward : (k, 3)
             Normal of the edge in the plane of its interface.
         """
-        here = self.of_block[block]
-        on = _on_edges(middle, along, self.begin[here], self.end[here], self.largest[block])
-        turned = np.where(on, outward @ self.normal[self.face[here]].T, 0.0)
-        most = np.abs(turned).argmax(axis=1)
-        bend: Floats = turned[np.arange(len(middle)), most]
-        return np.asarray(on.any(axis=1)), bend
+        owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
+        direction, margin = unit(along)[0], FLUSH * self.largest[block]
+        for edge, side in _pairs(self.of_block, block):
+            axis, most = self.axis[side], margin[edge]
+            arm = middle[edge] - self.begin[side]
+            at = dot(arm, axis)
+            near = (at > -most) & (at < self.length[side] + most)
+            near &= lengths(arm - at[:, None] * axis) < most
+            edge, side, axis = edge[near], side[near], axis[near]
+            # an edge without length, as of a point, runs along every side
+            parallel = lengths(cross(direction[edge], axis)) < 1e-3
+            edge, side = edge[parallel], side[parallel]
+            owned[edge] = True
+            turned = dot(outward[edge], self.normal[self.face[side]])
+            order = np.argsort(-np.abs(turned), kind="stable")[::-1]
+            bend[edge[order]] = turned[order]  # the last one counts, which turns most
+        return owned, bend
 
-    def nearest(self, block: int, middle: Floats, along: Floats) -> Floats:
+    def nearest(self, block: Ints, middle: Floats, along: Floats) -> Floats:
         """Distance (k,) [m] of edges, as for :meth:`owned`, from the nearest edge of a block.
 
         Edges of the block that run in another direction do not count.
         """
-        here = self.of_block[block]
-        run = self.end[here] - self.begin[here]
-        square = (run**2).sum(axis=1)
-        axis = run / np.sqrt(np.where(square > 0.0, square, 1.0))[:, None]
-        arm = middle[:, None] - self.begin[here]
-        at = np.clip(np.einsum("kej,ej->ke", arm, axis), 0.0, np.sqrt(square))
-        off = np.linalg.norm(arm - at[..., None] * axis, axis=2)
-        reach = np.linalg.norm(along, axis=1)
-        direction = along / np.where(reach > 0.0, reach, 1.0)[:, None]
-        askew = np.linalg.norm(cross(direction[:, None], axis[None]), axis=2)
-        return np.asarray(np.where(askew < ASKEW, off, np.inf).min(axis=1, initial=np.inf))
+        found, direction = np.full(len(block), np.inf), unit(along)[0]
+        for edge, side in _pairs(self.of_block, block):
+            axis = self.axis[side]
+            alike = lengths(cross(direction[edge], axis)) < ASKEW
+            edge, side, axis = edge[alike], side[alike], axis[alike]
+            arm = middle[edge] - self.begin[side]
+            at = np.clip(dot(arm, axis), 0.0, self.length[side])
+            np.minimum.at(found, edge, lengths(arm - at[:, None] * axis))
+        return found
 
 
-def _on_edges(middle: Floats, along: Floats, begin: Floats, end: Floats, size: float) -> Bools:
-    """(k, e) whether a point lies on a side (e, 3) to (e, 3) that runs along a direction."""
-    run = end - begin
-    length = np.linalg.norm(run, axis=1)
-    axis = run / np.where(length > 0.0, length, 1.0)[:, None]
-    arm = middle[:, None] - begin[None]
-    at = np.einsum("kej,ej->ke", arm, axis)
-    off = np.linalg.norm(arm - at[..., None] * axis[None], axis=2)
-    near = (off < FLUSH * size) & (at > -FLUSH * size) & (at < length + FLUSH * size)
-    reach = np.linalg.norm(along, axis=1)
-    direction = along / np.where(reach > 0.0, reach, 1.0)[:, None]
-    askew = np.linalg.norm(cross(direction[:, None], axis[None]), axis=2)
-    parallel = (askew < 1e-3) | (reach == 0.0)[:, None]
-    return np.asarray(near & parallel)
+def _pairs(of_row: Ragged, row: Ints) -> Iterator[tuple[Ints, Ints]]:
+    """Things, each with all items of its row (t,), some things at a time."""
+    first, count = of_row.first[row], of_row.counts[row]
+    for some in Ragged.from_counts(count).batches(BATCH // 10):
+        one, item = expand(first[some], count[some])
+        yield some[one], item
 
 
-def to_the_end(at: Floats, outward: Floats, segments: Floats) -> Floats:
-    """(c,) distance from points (c, 2) along directions (c, 2) to one of segments (e, 2, 2)."""
-    run = segments[:, 1] - segments[:, 0]
-    arm = segments[None, :, 0] - at[:, None]
-    turn = outward[:, None, 0] * run[None, :, 1] - outward[:, None, 1] * run[None, :, 0]
-    safe = np.where(np.abs(turn) > 0.0, turn, 1.0)
-    far = (arm[..., 0] * run[None, :, 1] - arm[..., 1] * run[None, :, 0]) / safe
-    part = (arm[..., 0] * outward[:, None, 1] - arm[..., 1] * outward[:, None, 0]) / safe
-    length = np.linalg.norm(run, axis=1)[None]
-    met = (np.abs(turn) > 1e-6 * length) & (far > 0.0) & (part >= 0.0) & (part <= 1.0)
-    return np.asarray(np.where(met, far, np.inf).min(axis=1, initial=np.inf))
+def to_the_end(at: Floats, outward: Floats, row: Ints, of_row: Ragged, segments: Floats) -> Floats:
+    """(c,) distance from points (c, 2) along directions (c, 2) to a segment of their row (c,).
+
+    Parameters
+    ----------
+    at, outward, row
+    of_row
+        The segments of each row.
+    segments : (s, 2, 2)
+    """
+    run, found = segments[:, 1] - segments[:, 0], np.full(len(at), np.inf)
+    length = lengths(run)
+    for one, item in _pairs(of_row, row):
+        arm, (x, y), (u, v) = segments[item, 0] - at[one], outward[one].T, run[item].T
+        turn = x * v - y * u
+        safe = np.where(np.abs(turn) > 0.0, turn, 1.0)
+        far = (arm[:, 0] * v - arm[:, 1] * u) / safe
+        part = (arm[:, 0] * y - arm[:, 1] * x) / safe
+        met = (np.abs(turn) > 1e-6 * length[item]) & (far > 0.0) & (part >= 0.0) & (part <= 1.0)
+        np.minimum.at(found, one[met], far[met])
+    return found

@@ -97,7 +97,7 @@ def _distance(sides: FaceSides, contacts: Contacts, block: Ints, sign: float) ->
         n, point = sign * contacts.frame[i, 0], contacts.point[corners]
         here = sides.of_block[int(block[i])]
         faces, first = np.unique(sides.face[here], return_index=True)
-        begin, normal = sides.begin[here[first]], sides.normal[faces]
+        begin, normal = sides.begin[here][first], sides.normal[faces]
         # the face of a looks along n and lies on the side of a; that of b the other way round
         facing = normal @ n < -PARALLEL
         if not facing.any():
