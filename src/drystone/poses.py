@@ -55,7 +55,7 @@ class Poses(Answer):
         Moves the block into each pose: the plane is z = 0, the centroid above the origin.
     share : (p,)
         Probability that it ends so when it is put down at random, and slowly.
-    margin : (p,) [degrees]
+    tilt_to_topple : (p,) [degrees]
         Tilt of the plane at which it topples over the nearest edge; friction holds it.
     height : (p,) [m]
         Of the centroid.
@@ -66,7 +66,7 @@ class Poses(Answer):
     block: Block
     transform: Floats
     share: Floats
-    margin: Floats
+    tilt_to_topple: Floats
     height: Floats
     origin: Origin = field(default_factory=Origin)
 
@@ -92,12 +92,12 @@ class Poses(Answer):
         """How many poses, and the likeliest of them."""
         likeliest = (
             f"put down at random it ends in pose 1 with {100.0 * self.share[0]:.3g} %, where it "
-            f"bears a tilt of {self.margin[0]:.3g} degrees"
+            f"bears a tilt of {self.tilt_to_topple[0]:.3g} degrees"
         )
-        firmest = int(np.argmax(self.margin))
+        firmest = int(np.argmax(self.tilt_to_topple))
         told = [Sentence(self.title, Role.GOOD), Sentence(likeliest)]
         if firmest:
-            most = f"pose {firmest + 1} bears most: {self.margin[firmest]:.3g} degrees"
+            most = f"pose {firmest + 1} bears most: {self.tilt_to_topple[firmest]:.3g} degrees"
             told.append(Sentence(most))
         if len(self.share) > _DRAWN:
             told.append(Sentence(f"pictures show the first {_DRAWN}", Role.REMARK))
@@ -108,10 +108,12 @@ class Poses(Answer):
         columns = {
             "pose": np.arange(1, len(self.share) + 1),
             "share": self.share,
-            "margin": self.margin,
+            "tilt_to_topple": self.tilt_to_topple,
             "height": self.height,
         }
-        return (Table("poses", columns, {"share": "1", "margin": "degrees", "height": "m"}),)
+        return (
+            Table("poses", columns, {"share": "1", "tilt_to_topple": "degrees", "height": "m"}),
+        )
 
     def layers(self) -> Scene:
         """The poses side by side."""
@@ -150,7 +152,7 @@ def find_poses(
     --------
     >>> from drystone.models import box
     >>> found = find_poses(box((1.0, 1.0, 2.0)))
-    >>> len(found.share), found.margin.round(1).tolist()
+    >>> len(found.share), found.tilt_to_topple.round(1).tolist()
     (6, [45.0, 45.0, 45.0, 45.0, 26.6, 26.6])
     >>> round(float(found.share[0]), 3)
     0.218
@@ -189,9 +191,9 @@ def _found(block: Block, origin: Origin) -> Poses:
         turn = Rotation.align_vectors(down, facets.normal[facet][None])[0].as_matrix()
         pose[i, :3, :3] = turn
         pose[i, :3, 3] = np.array([0.0, 0.0, facets.height[facet]]) - turn @ block.centroid
-    margin = np.rad2deg(np.arctan2(foot[kept], facets.height[kept]))
+    tilt = np.rad2deg(np.arctan2(foot[kept], facets.height[kept]))
     height, share = facets.height[kept], share[kept]
-    return Poses(block, frozen(pose), frozen(share), frozen(margin), frozen(height), origin)
+    return Poses(block, frozen(pose), frozen(share), frozen(tilt), frozen(height), origin)
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,13 +37,15 @@ def checked(file: Path) -> object:
 
 def studied(file: Path) -> object:
     found = study(tower, {"count": [2, 3, 4]}, out=file, friction=0.6)
-    return [found[name].tolist() for name in ("number", "count", "verdict", "margin", "message")]
+    return [
+        found[name].tolist() for name in ("number", "count", "verdict", "tilt_margin", "message")
+    ]
 
 
 def gathered(file: Path) -> object:
     options = DatasetOptions(rows=24)
     found = dataset([tower(3)], file.parent.parent, options=options, friction=0.6)
-    return [(one.order, one.held, one.verdict, one.margin.tolist()) for one in found.orders]
+    return [(one.order, one.held, one.verdict, one.friction_left.tolist()) for one in found.orders]
 
 
 WORK = pytest.mark.parametrize("work", [planned, tuned, checked, studied, gathered])

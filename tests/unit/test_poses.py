@@ -48,7 +48,7 @@ def test_a_block_stands_in_each_of_its_poses_up_to_its_margin(block):
 
 def test_the_margin_of_a_box_is_the_tilt_at_which_it_topples():
     found = find_poses(box((1.0, 1.0, 2.0)))
-    assert found.margin.round(3).tolist() == [45.0] * 4 + [26.565] * 2
+    assert found.tilt_to_topple.round(3).tolist() == [45.0] * 4 + [26.565] * 2
     ends = 4.0 * np.arcsin(1.0 / 5.0) / (4.0 * np.pi)  # solid angle of a unit square at height 1
     assert found.share[-1] == pytest.approx(ends)
 

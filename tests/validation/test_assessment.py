@@ -110,7 +110,7 @@ def combined(friction: float) -> Stands:
             encoding="utf-8",
         )
         model = Model.of(tower(2), friction=friction)
-        return combinations(model, path, margin="none").governing.stable
+        return combinations(model, path, needed_of="none").governing.stable
 
     return stands
 

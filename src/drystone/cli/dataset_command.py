@@ -33,7 +33,7 @@ def dataset(
     ],
     waiting: Waiting,
 ) -> Told:  # fmt: skip
-    """Write subsets of structures, their verdicts, margins and orders of assembly, with a README.
+    """Write subsets of structures, verdicts, friction left and orders of assembly, with a README.
 
     Each MODEL is a structure. Exit code 0: the data set is complete. 1: it is not yet.
     """

@@ -5,7 +5,7 @@ given=model)`` makes one too.
 """
 
 from drystone.gym.assembly_env import AssemblyEnv, assembly_envs, expert_actions
-from drystone.gym.building import BuildingOptions, PlacedBlock, margin_reward
+from drystone.gym.building import BuildingOptions, PlacedBlock, friction_left_reward
 
 __all__ = [
     "AssemblyEnv",
@@ -13,5 +13,5 @@ __all__ = [
     "PlacedBlock",
     "assembly_envs",
     "expert_actions",
-    "margin_reward",
+    "friction_left_reward",
 ]

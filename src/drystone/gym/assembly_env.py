@@ -16,7 +16,7 @@ from drystone.gym.building import (
     PlacedBlock,
     Reward,
     Site,
-    margin_reward,
+    friction_left_reward,
 )
 from drystone.io.opening import Given, How
 from drystone.limits import imperfect
@@ -40,8 +40,8 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
     that cannot be, a robot holds more than it carries, or nothing can be placed any more.
 
     ``info`` has ``action_mask`` (a,), of the actions that are possible; after a step also
-    ``verdict``, that of :func:`drystone.check` on what is in place, ``margin``, ``falling`` (n,)
-    and ``failed``, the reason.
+    ``verdict``, that of :func:`drystone.check` on what is in place, ``friction_left``,
+    ``falling`` (n,) and ``failed``, the reason.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
         given: Structure | Given,
         *,
         options: BuildingOptions | None = None,
-        reward: Reward = margin_reward,
+        reward: Reward = friction_left_reward,
         **how: Unpack[How],
     ) -> None:
         structure = given if isinstance(given, Structure) else Structure(given, **how)
@@ -131,11 +131,16 @@ class AssemblyEnv(gymnasium.Env):  # type: ignore[misc]  # gymnasium is not ther
         answer, n = outcome.answer, len(self.structure.model)
         falling = np.zeros(n, dtype=bool)
         if answer is None:
-            return {"verdict": "", "margin": 0.0, "falling": falling, "failed": outcome.failed}
+            return {
+                "verdict": "",
+                "friction_left": 0.0,
+                "falling": falling,
+                "failed": outcome.failed,
+            }
         falling[list(answer.falling)] = True
         return {
             "verdict": answer.verdict.value,
-            "margin": answer.margin,
+            "friction_left": answer.friction_left,
             "falling": falling,
             "failed": outcome.failed,
         }
@@ -146,7 +151,7 @@ def assembly_envs(
     count: int,
     *,
     options: BuildingOptions | None = None,
-    reward: Reward = margin_reward,
+    reward: Reward = friction_left_reward,
     **how: Unpack[How],
 ) -> SyncVectorEnv:
     """Environments side by side, as a vector environment; what one finds out all of them know.

@@ -88,15 +88,15 @@ class PlacedBlock:
 Reward: TypeAlias = Callable[[PlacedBlock], float]
 
 
-def margin_reward(outcome: PlacedBlock) -> float:
-    """The margin of the stage by the number of blocks; 1 more when complete, and -1 for a failure.
+def friction_left_reward(outcome: PlacedBlock) -> float:
+    """The friction left by the number of blocks; 1 more when complete, and -1 for a failure.
 
-    The margin is that of :class:`drystone.sequence.StageAnswer`: the share of friction left. What
-    is not shown to stand is a failure.
+    It is a share, as in :class:`drystone.sequence.StageAnswer`. What is not shown to stand is a
+    failure.
     """
     if outcome.failed or outcome.answer is None:
         return -1.0
-    return outcome.share * outcome.answer.margin + float(outcome.complete)
+    return outcome.share * outcome.answer.friction_left + float(outcome.complete)
 
 
 class Site:

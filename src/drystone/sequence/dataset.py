@@ -99,7 +99,7 @@ class BuiltOrder(NamedTuple):
         Positions of the blocks that are held after each step.
     verdict
         Of each stage.
-    margin : (s,)
+    friction_left : (s,)
         Share of friction left, 0 to 1; 0 if it falls, NaN if undecided.
     falling
         Positions of the blocks that fall.
@@ -110,7 +110,7 @@ class BuiltOrder(NamedTuple):
     order: tuple[tuple[int, ...], ...]
     held: tuple[tuple[int, ...], ...]
     verdict: tuple[Verdict, ...]
-    margin: Floats
+    friction_left: Floats
     falling: tuple[tuple[int, ...], ...]
 
     def masks(self, model: Model) -> Bools:
@@ -174,7 +174,7 @@ class Dataset(Answer):
         """What there is of a structure."""
         mine = [one for one in self.orders if one.structure == number]
         said = [verdict for one in mine for verdict in one.verdict]
-        margin = np.concatenate([np.zeros(0), *(one.margin for one in mine)])
+        left = np.concatenate([np.zeros(0), *(one.friction_left for one in mine)])
         stood = np.array([one is Verdict.STABLE for one in said], dtype=bool)
         return {
             "structure": self.names[number],
@@ -183,11 +183,11 @@ class Dataset(Answer):
             "subsets": len(said),
             "distinct": len({stage for one in mine for stage in _stages(one)}),
             **{verdict.value: said.count(verdict) for verdict in Verdict},
-            "margin": float(margin[stood].mean()) if stood.any() else float("nan"),
+            "friction_left": float(left[stood].mean()) if stood.any() else float("nan"),
         }
 
     def tables(self) -> Sequence[Table]:
-        """A row for each structure; the margin is the mean of what stands."""
+        """A row for each structure; the friction left is the mean of what stands."""
         return [self._table]
 
     def layers(self) -> Scene:
@@ -218,7 +218,7 @@ alone. Made by drystone {version} with {options}.
 
 {table}
 
-The margin is the mean of the subsets that stand.
+The friction left is the mean of the subsets that stand.
 
 - `structures/` has the blocks, contacts, friction and loads, as JSON of drystone.
 - `orders/` has the records, in files of {shard} orders. A line is a checksum (CRC-32 of what
@@ -227,8 +227,8 @@ The margin is the mean of the subsets that stand.
 - A record: `structure`, its number; `planned`, whether the planner gave the order; for each step
   `order`, the positions of the blocks that are placed; `held`, of those held meanwhile; `verdict`
   (`stable`, `unstable`, `undecided`) of `drystone.check` on all blocks placed so far and the
-  supports; `margin`, the share of friction left in the most used joint, 0 to 1, 0 if it falls and
-  null if undecided; `falling`, the blocks that fall.
+  supports; `friction_left`, the share left in the most used joint, 0 to 1, 0 if it falls and null
+  if undecided; `falling`, the blocks that fall.
 
 ```python
 from drystone.sequence import read_dataset
@@ -236,7 +236,7 @@ from drystone.sequence import read_dataset
 data = read_dataset("FOLDER")
 for one in data.orders:
     masks = one.masks(data.structures[one.structure])  # (steps, blocks) in place
-    print(masks.sum(axis=1), one.verdict, one.margin)
+    print(masks.sum(axis=1), one.verdict, one.friction_left)
 ```
 """.replace("{shard}", str(SHARD))
 
@@ -263,7 +263,7 @@ def dataset(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Dataset:
-    """Write a data set of subsets of structures, their verdicts and margins, and orders.
+    """Write a data set of subsets of structures, their verdicts, the friction left, and orders.
 
     The data do not depend on the workers, nor on interruptions: an order that was being written
     when the process was killed is dropped, with a warning, and computed again.
@@ -475,8 +475,8 @@ def _answered(task: _Task) -> list[dict[str, Any]]:
                 "order": list(order),
                 "held": list(helds),
                 "verdict": [one.verdict.value for one in answers],
-                "margin": [
-                    None if one.verdict is Verdict.UNDECIDED else round(one.margin, 6)
+                "friction_left": [
+                    None if one.verdict is Verdict.UNDECIDED else round(one.friction_left, 6)
                     for one in answers
                 ],
                 "falling": [list(one.falling) for one in answers],
@@ -506,8 +506,8 @@ def _read(sizes: Sequence[int], record: Any) -> BuiltOrder:
     several = [tuple(tuple(map(int, one)) for one in record[key]) for key in ("order", "held")]
     falling = tuple(tuple(map(int, one)) for one in record["falling"])
     verdict = tuple(map(Verdict, record["verdict"]))
-    margin = [float("nan") if one is None else float(one) for one in record["margin"]]
-    if len({len(one) for one in (*several, verdict, margin, falling)}) > 1:
+    left = [float("nan") if one is None else float(one) for one in record["friction_left"]]
+    if len({len(one) for one in (*several, verdict, left, falling)}) > 1:
         raise LookupError("its parts have several lengths")
     blocks = {block for one in (*several[0], *several[1], *falling) for block in one}
     if record["structure"] not in range(len(sizes)) or blocks - {
@@ -516,7 +516,7 @@ def _read(sizes: Sequence[int], record: Any) -> BuiltOrder:
         raise LookupError("it has other blocks")
     return BuiltOrder(
         int(record["structure"]), bool(record["planned"]), several[0], several[1], verdict,
-        frozen(np.array(margin)), falling,
+        frozen(np.array(left)), falling,
     )  # fmt: skip
 
 

@@ -136,7 +136,7 @@ class Placement(OneLine):
         Names of the blocks that are propped after the step.
     friction_used
         Largest share of its friction that a joint uses after the step.
-    margin
+    margins
         Of the stage after the step; None where it was not asked.
     """
 
@@ -155,7 +155,7 @@ class Placement(OneLine):
     pairs: tuple[tuple[int, int, float], ...]
     props: tuple[str, ...]
     friction_used: float
-    margin: Margin | None = None
+    margins: Margin | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,7 +286,7 @@ class Handling(Answer):
             {
                 **_row(one, *held.get(one.name, (None, ""))),
                 "props_removed": " ".join(self.props_removed(one)),
-                **({} if one.margin is None else asdict(one.margin)),
+                **({} if one.margins is None else asdict(one.margins)),
             }
             for one in self.placements
         ]
@@ -441,7 +441,7 @@ def _placed(
     robot: Robot | None,
     found: RemovalPath | NoPath,
     grips: list[GripFace],
-    margin: Margin | None,
+    margins: Margin | None,
 ) -> Placement:
     step, body, names = (
         plan.steps[number],
@@ -472,7 +472,7 @@ def _placed(
         pairs=tuple(grip_pairs(grips)),
         props=tuple(names[b] for b in step.props),
         friction_used=step.answer.used,
-        margin=margin,
+        margins=margins,
     )
 
 

@@ -117,7 +117,7 @@ class StageAnswer(OneLine):
     sensitive: bool = False
 
     @property
-    def margin(self) -> float:
+    def friction_left(self) -> float:
         """Share left of the friction of its most used joint, 0 to 1; 0 if it falls, else NaN."""
         if self.verdict is Verdict.UNDECIDED:
             return float("nan")

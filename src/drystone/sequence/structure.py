@@ -62,9 +62,9 @@ class StageAnswers(OneLine):
         return frozen(np.array([one.stands for one in self.answers], dtype=bool))
 
     @cached_property
-    def margin(self) -> Floats:
+    def friction_left(self) -> Floats:
         """Share left (s,) of the friction of the most used joint: 0 if it falls, NaN if unknown."""
-        return frozen(np.array([one.margin for one in self.answers], dtype=np.float64))
+        return frozen(np.array([one.friction_left for one in self.answers], dtype=np.float64))
 
     @cached_property
     def falling(self) -> Bools:
@@ -107,7 +107,7 @@ class Structure(OneLine):
     >>> structure = Structure(arch(0.3, 7), friction=0.7)
     >>> structure.stands(["voussoir-00", "voussoir-01", "voussoir-02"]).verdict
     <Verdict.UNSTABLE: 'unstable'>
-    >>> structure.stands(["voussoir-00"]).margin > 0.2
+    >>> structure.stands(["voussoir-00"]).friction_left > 0.2
     True
     """
 

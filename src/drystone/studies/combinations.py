@@ -1,4 +1,4 @@
-"""The verdict and the margin of every combination of loads, and the one that governs."""
+"""The verdict on every combination of loads, what it needs, and the one that governs."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
 from drystone.studies.combination_file import Combination, read_combinations
 
-Margin = Literal["size", "friction", "none"]
+Need = Literal["size", "friction", "none"]
 _ORDER = {Verdict.UNSTABLE: 0, Verdict.UNDECIDED: 1}
 _COARSE = LimitOptions(equilibrium_only=True, width=1e-3)
 
 
 @dataclass(frozen=True, eq=False)
 class Combinations(Answer):
-    """Verdicts and margins of combinations.
+    """Verdicts on combinations, and what each needs of its joints.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Combinations(Answer):
         Of each the least share of the size of the joints, or of their friction, at which some
         forces balance the loads, brittle joints cracked; NaN where it does not stand, was not
         asked, or falls when its brittle joints crack.
-    margin
+    needed_of
         Which of the two.
     stopped
         Why not all were checked; else empty.
@@ -58,7 +58,7 @@ class Combinations(Answer):
     each: tuple[Combination, ...]
     results: tuple[Result, ...]
     needed: tuple[float, ...]
-    margin: Margin = "size"
+    needed_of: Need = "size"
     stopped: str = ""
 
     def _summary(self) -> str:
@@ -66,7 +66,7 @@ class Combinations(Answer):
 
     @cached_property
     def governs(self) -> int:
-        """Position of the combination that falls, is undecided, or has the least margin."""
+        """Position of the combination that falls, is undecided, or needs most."""
         return self._worst_first[0]
 
     @cached_property
@@ -91,19 +91,21 @@ class Combinations(Answer):
         return f"Does not stand in {fallen} of {count}"
 
     def sentences(self) -> Sequence[Sentence]:
-        """The same, the combination that governs, and its margin."""
+        """The same, the combination that governs, and what it needs."""
         stands = all(one.stable for one in self.results)
         one, share = self.each[self.governs], self.needed[self.governs]
         said = [Sentence(self.title, Role.GOOD if stands and not self.stopped else Role.BAD)]
         said.append(Sentence(f"governs: {one.situation.name}: {one.words}"))
         said.append(Sentence(f"there: {self.governing.title}"))
         if np.isfinite(share) and share > 0.0:
-            what = "size of the joints" if self.margin == "size" else "friction"
+            what = "size of the joints" if self.needed_of == "size" else "friction"
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
             told = f"it needs {share:.1%} of the {what}{cracked}: safety {1.0 / share:.4g}"
             said.append(Sentence(told))
-        elif self.margin != "none" and self.governing.stable and self.governing.contacts.brittle:
-            said.append(Sentence("no margin is known: it falls when its brittle joints crack"))
+        elif self.needed_of != "none" and self.governing.stable and self.governing.contacts.brittle:
+            said.append(
+                Sentence("what it needs is not known: it falls when its brittle joints crack")
+            )
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
         said.append(Sentence(divided))
@@ -112,7 +114,7 @@ class Combinations(Answer):
         return said
 
     def tables(self) -> Sequence[Table]:
-        """Each combination: situation, factors, verdict and margin; the worst first."""
+        """Each combination: situation, factors, verdict and what it needs; the worst first."""
         order = self._worst_first
         columns = {
             "number": np.array(order) + 1,
@@ -128,7 +130,7 @@ class Combinations(Answer):
         return self.governing.layers()
 
     def numbers(self) -> Mapping[str, Any]:
-        """How many stand, and the one that governs."""
+        """How many stand, what it needs, and the one that governs."""
         return {
             "file": self.file,
             "standing": sum(one.stable for one in self.results),
@@ -137,7 +139,7 @@ class Combinations(Answer):
             "situation": self.each[self.governs].situation.name,
             "source": self.each[self.governs].situation.source,
             "needed": self.needed[self.governs],
-            "margin": self.margin,
+            "needed_of": self.needed_of,
             "falling": self.governing.falling_names,
             "stopped": self.stopped,
         }
@@ -154,7 +156,7 @@ def combinations(
     given: Given,
     file: PathLike,
     *,
-    margin: Margin = "size",
+    needed_of: Need = "size",
     options: CheckOptions | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -170,7 +172,7 @@ def combinations(
         A model; or an assembly or a file that ``how`` turns into one.
     file
         TOML with the cases and their factors.
-    margin
+    needed_of
         What is said of a combination that stands: the share of the ``size`` of all joints that it
         needs for equilibrium, or of their ``friction``; or ``none``.
     options
@@ -188,7 +190,7 @@ def combinations(
         replaced.require_still()
     clock = Clock(time_limit_s, stop, progress)
     found: list[tuple[Result, float]] = []
-    task = partial(_checked, margin=margin, options=options)
+    task = partial(_checked, needed_of=needed_of, options=options)
     with WorkerPool(executor) as pool:
         for pair in pool.answers(task, (one.of(model) for one in each), clock.late):
             found.append(pair)
@@ -197,25 +199,25 @@ def combinations(
         raise InputError(clock.reason or "nothing was checked", remedy="give it more time")
     results, needed = zip(*found, strict=True)
     return Combinations(
-        model, str(file), tuple(each[: len(results)]), results, needed, margin,
+        model, str(file), tuple(each[: len(results)]), results, needed, needed_of,
         clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 
 
 @one_blas_thread()
-def _checked(model: Model, margin: Margin, options: CheckOptions | None) -> tuple[Result, float]:
+def _checked(model: Model, needed_of: Need, options: CheckOptions | None) -> tuple[Result, float]:
     """The verdict on a model, and the share that it needs."""
     result = check(model, options=options)
-    if margin == "none" or not result.stable:
+    if needed_of == "none" or not result.stable:
         return result, float("nan")
     model = model.cracked() if model.contacts.brittle else model
     found = (
         limit_shrink(model, options=_COARSE)
-        if margin == "size"
+        if needed_of == "size"
         else limit_friction(model, scaled=True, options=_COARSE)
     )
     stands = found.equilibrium.stands
     return result, float("nan") if stands is None else stands
 
 
-OFFERED = Offered(combinations, "arch.json cases.toml", ("margin",))
+OFFERED = Offered(combinations, "arch.json cases.toml", ("needed_of",))

@@ -103,7 +103,7 @@ def study(
     Returns
     -------
     Table
-        A row for each: number and inputs; of a check the verdict and the margin, the tilt [deg] up
+        A row for each: number and inputs; of a check the verdict and ``tilt_margin``, [deg] up
         to which forces balance the loads; of a limit the last value at which it stands and the
         first one at which it falls, or what else it finds, such as both bounds of a thrust; the
         blocks that move, a message, and the time [s].
@@ -163,7 +163,7 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     across, by
         Parameters; when left out, the first one and the second one, if there is one.
     up
-        Column; when left out, the limit or the margin.
+        Column; when left out, the limit or the margin of tilt.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
 
 
 def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:
-    """A study of two parameters as a map, whose cells have the limit or the margin.
+    """A study of two parameters as a map, whose cells have the limit or the margin of tilt.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> 
     across, by
         Parameters; when left out, the first one and the second one.
     value
-        Column; when left out, the limit or the margin.
+        Column; when left out, the limit or the margin of tilt.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> 
 
 
 def _first_found(table: Table) -> str:
-    """The column behind the verdict: the limit or the margin."""
+    """The column behind the verdict: the limit or the margin of tilt."""
     names = list(table.columns)
     return names[names.index("verdict") + 1]
 
@@ -278,7 +278,7 @@ def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
 
 def _columns(limit: str) -> Mapping[str, str]:
     """The columns of what is found, with their units."""
-    return measures(limit) if limit else {"margin": "deg"}
+    return measures(limit) if limit else {"tilt_margin": "deg"}
 
 
 def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:

@@ -46,7 +46,7 @@ def test_gymnasium_makes_it_by_its_name():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_every_verdict_is_that_of_a_check_and_the_reward_tells_the_margin(seed):
+def test_every_verdict_is_that_of_a_check_and_the_reward_tells_the_friction_left(seed):
     structure, env = Structure(ARCH), env_of()
     (state, info), ended = env.reset(), False
     draw = np.random.default_rng(seed)
@@ -59,7 +59,7 @@ def test_every_verdict_is_that_of_a_check_and_the_reward_tells_the_margin(seed):
         fixed = [*np.flatnonzero(ARCH.assembly.fixed), *free[state == 2]]
         there = np.flatnonzero(ARCH.assembly.fixed | np.isin(np.arange(len(ARCH)), free[state > 0]))
         assert info["verdict"] == check(ARCH.with_supports(fixed).subset(there)).verdict.value
-        margin = structure.stands(free[state > 0], held=free[state == 2]).margin
+        margin = structure.stands(free[state > 0], held=free[state == 2]).friction_left
         if info["failed"]:
             assert reward == -1.0
         else:

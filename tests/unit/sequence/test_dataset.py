@@ -44,7 +44,7 @@ def test_each_subset_has_the_verdict_of_a_check_and_belongs_to_an_order(whole):
             assert check(part).verdict is verdict
             held += len(hold)
         stands = np.array([each is Verdict.STABLE for each in one.verdict])
-        assert (one.margin[~stands] == 0.0).all()
+        assert (one.friction_left[~stands] == 0.0).all()
         assert not any(fell for fell, up in zip(one.falling, stands, strict=True) if up)
     assert held > 0
 

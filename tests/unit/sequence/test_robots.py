@@ -96,7 +96,7 @@ def test_a_placement_says_how_a_cell_places_it(tmp_path):
         away = np.linalg.norm(one.frame[:3, 3] - np.array(robot.base))
         assert one.reach_left == pytest.approx(robot.reach - away)
         assert one.props == tuple(found.model.assembly.names[b] for b in step.props)
-        assert one.margin == known.stages[one.step]
+        assert one.margins == known.stages[one.step]
     assert "propped" in status.values()
     work.table().to_csv(tmp_path / "work.csv")
     with (tmp_path / "work.csv").open() as file:

@@ -45,7 +45,7 @@ def test_each_subset_has_the_verdict_of_a_check(model, count):
     found = Structure(model).stands_many(masks)
     assert list(found.verdict) == [checked(model, mask) for mask in masks]
     assert {*found.verdict} >= {Verdict.STABLE}
-    assert (np.isnan(found.margin) == (np.array(found.verdict) == Verdict.UNDECIDED)).all()
+    assert (np.isnan(found.friction_left) == (np.array(found.verdict) == Verdict.UNDECIDED)).all()
     assert not found.falling[found.stands].any()
 
 
@@ -87,12 +87,12 @@ def test_a_stage_may_have_a_load_of_its_own():
     assert structure.stands([1, 2]).stands
 
 
-def test_the_margin_is_the_friction_that_is_left():
+def test_the_friction_left_is_what_the_most_used_joint_leaves():
     structure = Structure(tower(3), friction=0.6)
-    assert structure.stands([1, 2]).margin == pytest.approx(1.0)
+    assert structure.stands([1, 2]).friction_left == pytest.approx(1.0)
     pushed = structure.stands([1, 2], load=(0.3 * 9.81, 0.0, -9.81))
-    assert pushed.margin == pytest.approx(0.5, abs=1e-6)
-    assert structure.stands([1, 2], load=(7.0, 0.0, -9.81)).margin == 0.0
+    assert pushed.friction_left == pytest.approx(0.5, abs=1e-6)
+    assert structure.stands([1, 2], load=(7.0, 0.0, -9.81)).friction_left == 0.0
 
 
 def test_nothing_in_place_stands_and_what_touches_nothing_falls():
@@ -185,10 +185,10 @@ def test_what_cannot_be_asked_of_many_subsets_is_refused_in_words() -> None:
         structure.stands([1, 2], load=sinking)
 
 
-def test_joints_that_carry_hardly_anything_leave_the_margin_alone():
+def test_joints_that_carry_hardly_anything_leave_the_friction_left_alone():
     wall = Structure(corbelled_wall(), friction=0.6)
     lowest = [name for name in wall.model.assembly.names if name < "c03-b01"]
     found = wall.stands(lowest)  # head joints with a thousandth of the largest force slide
     assert found.stands
-    assert found.margin > 0.9
-    assert wall.stands(["c01-b00"]).margin == 1.0  # and no rounding
+    assert found.friction_left > 0.9
+    assert wall.stands(["c01-b00"]).friction_left == 1.0  # and no rounding

@@ -54,7 +54,7 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     rough = Model.of(tower(2), friction=0.6)
     for force, stands in ((6700, True), (6850, False)):
         path = written(tmp_path, firm, WEIGHT, PUSH.format(force))
-        assert combinations(rough, path, margin="none").governing.stable == stands
+        assert combinations(rough, path, needed_of="none").governing.stable == stands
     glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1700.0, brittle=False))
     one = read_combinations(path, glued)[0].of(glued)
     assert one.contacts.capacity is not None
@@ -63,7 +63,7 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
 
 
-def test_the_margin_does_not_count_mortar_that_breaks(tmp_path: Path) -> None:
+def test_what_is_needed_does_not_count_mortar_that_breaks(tmp_path: Path) -> None:
     """As dry, which at 15,000 N it does not balance."""
     glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1e5))
     firm = 'situations = ["EQU"]'
@@ -71,7 +71,7 @@ def test_the_margin_does_not_count_mortar_that_breaks(tmp_path: Path) -> None:
     assert found.needed[found.governs] == pytest.approx(1.5 * 6000.0 / (0.9 * 23544.0), abs=2e-3)
     found = combinations(glued, written(tmp_path, firm, WEIGHT, PUSH.format(15000)))
     assert found.code == 0
-    assert "no margin is known" in " ".join(one.text for one in found.sentences())
+    assert "what it needs is not known" in " ".join(one.text for one in found.sentences())
 
 
 def test_variable_actions_lead_in_turn_and_an_earthquake_goes_both_ways(tmp_path: Path) -> None:

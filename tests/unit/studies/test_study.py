@@ -52,7 +52,7 @@ def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
     assert found["verdict"].tolist() == ["stable", "refused", "unstable"]
     assert "is too wide" in found["message"][1]
     assert found["mechanism"].tolist() == ["", "", "pier"]
-    margin = study(pier, {"width": [0.5]})["margin"]
+    margin = study(pier, {"width": [0.5]})["tilt_margin"]
     assert margin == pytest.approx(math.degrees(math.atan(0.25)), abs=0.01)
 
 
