@@ -47,6 +47,11 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
     assert "normal force at a corner" in tab.text("#legend")
     assert "force network, up to" in tab.text("#legend")
     assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"
+    for straight in ("#front", "#side"):  # from the front one looks along all joints
+        tab.click(straight)
+        for preset, label in (("contacts", "interfaces"), ("utilisation", "friction used")):
+            tab.click(f"[data-preset={preset}]")
+            assert label in tab.text("#legend")
 
 
 def test_every_preset_and_every_slider_changes_the_picture(opened, standing):

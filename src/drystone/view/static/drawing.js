@@ -57,15 +57,15 @@ function currentView(ratio = window.devicePixelRatio || 1) {
 }
 
 const awayFromRest = () => (stage().path ? Number(page.time > 0) : stage().arrives ? 1 - page.time : page.time);
-const drawnLayers = () => stage().layers.filter((layer) => shown(layer) && isDrawn(layer, awayFromRest()));
+
+// What is drawn in a view from a direction.
+function drawnLayers({ back } = camera.axes()) {
+  const drawn = stage().layers.filter((layer) => shown(layer) && isDrawn(layer, awayFromRest()));
+  return drawn.flatMap((layer) => (camera.flat && isEdgeOn(layer, back) ? outlineOf(layer) : layer));
+}
 
 // What the legend tells of a view from a direction: what it draws.
-function told({ back } = camera.axes()) {
-  return {
-    blocks: shownLayers.get("blocks"), ghost: hasGhost(),
-    layers: drawnLayers().filter((layer) => !(camera.flat && isEdgeOn(layer, back))),
-  };
-}
+const told = (axes) => ({ blocks: shownLayers.get("blocks"), ghost: hasGhost(), layers: drawnLayers(axes) });
 
 const hasGhost = () => shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread;
 
@@ -76,6 +76,30 @@ function isDrawn(layer, time) {
     if (page.time < 1) return false;
   } else if (time > 0) return layer.kind === "markers" || layer.colour === "help";
   return !(camera.spread && layer.kind === "lines" && layer.value); // they would end in the air
+}
+
+const outlines = new WeakMap();
+
+// The faces of a layer as the lines around them; nothing where a value differs within a face.
+function outlineOf(layer) {
+  if (outlines.has(layer)) return outlines.get(layer);
+  outlines.set(layer, []);
+  const first = starts(layer.corners);
+  const vector = new Float32Array(layer.position.length);
+  const joints = [];
+  layer.corners.forEach((count, face) => {
+    for (let i = 0; i < count; i++) {
+      const [from, to] = [i, (i + 1) % count].map((k) => 3 * (first[face] + k));
+      vector.set(vec.sub(layer.position.subarray(to, to + 3), layer.position.subarray(from, from + 3)), from);
+      joints.push(layer.interface?.[face]);
+    }
+  });
+  const varies = layer.value?.some((value, corner) => corner > 0
+    && joints[corner] === joints[corner - 1] && value !== layer.value[corner - 1]);
+  if (varies) return [];
+  const made = { ...layer, kind: "lines", vector, interface: layer.interface && joints, width: layer.value ? 1 : 2 };
+  outlines.set(layer, [made]);
+  return [made];
 }
 
 // Whether a parallel view looks along all faces of a layer: none is seen, as of the joints of a plane arch.

@@ -27,11 +27,13 @@ function layerSwatch(layer, colours) {
   return swatch(colours[layer.colour], shape);
 }
 
+const amount = ({ unit }, value) => (unit === "" ? percent(value) : quantity(value, unit));
+
 // The layer with its largest value: what the longest arrow or the widest line stands for.
 function layerText(layer) {
   if (layer.kind === "arrows") return `${layer.label}, up to ${quantity(layer.largest, "N")}`;
   if (layer.kind === "lines" && layer.value) {
-    return `${layer.label}, up to ${quantity(layer.largest, layer.unit)}`;
+    return `${layer.label}, up to ${amount(layer, layer.largest)}`;
   }
   if (layer.kind === "markers") return `${layer.label} (${layer.position.length / 3})`;
   return layer.label;
@@ -63,7 +65,7 @@ function legendRows(data, stage, theme, told) {
 }
 
 // What decides on the rows while a stage is shown.
-const keysOf = ({ blocks, ghost, layers }) => [blocks, ghost, ...layers.map(({ key }) => key)].join();
+const keysOf = ({ blocks, ghost, layers }) => [blocks, ghost, ...layers.map(({ key, kind }) => key + kind)].join();
 
 function showLegend(data, stage, theme, told) {
   const legend = document.getElementById("legend");
@@ -82,9 +84,7 @@ function showLegend(data, stage, theme, told) {
 
 // Ends and middle of a colour bar, in words.
 function barTexts(layer) {
-  const told = (share) => (layer.unit === ""
-    ? percent(share * layer.top) : quantity(share * layer.top, layer.unit));
-  const texts = [0, 0.5, 1].map(told);
+  const texts = [0, 0.5, 1].map((share) => amount(layer, share * layer.top));
   if (layer.largest > 1.001 * layer.top) texts[2] = `\u2265 ${texts[2]}`;
   return texts;
 }
