@@ -8,8 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-from scipy import stats
 from scipy.spatial.transform import Rotation
+from scipy.special import betaincinv
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
@@ -239,8 +239,10 @@ def share_interval(standing: int, made: int, confidence: float) -> tuple[float, 
     """Of a share, after Clopper and Pearson 1934: exact for any number of draws."""
     if made == 0:
         return 0.0, 1.0
-    found = stats.binomtest(standing, made).proportion_ci(confidence, method="exact")
-    return float(found.low), float(found.high)
+    fallen, beyond = made - standing, 0.5 * (1.0 - confidence)
+    low = betaincinv(standing, fallen + 1.0, beyond) if standing else 0.0
+    high = betaincinv(standing + 1.0, fallen, 1.0 - beyond) if fallen else 1.0
+    return float(low), float(high)
 
 
 @checked_call
