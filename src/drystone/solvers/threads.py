@@ -23,9 +23,15 @@ _before: list[tuple[LibController, int]] = []
 
 @functools.cache
 def _pools() -> list[LibController]:
-    """The BLAS libraries of this process, found once: the search takes some milliseconds."""
-    import scipy.linalg  # noqa: F401  # loads its own BLAS
+    """The BLAS libraries of this process, found once: the search takes some milliseconds.
 
+    Each takes the memory for its own work now. One that finds none later ends the process.
+    """
+    import numpy as np
+    from scipy.linalg.blas import dgemm  # loads its own BLAS
+
+    some = np.ones((64, 64))
+    dgemm(1.0, some @ some, some)
     chosen: list[LibController] = ThreadpoolController().select(user_api="blas").lib_controllers
     return chosen
 

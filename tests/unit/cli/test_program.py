@@ -87,6 +87,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Any:
             "the memory was used up: Unable to allocate",
         ),
         (MemoryError(), 2, "the memory was used up; take fewer blocks"),
+        (ImportError("x.so: failed to map segment"), 2, "the memory was used up: x.so"),
         (ZeroDivisionError("division\nby zero"), 70, "please report it: ZeroDivisionError"),
     ],
 )
@@ -205,3 +206,31 @@ def test_a_slow_command_says_in_a_pipe_what_it_does() -> None:
             capture_output=True, text=True, check=True,
         )  # fmt: skip
         assert run.stderr == told
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps to such a limit")
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        (
+            "limit(270000 << 10); from drystone.cli import main; main(['check', 'a.json'])",
+            "drystone: 384 MiB of memory are needed to begin",
+        ),
+        (
+            "import numpy as np; from drystone.solvers.threads import one_blas_thread\n"
+            "with one_blas_thread():\n"
+            "    a = np.ones((99, 99)); b = a.copy()\n"
+            "    limit(1 << 20); np.matmul(a, a, out=b); print(b[0, 0], file=sys.stderr)",
+            "99.0",
+        ),
+    ],
+    ids=["before it begins", "after an analysis began"],
+)
+def test_the_library_of_matrices_never_ends_the_process_for_want_of_memory(
+    code: str, words: str
+) -> None:
+    head = "import sys; from resource import *; limit = lambda n: setrlimit(RLIMIT_AS, (n, n))\n"
+    run = subprocess.run(
+        [sys.executable, "-c", head + code], capture_output=True, text=True, timeout=20
+    )
+    assert run.stderr.startswith(words)
