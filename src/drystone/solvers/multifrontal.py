@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
-from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,27 +189,25 @@ class BlockOrdering:
 
 
 def ordering_of(position: Floats, row: Ints, column: Ints, width: int) -> BlockOrdering:
-    """As :class:`BlockOrdering`; of the same small graph it is made once.
+    """As :class:`BlockOrdering`; of the same graph it is made once, and the last ones are kept.
 
-    The order of a graph that is not cut depends on no position. That of a large one is made once
-    for all that use it at the same time, as joints and their spread points do.
+    The order of a graph that is not cut depends on no position.
     """
+    graph = row.tobytes(), column.tobytes(), width
     if len(position) <= WHOLE:
-        return _ordering_of_graph(len(position), row.tobytes(), column.tobytes(), width)
-    key = (position.tobytes(), row.tobytes(), column.tobytes(), width)
-    made = _IN_USE.get(key)
-    if made is None:
-        made = _IN_USE[key] = BlockOrdering(position, row, column, width)
-    return made
+        return _ordering_of_graph(len(position), *graph)
+    return _ordering_in_space(position.tobytes(), *graph)
 
 
-_IN_USE: WeakValueDictionary[tuple[bytes, bytes, bytes, int], BlockOrdering] = WeakValueDictionary()
+@lru_cache(maxsize=2)  # as many as a check needs: at rest, and with the faces that blocks may meet
+def _ordering_in_space(position: bytes, row: bytes, column: bytes, width: int) -> BlockOrdering:
+    first, second = (np.frombuffer(nodes, dtype=np.intp) for nodes in (row, column))
+    return BlockOrdering(np.frombuffer(position).reshape(-1, 3), first, second, width)
 
 
 @lru_cache(maxsize=16)
 def _ordering_of_graph(count: int, row: bytes, column: bytes, width: int) -> BlockOrdering:
-    first, second = (np.frombuffer(nodes, dtype=np.intp) for nodes in (row, column))
-    return BlockOrdering(np.zeros((count, 3)), first, second, width)
+    return _ordering_in_space.__wrapped__(bytes(24 * count), row, column, width)
 
 
 def _fronts(

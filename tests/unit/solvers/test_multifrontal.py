@@ -1,5 +1,7 @@
 """Block elimination against dense algebra."""
 
+from weakref import ref
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,13 @@ def test_the_order_of_a_small_graph_depends_on_no_position():
     for place in (position, rng.uniform(size=(150, 3))):
         found = ordering_of(place, row, column, 3).factorise(blocks).solve(right)
         np.testing.assert_array_equal(found, alone)
+
+
+def test_the_order_of_a_large_graph_is_made_once_for_one_check_after_another():
+    position, row, column, _, _ = random_system(401, 3, np.random.default_rng(7), 0.1)
+    made = ref(ordering_of(position, row, column, 3))
+    assert ordering_of(position.copy(), row.copy(), column, 3) is made()
+    assert ordering_of(position + 1.0, row, column, 3) is not made()
 
 
 def test_later_factors_change_no_earlier_ones():
