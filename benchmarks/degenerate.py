@@ -154,9 +154,9 @@ def against_rbe(found: Result, rbe: Result, tally: Tally) -> str:
         if none or falls:
             return "STABLE, and no forces balance the loads"
     if rbe.verdict is Verdict.EQUILIBRIUM_EXISTS:
-        fault = fault_of_forces(rbe)
-        if fault or none:
-            return f"forces of RBE, but {fault or 'none balance the loads'}"
+        fault = fault_of_forces(rbe) or (proven_none(rbe.model) and "none balance the loads")
+        if fault:
+            return f"forces of RBE, but {fault}"
     return ""
 
 

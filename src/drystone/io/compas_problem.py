@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats
+from drystone.base.arrays import FARTHEST, Floats
 from drystone.geometry.polygon import area_vector
 from drystone.io.compas_contacts import data_of
 from drystone.io.draft import Draft, Extras
@@ -185,9 +185,11 @@ def _surface(entry: Field, assembly: Assembly, block: int) -> Iterator[LoadCase]
         return
     points = data_of(entry["polygon"])["points"].elements()
     corners = np.array([data_of(point).floats(3) for point in points]).reshape(-1, 3)
+    if not np.abs(corners).max(initial=0.0) <= FARTHEST:
+        raise entry["polygon"].error("has a coordinate that is far too large")
     area = area_vector(corners) if len(corners) > 2 else np.zeros(3)
     size = float(np.linalg.norm(area))
-    if not 0.0 < size < np.inf:
+    if size == 0.0:
         raise entry["polygon"].error("has no area")
     along = entry["direction"].floats(3) if entry.has("direction") else area / size
     force = entry["magnitude"].number() * size * along

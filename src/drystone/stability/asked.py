@@ -114,7 +114,8 @@ class Asked:
     def try_others(self, pool: WorkerPool, count: int, rest: Candidate | None = None) -> None:
         """Rest states with other contact stiffnesses, from that of the uniform one.
 
-        The first has the springs with which blocks are followed.
+        The first has the springs with which blocks are followed. From a rest state on, another one
+        that does not hold it ends them.
         """
         options, statics = self.options, self.problem.statics
         tangential = options.settlement.tangential
@@ -127,6 +128,9 @@ class Asked:
             if not (found.stands or self.clock.late()):
                 self.depends_on(Sensitivity.SHEAR if number == 1 else Sensitivity.JOINTS)
             self.report("stiffness samples", min(2 + number, 2 + options.samples))
+            if rest is not None and Sensitivity.JOINTS in self.sensitive_to:
+                self.planned = len(self.tried)
+                break
 
     def on_spread_points(self, rest: Candidate) -> Model | None:
         """The model with points spread over its faces, where torsion may need their corners."""

@@ -195,7 +195,8 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
 
 def _falls(asked: Asked, collapse: Floats, uniform: Candidate | None = None) -> Result:
     """UNSTABLE where no forces balance the loads: freely where that is why, else as a mechanism."""
-    freely = _free_fall(asked, f"{FREELY}; {UNBALANCED}")
+    before = _surely_free(asked.problem)  # then the others were found not to stand
+    freely = None if before else _free_fall(asked, f"{FREELY}; {UNBALANCED}")
     return asked.unstable(UNBALANCED, collapse, uniform) if freely is None else freely
 
 

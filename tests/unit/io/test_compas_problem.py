@@ -126,6 +126,13 @@ def test_a_load_on_a_polygon_acts_along_its_normal_or_its_direction(tmp_path: Pa
     assert found.load.wrench[2] == pytest.approx([0, 0, -weight - 50.0, 12.5, 0, 0])
 
 
+def test_a_polygon_far_too_large_is_refused_where_it_stands(tmp_path: Path) -> None:
+    polygon = typed("Polygon", {"points": [[0, 0, 3], [1e200, 0, 3], [0, 1e200, 3]]})
+    press = {"block_index": 2, "polygon": polygon, "magnitude": -1.0, "direction": None}
+    with pytest.raises(FormatError, match="far too large"):
+        read(tmp_path, problem(surface_loads=[press]))
+
+
 def test_imposed_displacements_are_a_case_for_settlement(tmp_path: Path) -> None:
     sink = {"block_index": 0, "translation": [None, None, -0.01], "rotation": None}
     found = read(tmp_path, problem(displacements=[sink]))

@@ -122,6 +122,8 @@ def test_a_stiffness_that_has_nearly_found_forces_is_not_one_that_has() -> None:
     found = check(Model.of(random_pack(20, seed=2), friction=0.5), options=CheckOptions.robust())
     assert found.verdict is Verdict.STABLE
     assert found.sensitive_to == (Sensitivity.JOINTS,)
+    # it is known then, and the fifth is not tried
+    assert (found.samples.standing, found.samples.tried) == (3, 4)
 
 
 def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
