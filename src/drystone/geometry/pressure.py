@@ -105,7 +105,7 @@ def _opened(made: Sections, corners: Floats, start: Ints, position: Floats) -> F
         active = inside & (decrement > _CONVERGED * np.abs(value))
         if not active.any():
             break
-        moved = plane + share[:, None] * step
+        moved = plane + np.where(active, share, 0.0)[:, None] * step
         trial = _newton(local, loops, moved)
         allowed = _ROUNDING * np.abs(value) - _DESCENT * share * decrement
         good = active & (trial[0] <= value + allowed)

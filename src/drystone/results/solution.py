@@ -171,7 +171,7 @@ class Solution(OfModel, OneLine):
     def utilisation(self) -> Floats:
         """Share (m,) of the force and torque that each interface can bear along its face.
 
-        See :func:`drystone.friction_use.utilisation_of`: above 1 it needs forces at its corners.
+        Above 1 it needs forces at its corners.
         """
         return utilisation_of(self.contacts, self.resultants)
 

@@ -11,7 +11,8 @@ function under(event) {
   const view = currentView(canvas.width / Math.max(1, canvas.clientWidth));
   const joints = view.time === 0 && !page.onlyBlocks;
   const polygons = joints ? view.layers.filter((layer) => layer.kind === "polygons") : [];
-  const faces = joints && view.layers.some((layer) => layer.corners && layer.interface);
+  // also where a view looks along them
+  const faces = joints && stage().layers.some((layer) => shown(layer) && layer.corners && layer.interface);
   const joint = faces ? jointNear(x, y, view) : -1;
   if (joint >= 0) return { joint };
   const row = canvas.height - 1 - Math.floor(y * view.ratio);
