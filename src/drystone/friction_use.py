@@ -76,11 +76,11 @@ class PressedFaces:
     loops : Ragged
         Corners of each face.
     corners : (l, 2) [m]
-        From the mean corner, as all places here.
+        From the centre of pressure, as all places here.
     plane : (t, 3)
         As :func:`drystone.geometry.pressure.linear_pressure` gives it.
     within : (t, 2) [m]
-        Where the forces act; just within the rim if they act on it.
+        Where the pressure has its centre: the same, or just within the rim for a force on it.
     """
 
     which: Ints
@@ -95,10 +95,11 @@ class PressedFaces:
         loops, row = contacts.corners.take(which)
         origin, corners = local_corners(contacts)
         centre = _along_faces(contacts, resultants.position - origin, which)
-        one = (sections(corners[row], loops.start), corners[row], loops.start)
-        middle, far = one[0].centroid, edge_ratio(*one, centre)
-        within = middle + (centre - middle) * (WITHIN / np.maximum(far, WITHIN))[:, None]
-        return cls(which, loops, one[1], linear_pressure(*one, within), within)
+        local = corners[row] - centre[loops.owner]
+        one = (sections(local, loops.start), local, loops.start)
+        far = edge_ratio(*one, np.zeros_like(centre))
+        within = one[0].centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
+        return cls(which, loops, local, linear_pressure(*one, within), within)
 
     def take(self, some: Bools) -> PressedFaces:
         """Some of the faces (t,)."""
@@ -125,11 +126,10 @@ class PressedFaces:
     ) -> Floats:
         """Force and torque (t,) by the largest that the faces resist, as :func:`slip_use` does."""
         owner, which = points.loops.owner, self.which
-        centre = _along_faces(contacts, resultants.position - local_corners(contacts)[0], which)
         bound = (contacts.friction * resultants.normal)[which]
         return slip_use(
             points.loops,
-            points.place - centre[owner],
+            points.place,
             bound[owner] * pressed_points(points, self.plane, self.within),
             _along_faces(contacts, resultants.force, which),
             resultants.torque[which],

@@ -85,6 +85,7 @@ def face_points(corners: Floats, start: Ints, first: Ints | int = EVEN) -> FaceP
     reach = away[far]
     side = 0.5 * (corners[far] + corners[loops.following[far]])
     poles = np.stack([middle, 0.5 * (middle + corners[far]), 0.5 * (middle + side)], axis=1)
+    exact = _torsion(corners, loops, poles)
     polar = area * np.trace(made.inertia, axis1=1, axis2=2)
     share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), start)
     share *= (area / loops.sum(share))[loops.owner]
@@ -103,13 +104,11 @@ def face_points(corners: Floats, start: Ints, first: Ints | int = EVEN) -> FaceP
         of_corners = mine.sum(share[row] * (offset**2).sum(axis=1))
         moved = np.clip((polar[open_] - of_cells) / (of_corners - of_cells), 0.0, 1.0)
         rim, inside = share[row] * moved[mine.owner], weight * (1.0 - moved)[cells.owner]
-        done = np.full(len(open_), number in (COARSE, len(FINENESS) - 1))
-        if not done.all():
-            here = poles[open_]
-            whole = _torsion(corners[row], mine, here)
-            found = mine.sum(rim[:, None] * lengths(corners[row, None] - here[mine.owner]))
-            found += cells.sum(inside[:, None] * lengths(place[:, None] - here[cells.owner]))
-            done = np.all(np.abs(found - whole) <= ACCURATE * whole, axis=1)
+        here, whole = poles[open_], exact[open_]
+        found = mine.sum(rim[:, None] * lengths(corners[row, None] - here[mine.owner]))
+        found += cells.sum(inside[:, None] * lengths(place[:, None] - here[cells.owner]))
+        done = np.all(np.abs(found - whole) <= ACCURATE * whole, axis=1)
+        done |= number in (COARSE, len(FINENESS) - 1)
         for part, points, weights in ((mine, corners[row], rim), (cells, place, inside)):
             taken = done[part.owner]
             parts.append((open_[part.owner[taken]], points[taken], weights[taken]))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, unit
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane_cross, unit
 from drystone.base.ragged import BATCH, Ragged, expand
 
 FLUSH = 1e-6
@@ -148,11 +148,10 @@ def to_the_end(at: Floats, outward: Floats, row: Ints, of_row: Ragged, segments:
     run, found = segments[:, 1] - segments[:, 0], np.full(len(at), np.inf)
     length = lengths(run)
     for one, item in _pairs(of_row, row):
-        arm, (x, y), (u, v) = segments[item, 0] - at[one], outward[one].T, run[item].T
-        turn = x * v - y * u
+        arm, out, side = segments[item, 0] - at[one], outward[one], run[item]
+        turn = plane_cross(out, side)
         safe = np.where(np.abs(turn) > 0.0, turn, 1.0)
-        far = (arm[:, 0] * v - arm[:, 1] * u) / safe
-        part = (arm[:, 0] * y - arm[:, 1] * x) / safe
+        far, part = plane_cross(arm, side) / safe, plane_cross(arm, out) / safe
         met = (np.abs(turn) > 1e-6 * length[item]) & (far > 0.0) & (part >= 0.0) & (part <= 1.0)
         np.minimum.at(found, one[met], far[met])
     return found

@@ -72,7 +72,7 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
             faces.rows(few, wanted & ~near), nearest.rows(many, wanted[near]), strict=True
         )
     )
-    point = origin[owner] + np.einsum("pi,pij->pj", place, contacts.frame[owner, 1:])
+    point = resultants.position[owner] + np.einsum("pi,pij->pj", place, contacts.frame[owner, 1:])
 
     def both(name: str) -> np.ndarray:
         return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
