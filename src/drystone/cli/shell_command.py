@@ -104,7 +104,8 @@ def shell(
             return Told(tuned, subject=wanted.surface)
         wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
     else:
-        search.refuse_without_vary()
+        # workers are for the search of wedges as well
+        (replace(search, workers=1) if buildable else search).refuse_without_vary()
     from drystone.shells import build_shell, write_blocks
     from drystone.shells.shell_by_name import COURSES
 
@@ -114,7 +115,9 @@ def shell(
     if buildable:
         layout = pattern.layout(base.width, COURSES)
         body = pattern.body(wanted.thickness)
-        told = find_buildable(base.shape, layout, body, pattern, friction, waiting, time_limit)
+        told = find_buildable(
+            base.shape, layout, body, pattern, friction, waiting, time_limit, search.workers
+        )
         made = build_shell(base.shape, told.layout or layout, body)
     else:
         made = shell_on(base, wanted, pattern, waiting)

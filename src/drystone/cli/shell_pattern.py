@@ -203,6 +203,7 @@ def find_buildable(
     friction: float | None,
     waiting: Waiting,
     time_limit: float | None,
+    workers: int | str,
 ) -> Buildable:
     """What needs the least help of a shell while it is built.
 
@@ -229,7 +230,7 @@ def find_buildable(
     wedges = (least, *(one for one in WEDGES if abs(one) > abs(least)))
     given: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("build", "searching what can be built")
-    with waiting.keywords(time_limit) as common:
+    with waiting.keywords(time_limit, workers) as common:
         try:
             return design.make_buildable(
                 shape,

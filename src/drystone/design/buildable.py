@@ -14,6 +14,7 @@ import contextlib
 import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import permutations
 from typing import TypeAlias
 
@@ -48,6 +49,9 @@ many ways are planned as a whole: with one 8 blocks of a tri-dome of 40 need hel
 
 _Cost: TypeAlias = tuple[int, int, int, float]
 """Blocks that cannot be placed, that need help, of them propped; and the sum of the wedges."""
+
+_Place: TypeAlias = tuple[int, float, float]
+"""A course, and the wedges of the bed lines below and above it."""
 
 
 @dataclass(frozen=True)
@@ -135,8 +139,7 @@ def make_buildable(
     several = [layouts] if isinstance(layouts, Layout) else list(layouts)
     clock = Clock(time_limit_s, stop, progress)
     with WorkerPool(executor) as pool:
-        search = _WedgeSearch(shape, body or ShellBody(), chosen, pool, clock)
-        return search.run(several)
+        return _WedgeSearch(shape, body or ShellBody(), chosen, pool, clock).run(several)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,10 +157,7 @@ class _Wedged(OneLine):
     @property
     def cost(self) -> _Cost:
         """As of courses that are planned alone."""
-        needed = Help.of(self.plan)
-        impossible = needed.unplanned + needed.impossible
-        wedge = float(np.abs(self.wedges).sum())
-        return impossible, needed.propped + needed.held, needed.propped, wedge
+        return _cost_of(self.plan, float(np.abs(self.wedges).sum()))
 
     @property
     def help(self) -> Help:
@@ -168,8 +168,7 @@ class _Wedged(OneLine):
     def rank(self) -> tuple[bool, bool, int, Help, float]:
         """Every stage stands, then fewest blocks with help, then the shallowest wedges."""
         stands, needed = self.plan.verdict is Verdict.STABLE, self.help
-        wedge = float(np.abs(self.wedges).sum())
-        return not stands, needed.unplanned, needed.blocks, needed, wedge
+        return not stands, needed.unplanned, needed.blocks, needed, self.cost[-1]
 
 
 class _WedgeSearch:
@@ -187,7 +186,7 @@ class _WedgeSearch:
         self.pool, self.clock, self.late = pool, clock, clock.late
         self.rules = Rules(hands=options.hands, order=Order.COURSE)
         # of each layout: of a course between two wedges the help it needs alone
-        self.alone: dict[Layout, dict[tuple[int, float, float], _Cost]] = {}
+        self.alone: dict[Layout, dict[_Place, _Cost]] = {}
         self.promised: dict[Layout, _Cost] = {}
         self.best: _Wedged | None = None
         self.log: list[str] = []
@@ -210,8 +209,7 @@ class _WedgeSearch:
         """Look at each layout with the same wedge at all bed lines, until one needs no help."""
         for done, layout in enumerate(layouts):
             self.clock.tell(f"planning layouts{self.so_far}", done, len(layouts))
-            for wedge in self.options.wedges:
-                self.look(layout, wedge, wedge)
+            self.look(layout, [(wedge, wedge) for wedge in self.options.wedges])
             self.tell(layout)
             if self.late() or self.free:
                 break
@@ -222,8 +220,7 @@ class _WedgeSearch:
         several = several[: 1 if self.free else _DEEPENED]
         for done, layout in enumerate(several):
             self.clock.tell(f"planning wedges{self.so_far}", done, len(several))
-            for even, odd in permutations(self.options.wedges, 2):
-                self.look(layout, even, odd)
+            self.look(layout, list(permutations(self.options.wedges, 2)))
             self.tell(layout)
 
     @property
@@ -236,21 +233,25 @@ class _WedgeSearch:
         """Whether the best shell needs no help."""
         return self.best is not None and not any(self.best.help)
 
-    def look(self, layout: Layout, even: float, odd: float) -> None:
+    def look(self, layout: Layout, pairs: Sequence[tuple[float, float]]) -> None:
         """Plan each course alone, with one wedge at even bed lines and another at odd ones."""
         known = self.alone.setdefault(layout, {})
         lines = max((course for course, *_ in known), default=0)  # none at first: one wedge at all
-        wedges = tuple(odd if line % 2 else even for line in range(lines))
-        shell = None if self.late() else self.built(layout, wedges or even)
-        if shell is None:
-            return
-        wedges = wedges or (even,) * line_count(shell)
-        for place in zip(range(len(wedges) + 1), [0.0, *wedges], [*wedges, 0.0], strict=True):
-            if place not in known:
-                found = self.course_alone(shell, place[0])
-                if self.late():
-                    return
-                known[place] = found
+        open_: dict[_Place, Shell] = {}
+        for even, odd in pairs:
+            wedges = tuple(odd if line % 2 else even for line in range(lines))
+            shell = None if self.late() else self.built(layout, wedges or even)
+            if shell is not None:
+                wedges = wedges or (even,) * line_count(shell)
+                places = zip(range(len(wedges) + 1), [0.0, *wedges], [*wedges, 0.0], strict=True)
+                open_ |= {place: shell for place in places if place not in known | open_}
+        task = partial(_course_alone, self.options, self.clock)
+        answers = self.pool.answers(task, open_.items(), self.late)
+        for place, found in zip(open_, answers, strict=False):
+            if self.late():
+                return
+            self.tried += 1
+            known[place] = found
 
     def built(self, layout: Layout, wedge: float | tuple[float, ...]) -> Shell | None:
         """The shell of a layout with other wedges; ``None`` where it cannot have them."""
@@ -260,28 +261,6 @@ class _WedgeSearch:
             told = ", ".join(f"{one:g}" for one in np.atleast_1d(wedge))
             self.log.append(f"{_told(layout)}, wedges of {told}: {error}")
             return None
-
-    def course_alone(self, shell: Shell, course: int) -> _Cost:
-        """The help that a course needs on those below it, which are held."""
-        model = shell.model(friction=self.options.friction)
-        level = levels_of(shell)
-        own = (course_of(shell) == course) & ~model.assembly.fixed
-        if not own.any():
-            return (0, 0, 0, 0.0)
-        below = (level < level[own].min()) | model.assembly.fixed
-        place = np.flatnonzero(own | below)
-        part = model.subset(place.tolist())
-        alone, _ = local_model(part, np.flatnonzero(own[place]).tolist())
-        found = plan(
-            alone,
-            options=PlanOptions(rules=Rules(hands=self.options.hands), anyway=True),
-            executor=self.pool.executor,
-            stop=self.late,
-        )
-        self.tried += 1
-        needed = Help.of(found)
-        impossible = needed.unplanned + needed.impossible
-        return impossible, needed.propped + needed.held, needed.propped, 0.0
 
     def promises(self, layout: Layout) -> list[tuple[_Cost, tuple[float, ...]]]:
         """The wedges with the least help of all courses alone, and that help; the least first."""
@@ -366,6 +345,28 @@ class _WedgeSearch:
             wedges = (self.options.wedges[0],) * len(best.wedges)
             return self.planned(replace(best.layout, wedge=wedges))
         return None
+
+
+def _course_alone(options: BuildableOptions, clock: Clock, of: tuple[_Place, Shell]) -> _Cost:
+    """The help that a course of a shell needs on those below it, which are held."""
+    (course, *_), shell = of
+    model = shell.model(friction=options.friction)
+    level = levels_of(shell)
+    own = (course_of(shell) == course) & ~model.assembly.fixed
+    if not own.any():
+        return (0, 0, 0, 0.0)
+    below = (level < level[own].min()) | model.assembly.fixed
+    place = np.flatnonzero(own | below)
+    part = model.subset(place.tolist())
+    alone, _ = local_model(part, np.flatnonzero(own[place]).tolist())
+    rules = Rules(hands=options.hands)
+    return _cost_of(plan(alone, options=PlanOptions(rules=rules, anyway=True), stop=clock.late))
+
+
+def _cost_of(found: Plan, wedge: float = 0.0) -> _Cost:
+    needed = Help.of(found)
+    impossible = needed.unplanned + needed.impossible
+    return impossible, needed.propped + needed.held, needed.propped, wedge
 
 
 def _sum(one: _Cost, other: _Cost, wedge: float) -> _Cost:

@@ -1,6 +1,7 @@
 """Shells built with less help, checked and planned again from their files."""
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 import drystone
 from benchmarks.niche import NICHE, niche_shape
 from drystone import InputError, design
+from drystone.base.workers import LocalWorkers
 from drystone.cli import main
 from drystone.cli.waiting import UNDER_WAY
 from drystone.design import BuildableOptions, Help, make_buildable
@@ -51,7 +53,9 @@ def test_the_published_vault_needs_no_help_with_deep_wedges_below_two_of_four_co
 def test_wedges_are_searched_course_by_course_until_no_block_needs_help() -> None:
     shape, layout = dome(3.0, 1.5), Layout(courses=3, blocks=5)
     body = ShellBody(thickness=0.5, ground=Ground.SPRINGERS)
-    found = make_buildable(shape, layout, body, options=BuildableOptions(wedges=(0.02, 0.4)))
+    wedges = BuildableOptions(wedges=(0.02, 0.4))
+    with ThreadPoolExecutor(2) as executor:
+        found = make_buildable(shape, layout, body, options=wedges, executor=executor)
     assert found.before is not None
     assert found.before.blocks == 2
     assert found.free
@@ -139,12 +143,13 @@ def test_a_search_that_is_stopped_before_its_first_plan_says_so(
         work = UNDER_WAY.get()
         assert work is not None
         work.interrupted = True
+        assert how["executor"] == LocalWorkers(2)
         make_buildable(barrel_vault(4.0, 2.0, 2.0), Layout(courses=3), body, stop=lambda: True)
 
     with pytest.raises(InputError, match="stopped before its first plan; give it time"):
         make_buildable(barrel_vault(4.0, 2.0, 2.0), Layout(courses=3), body, time_limit_s=0.0)
     monkeypatch.setattr(design, "make_buildable", interrupted)
-    assert main(["shell", "barrel", "--courses", "3", "--buildable"]) == 130
+    assert main(["shell", "barrel", "--courses", "3", "--buildable", "--workers", "2"]) == 130
     assert "interrupted; nothing was written" in capsys.readouterr().err
 
 
