@@ -3,6 +3,9 @@
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import closing
+
+from drystone.cli.waiting import Waiting
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     # Before numpy is imported. The matrices are many and small. On a busy machine of two cores the
@@ -14,9 +17,10 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; see :func:`drystone.cli.application.main`."""
-    try:
-        from drystone.cli.application import main as run  # Ctrl-C may come during this import
-    except KeyboardInterrupt:
-        print("drystone: interrupted; nothing was written", file=sys.stderr)
-        return 130
-    return run(arguments)
+    with closing(Waiting()):  # says what is done from here on
+        try:
+            from drystone.cli.application import main as run  # Ctrl-C may come during this import
+        except KeyboardInterrupt:
+            print("drystone: interrupted; nothing was written", file=sys.stderr)
+            return 130
+        return run(arguments)

@@ -225,7 +225,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     as_json = "--json" in given
-    UNDER_WAY.set(None)
     if isinstance(sys.stdout, io.TextIOWrapper):  # a name that it cannot encode is written escaped
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

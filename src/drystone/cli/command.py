@@ -25,7 +25,7 @@ from drystone.cli.offered import (
 )
 from drystone.cli.output import UsageFault
 from drystone.cli.told import Told, finish
-from drystone.cli.waiting import Waiting
+from drystone.cli.waiting import UNDER_WAY, Waiting
 
 _WIDTH = 100
 """Largest width of the help [characters]."""
@@ -193,7 +193,8 @@ def _run(function: Callable[..., Told | None], parts: list[Part], given: dict[st
     as_json = given.pop("as_json")
     try:
         made = {part.name: part.made(given) for part in parts}
-        with Waiting(asks=not as_json) as waiting:
+        with UNDER_WAY.get() or Waiting() as waiting:
+            waiting.asks = not as_json
             if "waiting" in inspect.signature(function).parameters:
                 made["waiting"] = waiting
             answer = function(**made)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from drystone.base.workers import DaskWorkers, LocalWorkers
 
 PATIENCE = 1.0
-"""Time [s] before progress is shown."""
+"""Time [s], about, before progress is shown."""
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 NOTHING = "nothing was written"
@@ -33,7 +33,8 @@ _STOPPING = "stopping (Ctrl-C again ends at once)"
 class Waiting:
     """Shows stages and their progress inside its context.
 
-    Where stderr is no terminal it has one line, once the work takes long.
+    Where stderr is no terminal it has a line, once the work takes long. So it has everywhere before
+    the context: imports take seconds on a busy machine.
 
     An instance is the progress callback of the library: ``(stage, done, total)``.
 
@@ -67,31 +68,41 @@ class Waiting:
         self._bar: Progress | None = None
         self._timer: threading.Timer | None = None
         self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
+        UNDER_WAY.set(self)
+        self._begin(1.5 * PATIENCE, self._tell)
 
     def __enter__(self) -> Waiting:
-        UNDER_WAY.set(self)
         from rich.console import Console  # slow to import
 
         self._console = Console(stderr=True)
         if self._console.is_terminal:
-            self._timer = threading.Timer(PATIENCE, self._show)
-        elif sys.stderr is sys.__stderr__:  # not where a program keeps what is said
-            self._timer = threading.Timer(1.5 * PATIENCE, self._tell)
-        if self._timer is not None:
-            self._timer.daemon = True
-            self._timer.start()
+            self.close()
+            self._begin(0.5 * PATIENCE, self._show)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.end_stage()
+        self.close()
+        if kind is KeyboardInterrupt:
+            from multiprocessing import active_children  # the commands start fast
+
+            for child in active_children():  # their answers are not needed any more
+                child.terminate()
+
+    def _begin(self, after: float, action: Callable[[], None]) -> None:
+        """Show what is done after so many seconds."""
+        self._timer = threading.Timer(after, action)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def close(self) -> None:
+        """Show nothing from here on."""
         if self._timer is not None:
             self._timer.cancel()
         with self._lock:
-            self._timer = None
-            if self._bar is not None:
-                self._bar.stop()
-        if kind is KeyboardInterrupt:
-            _end_workers()
+            self._timer, bar, self._bar, self._due = None, self._bar, None, False
+            if bar is not None:
+                bar.stop()
 
     @contextmanager
     def stoppable(self) -> Iterator[Callable[[], bool]]:
@@ -182,14 +193,14 @@ class Waiting:
 
     def _tell(self) -> None:
         with self._lock:
-            if self._timer is None or sys.stderr is None:
+            # not where a program keeps what is said
+            if self._timer is None or sys.stderr is None or sys.stderr is not sys.__stderr__:
                 return
-            self._due = self._begun is None  # told once there is something to tell
-            if not self._due:
-                stage, done, total = self._state
-                told = f"{stage}, {done} of {total}" if done < total else self._doing
-                with suppress(OSError, ValueError):  # closed or full: nobody reads it
-                    print(f"drystone: {told} ...", file=sys.stderr, flush=True)
+            self._due = self._begun is None  # the stage is told once it begins
+            stage, done, total = self._state
+            told = f"{stage}, {done} of {total}" if done < total else self._doing or "starting"
+            with suppress(OSError, ValueError):  # closed or full: nobody reads it
+                print(f"drystone: {told} ...", file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -197,12 +208,9 @@ class Waiting:
         with self._lock:
             if self._timer is None:
                 return
-            columns = (
-                TextColumn("{task.description}", markup=False),
-                BarColumn(),
-                TimeElapsedColumn(),
-            )
-            bar = Progress(*columns, console=self._console, transient=True)
+            told = TextColumn("{task.description}", markup=False)
+            shown = (told, BarColumn(), TimeElapsedColumn())
+            bar = Progress(*shown, console=self._console, transient=True)
             stage, done, total = self._state
             bar.add_task(stage, completed=done, total=total or None)
             bar.start()
@@ -244,11 +252,3 @@ def _handled_by(handler: object) -> list[signal.Signals]:
     if threading.current_thread() is not threading.main_thread():
         return []
     return [one for one in _REQUESTS if signal.getsignal(one) is handler]
-
-
-def _end_workers() -> None:
-    """End the worker processes: their answers are not needed any more."""
-    from multiprocessing import active_children  # the commands start fast
-
-    for child in active_children():
-        child.terminate()

@@ -4,6 +4,7 @@ import io as text_io
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -192,20 +193,42 @@ def test_the_version_is_told_without_numpy() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_a_slow_command_says_in_a_pipe_what_it_does() -> None:
-    script = (
-        "import time\n"
-        "from drystone.cli.waiting import Waiting\n"
-        "with Waiting() as waiting:\n"
-        "    waiting.stage('mend', 'mending')\n"
-        "    time.sleep({})\n"
-    )
-    for seconds, told in ((2.5, "drystone: mending ...\n"), (0.1, "")):
-        run = subprocess.run(
-            [sys.executable, "-c", script.format(seconds)],
-            capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        assert run.stderr == told
+def test_a_slow_command_says_in_a_pipe_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    for patience, told in ((0.0, "drystone: mending ...\n"), (60.0, "")):
+        said = text_io.StringIO()
+        monkeypatch.setattr("drystone.cli.waiting.PATIENCE", patience)
+        monkeypatch.setattr(sys, "stderr", said)
+        monkeypatch.setattr(sys, "__stderr__", said)
+        with Waiting() as waiting:
+            waiting.stage("mend", "mending")
+            wait_for(said, told)
+        assert said.getvalue().endswith(told)
+        assert bool(said.getvalue()) == bool(told)
+
+
+def wait_for(said: text_io.StringIO, words: str) -> None:
+    end = time.monotonic() + 10.0
+    while words not in said.getvalue() and time.monotonic() < end:
+        time.sleep(0.005)
+
+
+def test_a_program_that_starts_slowly_says_so_and_goes_on_with_what_it_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    said = text_io.StringIO()
+    for name in ("stderr", "__stderr__"):
+        monkeypatch.setattr(sys, name, said)
+    monkeypatch.setattr("drystone.cli.waiting.PATIENCE", 0.0)
+
+    begin = application.app.main
+
+    def slow(*given: Any, **named: Any) -> Any:
+        wait_for(said, "starting")  # imports that take long
+        return begin(*given, **named)
+
+    monkeypatch.setattr(application.app, "main", slow)
+    assert main(["check", "a.json"]) == 2
+    assert said.getvalue().startswith("drystone: starting ...\ndrystone: reading a.json ...\n")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps to such a limit")
