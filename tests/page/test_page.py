@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import re
 import xml.etree.ElementTree as ET
 
 import pytest
+from PIL import Image
 
 import drystone
 from drystone.assembly import Assembly
@@ -42,7 +44,7 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
         assert one in asked
     assert "supports: springer-left, springer-right" in asked
     assert asked.endswith(f"drystone\u00a0{drystone.__version__}")
-    assert "normal force at a corner" not in tab.text("#legend")  # joints are seen as lines
+    assert "normal force at a corner, up to" in tab.text("#legend")  # joints are seen as lines
     tab.click("#side")
     assert "normal force at a corner" in tab.text("#legend")
     assert "force network, up to" in tab.text("#legend")
@@ -52,6 +54,9 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
         for preset, label in (("contacts", "interfaces"), ("utilisation", "friction used")):
             tab.click(f"[data-preset={preset}]")
             assert label in tab.text("#legend")
+    tab.click("#front")  # joints lie over the edges of blocks
+    picture = Image.open(io.BytesIO(pixels(tab))).convert("RGB").getcolors(1 << 20)
+    assert sum(count for count, colour in picture if colour == (0, 114, 178)) > 200
 
 
 def test_every_preset_and_every_slider_changes_the_picture(opened, standing):

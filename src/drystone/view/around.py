@@ -154,7 +154,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             continue
         wide = 1.6 * layer.width
         if layer.kind is LayerKind.ARROWS or layer.value is not None:
-            text += f", up to {quantity(layer.largest, layer.unit)}"
+            text += f", up to {_amount(layer.largest, layer.unit)}"
             wide = 1.6 * layer.width if layer.value is None else 3.0
         handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
     for columns in (4, 3, 2, 1):
@@ -163,7 +163,7 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             frameon=False, fontsize=8, handlelength=1.6, columnspacing=1.6,
             labelcolor=sheet.colours["edge"],
         )  # fmt: skip
-        gravity = figure.bbox.x1 - 0.7 * figure.dpi  # its arrow and its name
+        gravity = figure.bbox.x1 - 0.8 * figure.dpi  # its arrow and its name
         box = legend.get_window_extent()
         if columns == 1 or box.x1 < gravity:
             break
@@ -171,6 +171,10 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
     left, bottom, right, top = sheet.axes.get_position().extents
     low = max(bottom, box.y1 / figure.bbox.height) + _strip(figure)
     sheet.axes.set_position((left, low, right - left, top - low))
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{100.0 * value:.0f} %" if unit == "" else quantity(value, unit)
 
 
 def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
@@ -188,10 +192,7 @@ def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         bar.set_ylim(0.0, 1.0)
         top = sheet.scene.top(layer.key)
         more = "\N{GREATER-THAN OR EQUAL TO} " if layer.largest > 1.001 * top else ""
-        told = [
-            f"{100.0 * x * top:.0f} %" if layer.unit == "" else quantity(x * top, layer.unit)
-            for x in (0.0, 0.5, 1.0)
-        ]
+        told = [_amount(x * top, layer.unit) for x in (0.0, 0.5, 1.0)]
         bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=7)
         bar.set_yticks([])
         ink = sheet.colours["edge"]

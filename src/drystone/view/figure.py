@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.view.around import draw_bar, draw_gravity, draw_scale_bar, write_legend, write_title
 from drystone.view.exploded import taken_apart
-from drystone.view.ink import draw_blocks, draw_layer, draw_motion
+from drystone.view.ink import as_seen, draw_blocks, draw_layer, draw_motion
 from drystone.view.palette import (
     PRESETS,
     ROLE_COLOUR,
@@ -151,21 +152,12 @@ def save_figure(
     if explode:
         scene = taken_apart(scene, float(explode))
 
-    def drawing() -> Figure:
-        return draw(
-            scene,
-            (float(width), float(height)),
-            toward=None if toward is None else unit(toward, "view direction"),
-            preset=preset,
-            layers=layers,
-            opacity=opacity,
-            arrow_scale=float(arrow_scale),
-            stage=stage,
-            names=names,
-            theme="dark" if dark else "light",
-            inside=ax,
-        )
-
+    drawing = partial(
+        draw, scene, (float(width), float(height)), preset=preset, layers=layers, opacity=opacity,
+        toward=None if toward is None else unit(toward, "view direction"),
+        arrow_scale=float(arrow_scale), stage=stage, names=names,
+        theme="dark" if dark else "light", inside=ax,
+    )  # fmt: skip
     return save_plot(path, drawing, dpi, "figure")
 
 
@@ -204,6 +196,7 @@ def draw(
     axes.set_aspect("equal", adjustable="datalim")
     axes.axis("off")
     eye = scene.toward if toward is None else toward
+    chosen = [as_seen(layer, eye) for layer in chosen]
     sheet = Sheet(axes, scene, shown, eye, width, height, opacity, theme)
     left = chosen if sheet.plane is None else seen_behind(chosen, sheet.plane, scene.block_size)
     draw_shadow(sheet)

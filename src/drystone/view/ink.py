@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,9 @@ from scipy.spatial.transform import Rotation
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.halfedge import sharp_edges
+from drystone.geometry.polygon import area_vectors
 from drystone.geometry.triangulate import triangulate
 from drystone.view.depth import SortedPolygons, ordered_patches
 from drystone.view.palette import STATE_COLOUR, ramp_colours, rgb
@@ -211,6 +214,32 @@ def draw_motion(sheet: Sheet) -> None:
     shown = slice(None) if sheet.plane is None else sheet.plane.heights(assembly.centroid) <= 0.0
     tail = sheet.project(assembly.centroid[shown])
     _arrows(sheet, tail, motion[shown, :3] @ sheet.paper.T, sheet.colours["edge"], 1.0)
+
+
+def as_seen(layer: Layer, eye: Floats) -> Layer:
+    """A layer as it is seen from (3,): faces that one looks along, as the lines around them.
+
+    They are in pieces, unless they are many, and grow wider with a value that differs along them.
+    """
+    if layer.start is None:
+        return layer
+    loops, at = Ragged(layer.start), layer.position
+    area = area_vectors(at, layer.start)
+    if (np.abs(area @ eye) > 1e-3 * np.linalg.norm(area, axis=1)).any():
+        return layer
+    pieces = 1 if layer.value is None or len(at) > 5_000 else _SHADES
+    share, after = np.arange(pieces)[:, None] / pieces, loops.following
+    value = layer.value
+    if value is not None:
+        value = (value + (share + 0.5 / pieces) * (value[after] - value)).ravel()
+    owner = np.tile(loops.owner, pieces)
+    return replace(
+        layer, kind=LayerKind.LINES, start=None, width=2.0, value=value,
+        position=(at + share[:, :, None] * (at[after] - at)).reshape(-1, 3),
+        vector=np.tile((at[after] - at) / pieces, (pieces, 1)),
+        interface=None if layer.interface is None else layer.interface[owner],
+        block=None if layer.block is None else layer.block[owner],
+    )  # fmt: skip
 
 
 def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 
 import drystone
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
-from drystone.models import tower
+from drystone.models import arch, tower
 from drystone.view import save_figure, scene_of
 from drystone.view.exploded import taken_apart
 from drystone.view.figure import draw
@@ -107,6 +108,16 @@ def texts(figure: Any) -> str:
     legend = figure.legends[0]
     every = [*figure.texts, *figure.axes[0].texts, *legend.get_texts()]
     return "\n".join(text.get_text() for text in every)
+
+
+def test_joints_that_one_looks_along_are_drawn_as_lines() -> None:
+    result = drystone.check(arch(0.2, 6), friction=0.7)
+    assert "friction used, up to 49 %" in texts(figure_of(result, preset="utilisation"))
+    forces = figure_of(result, layers=["joint-force"])
+    (lines,) = [one for one in forces.axes[0].collections if isinstance(one, LineCollection)]
+    widths = np.reshape(lines.get_linewidths(), (-1, 4 * result.contacts.count))
+    assert len(lines.get_segments()) == widths.size
+    assert np.ptp(widths, axis=0).max() > 1.0  # a joint is pressed more at one end
 
 
 def test_the_figure_says_verdict_units_and_scale() -> None:

@@ -4,6 +4,8 @@ const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
 const PAPER = 700; // [CSS pixels], about the width of a printed page
 const IN_PLANE = 1e-3; // by the size of a block: what is so near the section plane lies in it
 const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
+const PIECES = 16; // of a line whose width changes along it
+const MOST_PIECES = 40000; // of all lines of a layer, about
 const MANY = 1000; // blocks, from which edges and lines wait where pictures come slowly and move
 
 function sizeOf() {
@@ -61,7 +63,7 @@ const awayFromRest = () => (stage().path ? Number(page.time > 0) : stage().arriv
 // What is drawn in a view from a direction.
 function drawnLayers({ back } = camera.axes()) {
   const drawn = stage().layers.filter((layer) => shown(layer) && isDrawn(layer, awayFromRest()));
-  return drawn.flatMap((layer) => (camera.flat && isEdgeOn(layer, back) ? outlineOf(layer) : layer));
+  return drawn.map((layer) => (camera.flat && isEdgeOn(layer, back) ? outlineOf(layer) : layer));
 }
 
 // What the legend tells of a view from a direction: what it draws.
@@ -80,26 +82,35 @@ function isDrawn(layer, time) {
 
 const outlines = new WeakMap();
 
-// The faces of a layer as the lines around them; nothing where a value differs within a face.
+// The faces of a layer as the lines around them, drawn over the edges of blocks. Where a value differs
+// within a face its lines are in pieces, so that they grow wider with it.
 function outlineOf(layer) {
   if (outlines.has(layer)) return outlines.get(layer);
-  outlines.set(layer, []);
-  const first = starts(layer.corners);
-  const vector = new Float32Array(layer.position.length);
-  const joints = [];
-  layer.corners.forEach((count, face) => {
+  const { position, value, corners } = layer;
+  const first = starts(corners);
+  const [at, vector, values, joints] = [[], [], [], []];
+  const most = Math.max(1, Math.min(PIECES, Math.round(MOST_PIECES / (position.length / 3))));
+  corners.forEach((count, face) => {
     for (let i = 0; i < count; i++) {
-      const [from, to] = [i, (i + 1) % count].map((k) => 3 * (first[face] + k));
-      vector.set(vec.sub(layer.position.subarray(to, to + 3), layer.position.subarray(from, from + 3)), from);
-      joints.push(layer.interface?.[face]);
+      const [from, to] = [i, (i + 1) % count].map((k) => first[face] + k);
+      const [start, end] = [from, to].map((k) => position.subarray(3 * k, 3 * k + 3));
+      const rise = value ? value[to] - value[from] : 0;
+      const pieces = rise === 0 ? 1 : most;
+      const part = vec.scale(vec.sub(end, start), 1 / pieces);
+      for (let k = 0; k < pieces; k++) {
+        at.push(...vec.add(start, vec.scale(part, k)));
+        vector.push(...part);
+        if (value) values.push(value[from] + (rise * (k + 0.5)) / pieces);
+        joints.push(layer.interface?.[face]);
+      }
     }
   });
-  const varies = layer.value?.some((value, corner) => corner > 0
-    && joints[corner] === joints[corner - 1] && value !== layer.value[corner - 1]);
-  if (varies) return [];
-  const made = { ...layer, kind: "lines", vector, interface: layer.interface && joints, width: layer.value ? 1 : 2 };
-  outlines.set(layer, [made]);
-  return [made];
+  const made = {
+    ...layer, kind: "lines", over: true, width: value ? 1 : 2, interface: layer.interface && joints,
+    position: Float32Array.from(at), vector: Float32Array.from(vector), value: value && Float32Array.from(values),
+  };
+  outlines.set(layer, made);
+  return made;
 }
 
 // Whether a parallel view looks along all faces of a layer: none is seen, as of the joints of a plane arch.

@@ -73,11 +73,12 @@ class Renderer extends BlockRenderer {
     if (view.showEdges) yield* this.drawEdges(view, view.fine, true);
     gl.enable(gl.BLEND);
     for (const layer of view.layers) {
+      const seen = layer.over ? this.nearer(view) : view; // than the edges of blocks, which they lie in
       gl.depthMask(false);
       gl.depthFunc(gl.GREATER);
-      yield* this.drawLayer(layer, view, layer.kind === "polygons" ? 0.2 : HIDDEN);
+      yield* this.drawLayer(layer, seen, layer.kind === "polygons" ? 0.2 : HIDDEN);
       gl.depthFunc(gl.LEQUAL);
-      yield* this.drawLayer(layer, view, 1);
+      yield* this.drawLayer(layer, seen, 1);
       gl.depthMask(true);
     }
   }
@@ -86,7 +87,7 @@ class Renderer extends BlockRenderer {
   // front, then marks and arrows.
   * drawGlass(view) {
     const gl = this.gl;
-    const inside = view.layers.filter((layer) => layer.kind === "polygons" || layer.value);
+    const inside = view.layers.filter(({ kind, value, over }) => kind === "polygons" || (value && !over));
     for (const layer of inside.filter(({ kind }) => kind === "polygons")) {
       yield* this.drawLayer(layer, view, 1);
     }
@@ -114,6 +115,14 @@ class Renderer extends BlockRenderer {
     }
     gl.enable(gl.DEPTH_TEST);
     gl.depthMask(true);
+  }
+
+  // A parallel view in which all lies a little nearer to the eye, by twice as much as edges do.
+  nearer(view) {
+    const projection = view.projection.slice();
+    const way = vec.scale(view.back, 8e-3 * vec.length(this.data.half));
+    for (let k = 0; k < 3; k++) projection[14] += way[k] * projection[4 * k + 2];
+    return { ...view, projection };
   }
 
   * drawLayer(layer, view, opacity) {
