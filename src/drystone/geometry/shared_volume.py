@@ -17,7 +17,7 @@ from drystone.geometry import boxes
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.solid import farthest, squared_distance
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
 
 _MANY_CORNERS = 100_000
 """Pairs of a corner of each of two convex bodies above which their depth is measured as that of
@@ -68,7 +68,7 @@ def shared_volumes(
     Parameters
     ----------
     faces
-        Of all bodies, oriented outwards; a warped face counts as its triangles.
+        Of all bodies, oriented outwards; a warped face counts as its fan.
     a, b : (p,)
         Pairs of bodies, by the owners in ``faces``.
     tolerance : (p,) [m]
@@ -144,16 +144,14 @@ class _Bodies:
         loops, place = every.corners.take(chosen)
         used, loop = np.unique(every.loop[place], return_inverse=True)
         owner = np.searchsorted(number, every.owner[chosen])
-        of_point = np.zeros(len(used), dtype=np.intp)
-        of_point[loop] = loops.spread(owner)
-        point = every.point[used]
+        faces = fan_warped(Faces(every.point[used], loop.astype(np.intp), loops.start, owner))
         return cls(
             number,
-            point,
-            Ragged.from_owners(of_point, len(number)),
-            Ragged.from_owners(owner, len(number)),
-            loop.astype(np.intp),
-            loops,
+            faces.point,
+            Ragged.from_owners(point_owners(faces), len(number)),
+            Ragged.from_owners(faces.owner, len(number)),
+            faces.loop,
+            faces.corners,
             {},
         )
 

@@ -19,6 +19,9 @@ _THIN = 1e-3
 """A fan about the first corner with a triangle below this share of the face is rejected. Chosen.
 Where a face is warped, slivers cross other faces."""
 
+WARPED = 1e-9
+"""Faces that are less warped, relative to the block, are plane. Chosen, above rounding."""
+
 
 def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     """Triangles that cover simple polygons, with their orientation.
@@ -120,7 +123,7 @@ def _delaunay(flat: Floats, start: Ints, chosen: Ints) -> list[Ints]:
     return found
 
 
-def fan_warped(faces: Faces, tolerance: float) -> Faces:
+def fan_warped(faces: Faces, tolerance: float = WARPED) -> Faces:
     """The same bodies, every warped face replaced by its fan about the mean of its corners.
 
     The volume and the centroid of a body are those of this fan

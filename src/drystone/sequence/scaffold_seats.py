@@ -22,7 +22,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.planar import parts_of
 from drystone.geometry.polyhedron import Faces, stack_faces
 from drystone.geometry.solid import crossings
-from drystone.geometry.triangulate import fan_warped, triangulate
+from drystone.geometry.triangulate import WARPED, fan_warped, triangulate
 from drystone.model import Model
 
 INSET = 0.6
@@ -33,8 +33,6 @@ LEAST_FREE = 0.05
 _ROUNDED = 0.05
 """Corners of a seat are left out where they change it by less, relative to the root of its area.
 Chosen: a round seat has some eight corners."""
-_WARPED = 1e-9
-"""Faces that are less warped, relative to the block, are plane. Chosen, above rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +109,7 @@ class Seat(OneLine):
             t = (y * one[:, 1] - x * one[:, 2]) / twice
             inside = np.minimum(np.minimum(s, t), 1.0 - s - t)
             height = corner[:, 0] + s * one[:, 0] + t * two[:, 0]
-            hit = inside >= min(float(inside.max()), -_WARPED)
+            hit = inside >= min(float(inside.max()), -WARPED)
             best = np.argmin(np.where(hit, np.abs(height - wanted), np.inf))
             out[i] = np.append(height[best], place) @ self.axes
         return out
@@ -185,7 +183,7 @@ def surface_triangles(of: Block | Assembly) -> tuple[Floats, Ints]:
     A warped face is its fan about the mean of its corners, as in its volume.
     """
     faces: Faces = of.faces if isinstance(of, Assembly) else stack_faces([of.vertices], [of.faces])
-    faces = fan_warped(faces, _WARPED)
+    faces = fan_warped(faces)
     corner = faces.point[faces.loop]
     triangle, face = triangulate(corner, faces.start)
     return corner[triangle], faces.owner[face]

@@ -37,7 +37,7 @@ def usual_width(kind: str, span: float = SPAN) -> float:
 
 
 def usual_courses(kind: str) -> int:
-    """12, or 8 of three vaults: with 11 and with 12 low wide blocks overlap there by 0.3 mm."""
+    """12, or 8 of three vaults, whose courses are arches of many blocks."""
     return 8 if kind == "three-vaults" else COURSES
 
 

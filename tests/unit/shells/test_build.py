@@ -341,6 +341,12 @@ def test_a_surface_that_crosses_itself_is_refused():
         bent(40)(lambda t: (4.0 * np.sin(t), 2.0 * np.sin(2.0 * t)), (0.3, 2.0 * np.pi + 0.1))
 
 
+def test_warped_outer_faces_of_neighbours_do_not_overlap():
+    """Three corners of them are almost in one line; triangles of these alone cross the joints."""
+    shell = shell_by_name("free-edge", courses=5, blocks=5)
+    assert find_contacts(shell.assembly).report.overlaps == ()
+
+
 @pytest.mark.parametrize("gap", [0.08, 0.12])
 def test_a_surface_may_come_as_near_to_itself_as_it_is_thick(gap):
     """A spiral of a turn and a half, 0.1 m thick, its turns apart by the gap [m]."""
