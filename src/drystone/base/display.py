@@ -7,6 +7,7 @@ import enum
 import html
 import reprlib
 from collections.abc import Callable, Mapping, Sequence
+from decimal import ROUND_CEILING, Context
 from typing import Any
 
 _LONGEST = 180
@@ -109,6 +110,30 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
     return ", ".join(shortened(one, NAME) for one in names[:most]) + (
         f" and {rest} more" if rest > 0 else ""
     )
+
+
+def rounded_up(value: float, digits: int = 3) -> float:
+    """The least number of so many digits that is not below a value: told, it is enough.
+
+    What arithmetic leaves behind the twelfth digit does not count.
+
+    Examples
+    --------
+    >>> rounded_up(1.2001), rounded_up(86.01), rounded_up(0.5), rounded_up(-1.239)
+    (1.21, 86.1, 0.5, -1.23)
+    """
+    return float(Context(digits, ROUND_CEILING).create_decimal(f"{value:.12g}"))
+
+
+def rounded_down(value: float, digits: int = 3) -> float:
+    """The largest number of so many digits that is not above a value; as :func:`rounded_up`.
+
+    Examples
+    --------
+    >>> rounded_down(1.4419, 4), rounded_down(0.3 - 0.1)
+    (1.441, 0.2)
+    """
+    return 0.0 - rounded_up(-value, digits)
 
 
 def _plainly_equal(value: object, default: object) -> bool:

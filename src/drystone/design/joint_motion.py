@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, frozen
-from drystone.base.display import OneLine
+from drystone.base.display import OneLine, rounded_up
 from drystone.base.errors import counted
 from drystone.checks import block_speed, corner_motion
 from drystone.contacts import Contacts
@@ -24,7 +24,6 @@ from drystone.design.words import (
     names_of,
     newtons,
     place,
-    rounded_up,
 )
 from drystone.friction_use import utilisation_of
 from drystone.geometry.kern import edge_ratio

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from drystone.base.arrays import Floats
+from drystone.base.display import rounded_up
 from drystone.model import Model
 from drystone.results import Result
 
@@ -48,20 +49,6 @@ def force_words(force: Floats) -> str:
     steep = round(math.degrees(math.asin(force[2] / size)))
     slope = f"{abs(steep)} degrees {'above' if steep > 0 else 'below'} " if steep else ""
     return f"{newtons(size)} ({slope}{level})"
-
-
-def rounded_up(value: float, digits: int = 3) -> float:
-    """A value rounded up to some digits, so that what is told is enough.
-
-    Examples
-    --------
-    >>> rounded_up(1.2001), rounded_up(86.01), rounded_up(0.5)
-    (1.21, 86.1, 0.5)
-    """
-    if value <= 0.0:
-        return value
-    step = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
-    return float(f"{math.ceil(value / step * (1.0 - 1e-9)) * step:.{digits}g}")
 
 
 def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.base.display import named
+from drystone.base.display import named, rounded_up
 from drystone.base.errors import counted
 from drystone.detection.block_overlaps import Overlap
 from drystone.detection.detection_options import LARGEST, DetectionOptions
@@ -64,8 +64,8 @@ def suggestions(
 def _steps(needed: dict[Pair, float], digits: int, unit: str) -> str:
     """The value that joins the first of several pairs, and the one that joins all."""
     values = sorted(needed.values())
-    all_of_them = rounded_up(values[-1], digits)
-    first = rounded_up(values[0], digits)
+    all_of_them = option_for(values[-1], digits)
+    first = option_for(values[0], digits)
     joins = f"{all_of_them:g}{unit} to join {counted(len(values), 'more pair')}"
     if first >= all_of_them:
         return joins
@@ -102,7 +102,7 @@ def _for_curved_joints(shortfalls: Sequence[Shortfall], options: DetectionOption
         now = getattr(options, knob)
         most = max(getattr(short, knob) for short in shortfalls)
         if most > now:
-            steps.append((knob, now, rounded_up(most, 2), unit))
+            steps.append((knob, now, option_for(most), unit))
     number = counted(len(shortfalls), "curved joint")
     finer = f"mesh both sides of {number} finer, or alike, to find all of the area"
     if not steps or any(value > LARGEST[knob] for knob, _, value, _ in steps):
@@ -111,7 +111,6 @@ def _for_curved_joints(shortfalls: Sequence[Shortfall], options: DetectionOption
     return [f"{finer}; or raise {raised}"]
 
 
-def rounded_up(value: float, digits: int) -> float:
-    """The value rounded up to a few significant digits."""
-    step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
-    return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
+def option_for(needed: float, digits: int = 2) -> float:
+    """The value of an option that is enough: above what is needed, which noise may reach."""
+    return rounded_up(needed * (1.0 + 1e-9), digits)

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.detection.advice import rounded_up
+from drystone.detection.advice import option_for
 from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.reasons import Missed, Reason, millimetres
 from drystone.geometry.frames import frames_from_normals
@@ -107,7 +107,7 @@ def words_on(unjoined: Sequence[Missed], names: Sequence[str]) -> str:
     needed = _needed(unjoined)
     if not needed:
         return f"{said}; draw them so that they touch, or far apart"
-    options = " ".join(f"--{name} {rounded_up(value, 2):g}" for name, value in needed.items())
+    options = " ".join(f"--{name} {option_for(value):g}" for name, value in needed.items())
     return f"{said}; join them with {options}, or draw them far apart"
 
 

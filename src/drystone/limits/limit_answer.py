@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.widening import side_by_side
-from drystone.base.display import named
+from drystone.base.display import named, rounded_down, rounded_up
 from drystone.base.errors import InputError
 from drystone.base.table import Table
 from drystone.checks import crushing_share
@@ -74,7 +74,8 @@ class Limit(LimitValues, Answer):
 
     def _told(self, value: float | None) -> str:
         unit = f" {self.quantity.unit}" if self.quantity.unit else ""
-        return "none that was tried" if value is None else f"{value:.6g}{unit}"
+        told = "" if value is None else f"{self._rounded(value, 6, self.best):.6g}{unit}"
+        return told or "none that was tried"
 
     def _range(self, ends: tuple[float, float]) -> str:
         low, high = (f"{value:.6g}" for value in sorted(ends))
@@ -159,12 +160,14 @@ class Limit(LimitValues, Answer):
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
         said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
         if self.quantity.inverse and self.best.stands:
-            said.append(Sentence(f"{self.quantity.inverse}: {1.0 / self.best.stands:.4g}"))
+            inverse = rounded_down(1.0 / self.best.stands, 4)
+            said.append(Sentence(f"{self.quantity.inverse}: {inverse:g}"))
         if self.quantity.remark:
             said.append(Sentence(self.quantity.remark, Role.REMARK))
         said += [Sentence(f"joints decide: {one}", Role.REMARK) for one in self.remarks]
         for low, high in self.islands:
-            again = f"it stands again from {self._short(low)} to {self._short(high)}"
+            ends = Bracket(max(low, high, key=lambda one: abs(one - self.start)))
+            again = f"it stands again from {self._short(low, ends)} to {self._short(high, ends)}"
             said.append(Sentence(again, Role.REMARK))
         if falling is not None and falling.falling:
             names = named(falling.falling_names, _LISTED)
@@ -299,7 +302,7 @@ class Limit(LimitValues, Answer):
     def _means(self) -> list[str]:
         """How the limit was found."""
         told = [
-            f"{words} to {self._short(bracket.stands)}"
+            f"{words} to {self._short(bracket.stands, bracket)}"
             for words, bracket in self._definitions().items()
             if bracket.stands is not None
         ]
@@ -318,25 +321,30 @@ class Limit(LimitValues, Answer):
         return "-" if value is None else self._digits(value, bracket=bracket)
 
     def _digits(self, value: float, digits: int = 4, bracket: Bracket | None = None) -> str:
-        """A value with so many digits, or with as many more as tell both sides apart."""
+        """A value with so many digits, or with as many more as tell both sides apart.
+
+        It is rounded away from the limit: what is told to stand stands, what falls falls.
+        """
         sides = bracket or self.best
         both = [one for one in (sides.stands, sides.falls) if one is not None]
         while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
             digits += 1
-        return f"{value:.{digits}g}"
+        return f"{self._rounded(value, digits, sides):.{digits}g}"
 
-    def _short(self, value: float) -> str:
+    def _rounded(self, value: float, digits: int, sides: Bracket) -> float:
+        """A value towards the start if it is what stands, else towards the end."""
+        up = (self.end >= self.start) != (value == sides.stands)
+        return (rounded_up if up else rounded_down)(value, digits)
+
+    def _short(self, value: float, bracket: Bracket | None = None) -> str:
         unit = self.quantity.unit
         mark = "\N{DEGREE SIGN}" if unit == "deg" else f" {unit}" if unit else ""
-        return f"{self._digits(value)}{mark}"
+        return f"{self._digits(value, bracket=bracket)}{mark}"
 
 
 def _same_shape(first: Result, second: Result) -> bool:
     """Whether two results are of blocks in the same places."""
-    one, other = first.assembly, second.assembly
-    if one is other or len(one) != len(other):
-        return one is other
-    return bool(np.array_equal(one.bounds, other.bounds))
+    return bool(np.array_equal(first.assembly.bounds, second.assembly.bounds))
 
 
 def _share(one: Evaluation) -> float:

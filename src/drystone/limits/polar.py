@@ -12,6 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks, ring
 from drystone.base.arrays import Floats, whole
+from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -54,7 +55,7 @@ class TiltSweep(Answer):
         least, towards = self.rest[self.weakest], self.azimuth[self.weakest]
         return (
             f"{counted(len(self.limits), 'direction')}, "
-            f"least tilt {least:.4g} degrees towards {towards:g} degrees"
+            f"least tilt {rounded_down(least, 4):g} degrees towards {towards:g} degrees"
         )
 
     @property
@@ -118,7 +119,7 @@ class TiltSweep(Answer):
         if not self.limits:
             return "No direction is known"
         angle, towards = self.rest[self.lowest], self.azimuth[self.lowest]
-        told = "nowhere" if np.isnan(angle) else f"up to {angle:.3g} degrees"
+        told = "nowhere" if np.isnan(angle) else f"up to {rounded_down(angle):g} degrees"
         return f"Stands {told} towards {towards:g} degrees, {self.rank}"
 
     def sentences(self) -> Sequence[Sentence]:

@@ -14,6 +14,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.answer.scene import Layer, LayerKind
 from drystone.base.arrays import Floats, whole
+from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -196,9 +197,9 @@ class TrainEnvelope(Answer):
             return f"Forces balance no share of '{train}' at x = {at:.4g} m"
         place = f"least{self._ductile} at x = {at:.4g} m"
         if self.limit is not None and self.limit.rest and self.limit.stands is not None:
-            factor = self.limit.stands
-            return f"Stands under '{train}' up to load factor {factor:.4g}, {place}"
-        told = "any load factor" if np.isinf(factor) else f"load factor {factor:.4g}"
+            factor = rounded_down(self.limit.stands, 4)
+            return f"Stands under '{train}' up to load factor {factor:g}, {place}"
+        told = "any load factor" if np.isinf(factor) else f"load factor {rounded_down(factor, 4):g}"
         return f"Forces balance '{train}' up to {told}, {place}"
 
     @property
@@ -214,9 +215,8 @@ class TrainEnvelope(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        good = bool(len(self.places)) and self.factors[self.worst] > 0.0
-        if good and self.limit is not None and self.limit.stands is None:
-            good = False
+        falls = self.limit is not None and self.limit.stands is None
+        good = bool(len(self.places)) and self.factors[self.worst] > 0.0 and not falls
         role = Role.BAD if not good else Role.UNSURE if self._turned else Role.GOOD
         said = [Sentence(self.title, role)]
         if self._turned:
@@ -233,34 +233,28 @@ class TrainEnvelope(Answer):
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
         least = float(self.factors[self.worst])
-        more = "any factor" if np.isinf(least) else f"{least:.4g} and more"
+        more = "any factor" if np.isinf(least) else f"{rounded_down(least, 4):g} and more"
         said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
         if self.train.line:
             said.append(self._of_line)
         if self._ductile:
-            said.append(
-                Sentence(
-                    "mortar is brittle, and places are compared with ductile joints: only the "
-                    "verdict knows brittle ones, and other places may carry less",
-                    Role.REMARK,
-                )
+            why = (
+                "mortar is brittle, and places are compared with ductile joints: only the "
+                "verdict knows brittle ones, and other places may carry less"
             )
-        fill = self.fill
-        if fill.passive > fill.k:
-            said.append(
-                Sentence(
-                    f"fill resists up to {fill.passive:g} times its vertical pressure: only "
-                    "'limit train' counts that, and no verdict was asked",
-                    Role.REMARK,
-                )
+            said.append(Sentence(why, Role.REMARK))
+        if self.fill.passive > self.fill.k:
+            why = (
+                f"fill resists up to {self.fill.passive:g} times its vertical pressure: only "
+                "'limit train' counts that, and no verdict was asked"
             )
+            said.append(Sentence(why, Role.REMARK))
         elif self.limit is not None:
-            said.append(
-                Sentence(
-                    f"the verdict was searched at x = {self.places[self.worst]:.4g} m alone, the "
-                    f"worst of {known} by equilibrium; by the verdict another may carry less"
-                )
+            why = (
+                f"the verdict was searched at x = {self.places[self.worst]:.4g} m alone, the "
+                f"worst of {known} by equilibrium; by the verdict another may carry less"
             )
+            said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
         if self.stopped:
             missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
@@ -330,7 +324,7 @@ class TrainEnvelope(Answer):
         place = one.at.place
         stage = result.stage(f"x = {place:.3g} m")
         way = "" if one.at.train == self.train else ", turned round"
-        headline = f"Load factor {one.found.factor:.4g} at x = {place:.4g} m{way}"
+        headline = f"Load factor {rounded_down(one.found.factor, 4):.4g} at x = {place:.4g} m{way}"
         return [replace(stage, headline=headline)]
 
     def figure(self) -> Chart:
@@ -348,7 +342,8 @@ class TrainEnvelope(Answer):
             at = self.worst
             spot = self.places[at : at + 1], factor[at : at + 1]
             marks.append(Marks(MarkKind.DIAMOND, *spot, "bad", "the worst place"))
-            told = f"least at x = {spot[0][0]:.4g} m: {spot[1][0]:.4g}; shown up to four times that"
+            told = f"least at x = {spot[0][0]:.4g} m: {rounded_down(spot[1][0], 4):g}; "
+            told += "shown up to four times that"
         name = self.train.name
         return Chart(
             f"Largest load factor of '{name}' by its place{self._ductile}", tuple(marks),

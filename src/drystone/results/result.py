@@ -12,6 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
 from drystone.assembly import Blocks
 from drystone.base.arrays import lengths
+from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
 from drystone.geometry.quadrature import ACCURATE
@@ -81,7 +82,11 @@ class Result(Solution, Answer):
     @property
     def _safety(self) -> str:
         margin = self.tilt_margin
-        return "" if margin is None else f"forces balance it up to a tilt of {margin:.3g} degrees"
+        return (
+            ""
+            if margin is None
+            else f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
+        )
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from graphlib import CycleError, TopologicalSorter
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.display import rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.sequence.insertion import RemovalTest
@@ -165,24 +165,18 @@ def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
 def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
     """What too heavy blocks weigh, and what would lift them; masses are rounded up."""
     mass = float(model.assembly.mass[list(blocks)].max())
-    said = f"{counted(len(blocks), 'block')} weigh up to {_rounded_up(mass):g} kg"
+    said = f"{counted(len(blocks), 'block')} weigh up to {rounded_up(mass, 4):g} kg"
     if rules.robots:
         near = [
             robot.payload for robot in rules.robots for b in blocks
             if robot.distance(model.assembly.centroid[b]) <= robot.reach
         ]  # fmt: skip
-        remedy = f"give a robot of {_rounded_up(mass):g} kg that reaches them"
+        remedy = f"give a robot of {rounded_up(mass, 4):g} kg that reaches them"
         return f"payload {max(near):g} kg: {said}; {remedy}"
-    each = f"give a payload of {_rounded_up(mass / rules.hands):g} kg"
+    each = f"give a payload of {rounded_up(mass / rules.hands, 4):g} kg"
     needed = int(strength(rules, model)[1][list(blocks)].max())
     remedy = f"{each}, or {counted(needed, 'hand')}" if needed < COUNTLESS else each
     return f"payload {rules.payload:g} kg, {counted(rules.hands, 'hand')}: {said}; {remedy}"
-
-
-def _rounded_up(mass: float) -> float:
-    """[kg], with four digits, and not less than it is."""
-    step = 10.0 ** (math.floor(math.log10(mass)) - 3)
-    return math.ceil(mass / step * (1.0 - 1e-12)) * step
 
 
 def removal_rank(order: Order | Sequence[str], model: StagedModel) -> Ints:

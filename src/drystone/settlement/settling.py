@@ -12,14 +12,13 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import shortened
+from drystone.base.display import rounded_up, shortened
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import joined_contacts
-from drystone.detection.advice import rounded_up
 from drystone.detection.reasons import millimetres
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from drystone.assembly import Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.detection.advice import rounded_up
+from drystone.detection.advice import option_for
 from drystone.detection.reasons import Reason
 from drystone.io import files_at, format_of
 from drystone.io.several import Paths
@@ -96,7 +96,7 @@ def _apart(model: Model) -> Iterator[Doubt]:
         and alone & {one.block_a, one.block_b}
     ]
     if missed:
-        gap = rounded_up(max(one.needed for one in missed), 2)
+        gap = option_for(max(one.needed for one in missed))
         pairs = {(one.block_a, one.block_b) for one in missed}
         most = max(abs(one.gap) for one in missed)
         yield Doubt(

@@ -11,6 +11,7 @@ import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, Verdict
 from drystone.base.declared import Offered
+from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.files import PathLike
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -100,8 +101,8 @@ class Combinations(Answer):
         if np.isfinite(share) and share > 0.0:
             what = "size of the joints" if self.needed_of == "size" else "friction"
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
-            told = f"it needs {share:.1%} of the {what}{cracked}: safety {1.0 / share:.4g}"
-            said.append(Sentence(told))
+            safety = rounded_down(1.0 / share, 4)
+            said.append(Sentence(f"it needs {share:.1%} of the {what}{cracked}: safety {safety:g}"))
         elif self.needed_of != "none" and self.governing.stable and self.governing.contacts.brittle:
             said.append(
                 Sentence("what it needs is not known: it falls when its brittle joints crack")

@@ -359,6 +359,25 @@ def test_a_stopped_limit_is_a_wider_bracket_around_the_same(
     assert (answers[-1].best.stands, answers[-1].best.falls) == (whole.stands, whole.falls)
 
 
+@pytest.mark.parametrize(
+    ("start", "end", "stands", "falls", "told"),
+    [
+        (0.0, 3.0, 1.44189, 1.44281, ("1.441", "1.443")),
+        (1.0, 0.0, 0.36242, 0.36218, ("0.3625", "0.3621")),
+    ],
+)
+def test_what_is_told_to_stand_stands_and_what_is_told_to_fall_falls(
+    start: float, end: float, stands: float, falls: float, told: tuple[str, str]
+) -> None:
+    found = limit_friction(tower(2), options=LimitOptions(equilibrium_only=True))
+    best = replace(found.equilibrium, stands=stands, falls=falls)
+    near = replace(found, start=start, end=end, equilibrium=best)
+    assert near.title.endswith(f"to friction {told[0]}")
+    table = near.tables()[0]
+    assert (table["stands_at"][0], table["gives_way_at"][0]) == told
+    assert f"stands at {stands:g}, falls at {falls:g}" in repr(near)
+
+
 def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
     tower_of_two = Model.of(tower(2), friction=0.6)
     assert "stands at none that was tried, falls" in repr(

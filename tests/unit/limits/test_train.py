@@ -38,6 +38,10 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     found = limit_train(bridge, fill=FILL, steps=5)
     assert found.limit is not None
     assert "by the verdict another may carry less" in str([one.text for one in found.sentences()])
+    assert found.limit.rest is not None
+    rest = replace(found.limit.rest, stands=1.44189)
+    near = replace(found, limit=replace(found.limit, rest=rest))
+    assert "up to load factor 1.441, least" in near.title
     live = found.live(float(found.places[found.worst]))
     for factor, stands in ((found.limit.stands, True), (found.limit.falls, False)):
         assert factor is not None
