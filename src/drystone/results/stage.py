@@ -18,7 +18,7 @@ from drystone.answer.drawing import (
 from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.checks import first_motion_of, moving_joints
 from drystone.joints import (
     HINGED,
@@ -155,7 +155,9 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
                 )
             )  # fmt: skip
     made = force_network(result.assembly, contacts.joints, resultants)
-    kept = shown[first[made.interface]]
+    # beside tension a resultant can be far from its joint
+    longest = lengths(np.diff(result.assembly.bounds, axis=1)[:, 0]).max()
+    kept = shown[first[made.interface]] & (lengths(made.end - made.start) <= longest)
     layers.append(
         Layer(
             "network", "force network", LayerKind.LINES, "network", made.start[kept],

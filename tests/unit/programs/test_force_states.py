@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, Model
+from drystone import InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.models import (
     arch,
@@ -179,6 +179,16 @@ def test_the_penalty_form_pulls_less_the_more_tension_costs() -> None:
         keys = [layer.key for layer in found.layers().stages[0].layers]
         assert {"tension", "help", "network"} <= set(keys)
         assert len(set(keys)) == len(keys)
+
+
+def test_a_resultant_far_from_its_joint_is_not_drawn() -> None:
+    """Tilted almost flat, the joints pull and press, and their resultants are 100 m away."""
+    bricks = overhang([0.0, 0.0])
+    model = Model.of(bricks).with_load(LoadCase.tilt(bricks, (0.0, 1.0, 0.0), 89.9))
+    found = find_forces(model)
+    assert np.abs(found.result.resultants.position).max() > 100.0
+    lines = next(one for one in found.layers().stages[0].layers if one.key == "network")
+    assert np.abs(lines.position).max(initial=0.0) < 2.0
 
 
 def test_coupled_analysis_has_forces_where_a_motion_fits_them() -> None:
