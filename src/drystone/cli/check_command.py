@@ -101,7 +101,8 @@ def check(
                 crushing_factor=crushing_factor(result.model, stop=stop),
             )
     why = mend_command.short(result, waiting)
+    then = "mend" if why else "limit tilt" if result.stable and result.tilt_margin is None else ""
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
-        files=partial(wanted.of, result), then=subject.command("mend") if why else "",
+        files=partial(wanted.of, result), then=subject.command(then) if then else "",
     )  # fmt: skip

@@ -98,7 +98,7 @@ class Subject:
 
     def command(self, name: str) -> str:
         """Another command on the same model, as it is typed."""
-        words = ["drystone", name, *self.each]
+        words = ["drystone", *name.split(), *self.each]
         for key, given in self.how.items():
             flag = _FLAGS.get(key, f"--{key.replace('_', '-')}")
             for one in given if isinstance(given, tuple) else (given,):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,18 @@ def test_check_answers_for_a_standing_model(tmp_path: Path, capsys: Capsys) -> N
     force = told["most_loaded"][0]
     assert (force["block_a"], force["block_b"]) == ("block-0", "block-1")
     assert force["normal"] == pytest.approx(2 * 2400.0 * 9.81)
+
+
+def test_a_check_without_a_margin_names_the_command_that_finds_it(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = file(tmp_path, tower(2))
+    _, told = answer(capsys, "check", model)
+    assert told["tilt_margin"] > 0.0
+    assert "next" not in told
+    _, told = answer(capsys, "check", model, "--joint-capacity", "tension=1kPa")
+    assert told["next"] == f"drystone limit tilt {model} --joint-capacity tension=1kPa"
+    assert main(shlex.split(told["next"])[1:]) == 0
 
 
 def test_check_names_the_blocks_that_fall_and_what_would_hold_them(
