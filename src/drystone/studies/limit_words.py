@@ -95,7 +95,7 @@ def _asked(words: str) -> tuple[Offered, dict[str, Any]]:
     """A limit, and the texts of its arguments and options."""
     name, *rest = shlex.split(words) or [""]
     if name not in LIMITS:
-        remedy = meant(name, LIMITS)
+        remedy = "give its values by --set" if name == "thickness" else meant(name, LIMITS)
         raise InputError(f"there is no limit '{name}'", where="limit", remedy=remedy)
     offered = LIMITS[name]
     paths = {path.rpartition(".")[2]: path for path in (*offered.arguments, *offered.options)}

@@ -109,6 +109,7 @@ def test_what_is_no_study_is_refused(build: object, asked: dict[str, object], me
     ("limit", "message"),
     [
         ("foo", "there is no limit 'foo'"),
+        ("thickness", "give its values by --set"),
         ("tilt --side y", "side"),
         ("load", "live is missing"),
     ],
