@@ -44,9 +44,9 @@ class Answer(OfModel, OneLine, ABC):
     made: float
     options: Any = None
 
-    def __new__(cls, *_: Any, **__: Any) -> Self:
+    def __new__(cls, *given: Any, **named: Any) -> Self:
         """A new answer, which knows when it was made; a copy keeps that."""
-        answer = super().__new__(cls)
+        answer = super().__new__(cls, *given, **named)
         object.__setattr__(answer, "made", time.time())
         return answer
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import functools
 import html
+import inspect
 import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from decimal import ROUND_CEILING, Context
-from typing import Any
+from typing import Any, Self
+
+from drystone.base.errors import refuse_unknown
 
 _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
@@ -21,11 +25,24 @@ _NAMED = 3
 class OneLine:
     """A value whose ``repr`` is one line: its class, and the text of :meth:`_summary`.
 
-    A dataclass that inherits from it keeps this ``repr``.
+    A dataclass that inherits from it keeps this ``repr``. It and its public methods refuse
+    arguments that they do not know, with the nearest one.
     """
+
+    def __new__(cls, *_: Any, **named: Any) -> Self:
+        """A new value; all arguments that are named are known."""
+        if named and (known := _arguments(cls.__init__)) is not None:
+            refuse_unknown(named, known, f"{cls.__name__} has")
+        return object.__new__(cls)
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
+        for name, one in [*vars(cls).items()]:
+            call = getattr(one, "__func__", one)
+            public = inspect.isfunction(call) and name[0] != "_"
+            if public and call.__qualname__ == f"{cls.__qualname__}.{name}":
+                asked = _knowing(call)
+                type.__setattr__(cls, name, asked if one is call else type(one)(asked))
         if "__repr__" not in cls.__dict__:
             # in the class itself: the dataclass decorator comes later and keeps what it finds there
             type.__setattr__(cls, "__repr__", OneLine.__repr__)
@@ -36,6 +53,26 @@ class OneLine:
     def _summary(self) -> str:
         """The text between the brackets: the fields that differ from their defaults."""
         return ", ".join(f"{name}={text}" for name, text in differing(self, code=True).items())
+
+
+@functools.cache
+def _arguments(method: Callable[..., Any]) -> tuple[str, ...] | None:
+    """The names of all arguments of a method but the first; None if it takes any."""
+    known = inspect.signature(method).parameters
+    any_name = any(one.kind is one.VAR_KEYWORD for one in known.values())
+    return None if any_name else (*known,)[1:]
+
+
+def _knowing(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A method that refuses named arguments that it does not know."""
+
+    @functools.wraps(method)
+    def asked(*given: Any, **named: Any) -> Any:
+        if named and (known := _arguments(method)) is not None:
+            refuse_unknown(named, known, f"{method.__qualname__} has")
+        return method(*given, **named)
+
+    return asked
 
 
 class Card(OneLine):

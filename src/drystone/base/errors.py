@@ -54,12 +54,12 @@ def meant(given: str, known: Iterable[str], otherwise: str = "") -> str:
     return otherwise or f"names are like {', '.join(names[:3])}"
 
 
-def refuse_unknown(given: Iterable[str], known: Collection[str]) -> None:
+def refuse_unknown(given: Iterable[str], known: Collection[str], who: str = "there is") -> None:
     """Raise InputError at the first name that is not known; the nearest one is told."""
     for name in given:
         if name not in known:
             remedy = meant(name, known) if known else "there are none"
-            raise InputError(f"there is no argument '{name}'", remedy=remedy)
+            raise InputError(f"{who} no argument '{name}'", remedy=remedy)
 
 
 def clean(text: str) -> str:

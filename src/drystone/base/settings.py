@@ -33,11 +33,6 @@ class Options(OneLine):
         A field is of another type, or there is none of that name; it is named.
     """
 
-    def __new__(cls, *_: Any, **named: Any) -> Self:
-        """A new set of options, all of whose names are known."""
-        refuse_unknown(named, cls.__dataclass_fields__)  # type: ignore[attr-defined]
-        return super().__new__(cls)
-
     def __post_init__(self) -> None:
         for name, (kind, optional) in _kinds(type(self)).items():  # type: ignore[arg-type]
             value = getattr(self, name)
@@ -144,7 +139,7 @@ def _refuse_unknown(function: Callable[..., Any], named: Mapping[str, Any]) -> N
                 f"'{name}' is no argument of {function.__name__}, but of its options",
                 remedy=f"give options={options.__name__}{given}",
             )
-    refuse_unknown(named, known)
+    refuse_unknown(named, known, f"{function.__qualname__.removesuffix('.__init__')} has")
 
 
 @functools.cache
