@@ -63,14 +63,13 @@ def live(
     waiting.stage("read", f"reading {model}")
 
     def began(server: Live) -> None:
-        waiting.end_stage()
+        waiting.close()
         said(server, as_json=bool(ctx.params.get("as_json")))
         if not no_browser and not opened(server.link):
             output.say("no browser could be opened: open the link in one")
             sys.stdout.flush()
 
-    how = reading.given
-    serve(model, began=began, how=how, **served.given)
+    serve(model, began=began, how=reading.given, **served.given)
 
 
 def said(server: Live, as_json: bool) -> None:
@@ -100,7 +99,7 @@ def mcp(
     *,
     folder: Annotated[str, Argument("FOLDER", "The only folder that files are read from.")],
     served: Annotated[Analysis, Of("drystone.mcp.serve", shown=("time_limit", "size_limit"))],
-    waiting: Waiting,  # noqa: ARG001  # the client waits
+    waiting: Waiting,
 ) -> None:
     """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
 
@@ -108,4 +107,5 @@ def mcp(
     """
     from drystone.mcp import serve  # the program starts fast: work is imported when there is some
 
+    waiting.close()  # the client waits
     serve(folder, **served.given)

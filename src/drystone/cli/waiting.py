@@ -69,7 +69,8 @@ class Waiting:
         self._timer: threading.Timer | None = None
         self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
         UNDER_WAY.set(self)
-        self._begin(1.5 * PATIENCE, self._tell)
+        if sys.stderr is sys.__stderr__:  # not where a program keeps what is said
+            self._begin(1.5 * PATIENCE, self._tell)
 
     def __enter__(self) -> Waiting:
         from rich.console import Console  # slow to import
@@ -193,8 +194,7 @@ class Waiting:
 
     def _tell(self) -> None:
         with self._lock:
-            # not where a program keeps what is said
-            if self._timer is None or sys.stderr is None or sys.stderr is not sys.__stderr__:
+            if self._timer is None or sys.stderr is None:
                 return
             self._due = self._begun is None  # the stage is told once it begins
             stage, done, total = self._state

@@ -310,6 +310,10 @@ def heeding() -> None:
         signal.signal(one, signal.SIG_DFL)
 
 
+STARTING = "drystone: starting ...\n"
+"""What a program says that needs seconds to start, on a busy machine."""
+
+
 class Raw:
     """A server that is written to line by line."""
 
@@ -347,7 +351,7 @@ class Raw:
         self.run.send_signal(number)
         assert self.run.wait(30.0) == 0
         assert self.run.stderr is not None
-        assert self.run.stderr.read() == ""
+        assert self.run.stderr.read() in ("", STARTING)
 
 
 @pytest.fixture
