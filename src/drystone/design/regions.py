@@ -108,7 +108,10 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
         return answer
     model = answer.model
     if model.contacts.plain.all():
-        return solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
+        some = solve_cra_penalty(model, options=_AS_IT_LIES, stop=stop, time_limit_s=left_s)
+        if some.stable or some.prop is None:
+            return answer
+        return replace(answer, prop=some.prop, force_with_props=some.force, falling=some.falling)
     found = _least_wrenches(model, stop)
     if found is None:
         return answer

@@ -106,9 +106,8 @@ def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
 
 def nothing(result: Result) -> str:
     """The sentence if no region was found."""
-    if result.stable:
-        return "it stands: nothing is missing"
-    return f"no block shows that it needs help ({result.message})"
+    settles = "as its joints lie no block needs help: how they settle decides"
+    return "it stands: nothing is missing" if result.stable else settles
 
 
 def friction_of_all(value: float, said: Sequence[float | None]) -> str:

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, Model, Verdict, check
+from drystone import Assembly, InputError, LoadCase, Model, Verdict, check
 from drystone.checks import check_forces
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
 from drystone.design.props import find_props, with_props
 from drystone.design.regions import regions_of, with_wrenches
 from drystone.joint_capacity import JointCapacity
-from drystone.models import arch, box, h_model, prism, shelf, tower
+from drystone.models import arch, box, h_model, prism, shelf, tower, wedge
 
 G = 9.81
 
@@ -256,3 +256,13 @@ def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFix
     drystone.write(Model.of(tower(2), friction=0.6), path)
     assert main(["mend", str(path)]) == 0
     assert "it stands: nothing is missing" in capsys.readouterr().out
+
+
+def test_a_diagnosis_has_the_verdict_of_the_check() -> None:
+    """The penalty form, which says where help is needed, says that this wedge falls."""
+    shape = wedge("c")
+    tilted = LoadCase.tilt(shape, (1.0, 0.0, 0.0), 41.0)
+    model = Model.of(shape, friction=0.84, load=tilted)
+    found = diagnose(model, options=DiagnosisOptions(needs=False))
+    assert found.result.verdict is check(model).verdict is Verdict.UNDECIDED
+    assert found.regions
