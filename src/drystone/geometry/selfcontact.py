@@ -375,8 +375,8 @@ _CONVEX = 1e-9
 def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
     """Whether each body is convex.
 
-    No vertex may lie above the plane of a face by more than :data:`_CONVEX`. A body with very many
-    faces counts as concave: the test would cost more time than it saves.
+    It is one body, and no vertex lies above the plane of a face by more than :data:`_CONVEX`. One
+    with very many faces counts as concave: the test would cost more time than it saves.
 
     Parameters
     ----------
@@ -406,4 +406,6 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
     highest = np.zeros(len(vertices))
     np.maximum.at(highest, stacked.owner[face], height)
-    return highest <= _CONVEX
+    # each face by its own and its half edges: the same body twice has twice as many (Euler)
+    faces_less_edges = np.bincount(stacked.owner, 1.0 - 0.5 * stacked.corners.counts)
+    return (highest <= _CONVEX) & (count + faces_less_edges == 2.0)

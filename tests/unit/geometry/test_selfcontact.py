@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from drystone import Assembly, Block, InputError, Model
 from drystone.base.arrays import Floats
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.selfcontact import convex_bodies, self_contacts
@@ -122,3 +123,12 @@ def test_a_tall_finely_meshed_body_is_searched_to_its_end() -> None:
     points[4 * (along - 1), 0] = -1.5  # through the wall on the other side
     (found,) = self_contacts([points], [faces])
     assert "itself" in found[1]
+
+
+def test_the_same_cube_twice_in_one_block_touches_itself() -> None:
+    one = box((1.0, 1.0, 1.0))
+    faces = [*one.faces, *(tuple(i + 8 for i in loop) for loop in one.faces)]
+    above = one.vertices + np.array([0.0, 0.0, 1.0])
+    twice = Block(np.concatenate([above, above]), faces, name="twice")
+    with pytest.raises(InputError, match=r"block 'twice'.*touches itself"):
+        Model.of(Assembly([one, twice], np.array([True, False])))
