@@ -25,8 +25,9 @@ from drystone import (
 )
 from drystone.detection import DetectionOptions
 from drystone.geometry.frames import rotation_about
+from drystone.mechanics.touching import further_contacts
 from drystone.models import box, prism
-from drystone.stability.touching_edges import further_contacts
+from drystone.settlement import End, SettlementOptions, push, reduce_friction
 
 FLOOR = box((20.0, 8.0, 1.0), (-10.0, -4.0, -1.0), "floor")
 
@@ -250,6 +251,16 @@ def test_a_tripod_stands_by_the_edges_of_its_legs_on_a_hub() -> None:
     """A third of the hub's weight w on each leg W: moments about the inner edge of the foot."""
     assert check(tripod(), friction=0.6).stable
     assert check(tripod(), friction=0.5).falls
+
+
+def test_friction_that_decays_and_pushes_begin_with_the_edges_that_touch() -> None:
+    soon = SettlementOptions(fall=0.02)
+    decay = reduce_friction(leaning(60.0), friction=0.6, options=soon)
+    least = 0.6 * float(decay.load[-1])
+    assert check(leaning(60.0), friction=least + 0.01).stable
+    assert check(leaning(60.0), friction=least - 0.01).falls
+    assert any("edges and corners touch" in note for note in decay.model.notes)
+    assert push(card_house(1), to=1e-4, friction=0.5, options=soon).end is End.REACHED
 
 
 def test_a_subset_knows_the_edges_that_touch() -> None:

@@ -26,6 +26,7 @@ from drystone.mechanics.meeting import (
     followed_model,
     model_with_met,
 )
+from drystone.mechanics.touching import with_what_touches
 from drystone.model import Model
 from drystone.settlement.large_states import large_state, state_of
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
@@ -117,7 +118,7 @@ def push(
     if far is not None and far <= 0.0:
         raise InputError(f"to is {far:g}", remedy="give a length in m above zero")
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
+    def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         wrench = case.wrench[free]
         grown = np.concatenate(
             [wrench[:, :3], wrench[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
@@ -183,15 +184,15 @@ def move_supports(
     clock = Clock(time_limit_s, stop)
     watched = 0.0
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
+    def run(used: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         def told(share: float) -> None:
             nonlocal watched
             tell(share)
             if watch is not None and driver.last and clock.elapsed_s > watched + WATCHED:
                 watched = clock.elapsed_s
-                apart = faces_apart(still, FARTHEST)
+                apart = faces_apart(used, FARTHEST)
                 unit = bodies.force_unit
-                watch(large_state(still, apart, bodies, driver.last[1], driver.met, longest, unit))
+                watch(large_state(used, apart, bodies, driver.last[1], driver.met, longest, unit))
 
         ended = driver.shift(scaled_motion(bodies, moving), longest / bodies.length_unit, told)
         return ended, longest, bodies.force_unit
@@ -217,7 +218,7 @@ def reduce_friction(
     del executor  # one chain of increments
     model = as_model(given, **how)
 
-    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
+    def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         return driver.slacken(tell), bodies.length_unit, 1.0
 
     return _driven(model, Drive.FRICTION, run, options, progress, Clock(time_limit_s, stop))
@@ -226,12 +227,15 @@ def reduce_friction(
 def _driven(
     model: Model,
     drive: Drive,
-    run: Callable[[Bodies, Driver, Tell], tuple[Ended, float, float]],
+    run: Callable[[Model, Bodies, Driver, Tell], tuple[Ended, float, float]],
     options: SettlementOptions | None,
     progress: Progress | None,
     clock: Clock,
 ) -> LargeDisplacement:
-    """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
+    """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N.
+
+    What does not stand at its beginning is begun again with the edges and corners that touch.
+    """
     chosen = SettlementOptions.of(options)
     model.require_dry(
         "large displacement", "what a joint still carries after it has moved is not known"
@@ -258,7 +262,7 @@ def _driven(
         ended = driver.rest()
         length = load = 1.0
         if ended is Ended.RESTS:
-            ended, length, load = run(bodies, driver, tell)
+            ended, length, load = run(model, bodies, driver, tell)
         else:
             driver.note()
         if ended is not Ended.SOFT:
@@ -267,19 +271,23 @@ def _driven(
     if progress is not None:
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
-    model, mine, kept = model_with_met(model, apart, driver.met)
-    states = tuple(state_of(model, bodies, one, mine, kept, length, load) for one in driver.kept())
+    shown, mine, kept = model_with_met(model, apart, driver.met)
+    states = tuple(state_of(shown, bodies, one, mine, kept, length, load) for one in driver.kept())
     end = End[ended.name]
     stopped = ""
     if end is End.STOPPED:
         stopped = clock.reason or f"{chosen.step_limit} steps were made"
     fallen = None
     if end is End.FALLS:
-        fallen = state_of(model, bodies, driver.now(), mine, kept, length, load)
+        fallen = state_of(shown, bodies, driver.now(), mine, kept, length, load)
     found = LargeDisplacement(
-        drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
+        drive, shown, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
         fallen, stopped, chosen, {"solve": clock.elapsed_s},
     )  # fmt: skip
+    if fallen is not None and len(curve) < 2:
+        touching = with_what_touches(model, fallen.positions)
+        if touching is not None:
+            return _driven(touching, drive, run, options, progress, clock)
     return replace(found, message=_said(found, driver))
 
 
