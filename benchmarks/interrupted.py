@@ -192,8 +192,8 @@ def cases(only: str = "", every_suffix: bool = True) -> list[Case]:
             if (name, option) in INSTEAD:
                 given = given[:-2]
             given += shlex.split(NEEDED.get((name, option), ""))
-            if not every_suffix:  # a library without a reason would have written the other one
-                suffixes = [one for one in suffixes if one != ".3dm"][:1]
+            if not every_suffix:
+                suffixes = suffixes[:1]
             for suffix in suffixes:
                 target = "disk" if option == "folder" else f"disk/made{suffix}"
                 flag = [] if isinstance(param, click.Argument) else [max(param.opts, key=len)]

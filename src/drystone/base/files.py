@@ -28,8 +28,6 @@ LARGEST_FILE = 64 * MIB
 """[bytes], chosen: 64 MiB holds about a million faces in any of the formats; any content is read or
 refused within some ten seconds."""
 
-_LITTLE = 2**16
-"""[bytes] of space that is left on a full disk at most."""
 _HIDDEN = ".drystone-"
 _LEFT_S = 3600.0
 """[s] after which a hidden folder of another machine is one that was left; chosen: no file takes
@@ -152,6 +150,14 @@ def as_path(path: PathLike) -> Path:
         raise FormatError(f"the path is {told}", remedy="give a string or a Path") from error
 
 
+def is_there(path: PathLike) -> bool:
+    """Whether a file or folder has this name; none has one that is too long."""
+    try:
+        return as_path(path).exists()
+    except OSError:
+        return False
+
+
 def plain_target(path: PathLike) -> Path:
     """The path of a file to write: the target of a symbolic link, else the path.
 
@@ -162,10 +168,14 @@ def plain_target(path: PathLike) -> Path:
     """
     named = as_path(path)
     try:
-        if not (named.exists() or named.is_symlink()):
-            return named
+        named.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return named
     except OSError as error:
         raise unwritable(named, error) from error
+    except ValueError as error:  # a null byte, or half of a surrogate pair
+        what = "is no name of a file"
+        raise FormatError(what, where=str(path), remedy="choose another name") from error
     target = Path(os.path.realpath(named)) if named.is_symlink() else named
     if target.is_symlink() or (target.exists() and not target.is_file()):
         taken = "is a folder" if target.is_dir() else "is not a plain file"
@@ -199,31 +209,6 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     except (OSError, ValueError) as error:
         if isinstance(error, FormatError):
             raise
-        raise unwritable(target, error) from error
-
-
-def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
-    """Let ``save`` write a file under a temporary name in the same folder, then rename it.
-
-    For libraries that only write to a name; otherwise as :func:`write_whole`.
-
-    Parameters
-    ----------
-    path
-    save
-        Gets the temporary name and says whether it worked.
-    """
-    target = plain_target(path)
-    try:
-        with _hidden_in(target.parent) as folder:
-            temporary = folder / target.name
-            if not save(str(temporary)):
-                if shutil.disk_usage(target.parent).free < _LITTLE:  # the library does not say why
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-                raise OSError("the file could not be made")
-            temporary.chmod(_mode(target))
-            temporary.replace(target)
-    except (OSError, ValueError) as error:
         raise unwritable(target, error) from error
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.errors import InputError
-from drystone.base.files import same_place
+from drystone.base.files import plain_target, same_place
 from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.model_input import Converted, Inspected, Source, warnings_of
@@ -71,7 +71,8 @@ def convert(
     _refuse_other_suffix(target, chosen)
     if friction is not None:
         _refuse_lost_friction(chosen, contacts)
-    if not overwrite and any(same_place(target) == same_place(file) for file in source.each):
+    named = same_place(plain_target(target))
+    if not overwrite and any(named == same_place(file) for file in source.each):
         raise InputError(
             "the model would be written over itself",
             where=f"'{target}'",

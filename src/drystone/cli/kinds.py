@@ -11,7 +11,7 @@ from click.shell_completion import CompletionItem
 
 from drystone.base import units
 from drystone.base.errors import FormatError, InputError
-from drystone.base.files import plain_target
+from drystone.base.files import is_there, plain_target
 
 if TYPE_CHECKING:
     from drystone.base.declared import Declared
@@ -126,8 +126,6 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
             f"'{text}' does not end in {_either(suffixes)}",
             remedy=f"write {path.stem or 'model'}{suffixes[0]}",
         )
-    if path.is_dir():
-        raise InputError(f"'{text}' is a folder", remedy="name a file in it")
     try:
         plain_target(path)
     except FormatError as error:
@@ -146,7 +144,7 @@ def _folder_path(text: str) -> Path:
         Something of that name, or on the way to it, is no folder.
     """
     path = Path(text)
-    there = next(one for one in (path, *path.absolute().parents) if one.exists())
+    there = next(one for one in (path, *path.absolute().parents) if is_there(one))
     if not there.is_dir():
         raise InputError(f"'{there}' is no folder", remedy="name another folder")
     return path

@@ -112,13 +112,14 @@ def _require_drawn(
 def _asked(subject: str, texts: tuple[str, ...]) -> tuple[Any, dict[str, list[Any]]]:
     """What is built, and the values of each parameter."""
     from drystone.base.declared import declared
+    from drystone.base.files import is_there
     from drystone.io import read
 
     reading = declared(read)
     build: Callable[..., Any] | str = subject
     known = {**reading}
     own: families.Parameters = {}
-    if not Path(subject).exists():
+    if not is_there(subject):
         build, own = families.family(subject)
         known = {**reading, **own}
     if not texts:

@@ -14,7 +14,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors, require
-from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.files import PathLike, as_path, is_there, read_bytes
 from drystone.base.settings import checked_call
 from drystone.base.units import length, scale_of
 from drystone.io.build import Built, build, try_blocks
@@ -167,7 +167,7 @@ def format_of(path: PathLike, name: str | None = None, *, writing: bool = False)
 
 def _unknown(path: PathLike, suffix: str, writing: bool) -> FormatError:
     """Why no format has the suffix of a file."""
-    if not writing and not suffix and not as_path(path).exists():
+    if not writing and not suffix and not is_there(path):
         what = "there is no such file or folder"
         return FormatError(what, where=str(path), remedy="check the path")
     suffixes = ", ".join(_suffixes("writer" if writing else "reader"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import importlib
 import json
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from drystone.assembly import Block
 from drystone.base.errors import FormatError, require
-from drystone.base.files import write_through
+from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Contents
@@ -65,8 +66,8 @@ def empty_file(purpose: str, units: str = "m") -> Any:
 
 
 def save(file: Any, path: Path) -> None:
-    """Write the whole file, or nothing."""
-    write_through(path, lambda name: bool(file.Write(name, 0)))
+    """Write the whole file, or nothing; ``file.Write`` would not say why it fails."""
+    write_bytes(path, base64.b64decode(file.Encode()))
 
 
 def add_layer(file: Any, name: str) -> int:

@@ -5,13 +5,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import BinaryIO
 
 import pytest
 
-from drystone import FormatError, io
+import drystone
+from drystone import FormatError, InputError, io
 from drystone.base import files
+from drystone.cli import main
 from drystone.models import tower
 
 
@@ -216,11 +217,24 @@ def test_a_name_may_be_as_long_as_the_disk_allows(tmp_path: Path) -> None:
         files.write_bytes(tmp_path / (252 * "a" + ".csv"), b"1")
 
 
-def test_a_library_that_does_not_say_why_is_asked_for_space(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("name", ["a\0b", "a\ud800", 300 * "a"], ids=["null", "surrogate", "long"])
+def test_what_no_file_can_be_called_is_refused_wherever_it_is_given(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(FormatError, match="the file could not be made; choose a folder"):
-        files.write_through(tmp_path / "a.3dm", lambda _: False)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=4096))
-    with pytest.raises(FormatError, match="No space left on device; free some space"):
-        files.write_through(tmp_path / "a.3dm", lambda _: False)
+    monkeypatch.chdir(tmp_path)
+    model, calls = tower(2), []
+    calls += [lambda: drystone.check(name), lambda: drystone.read(name)]
+    calls += [lambda: drystone.plan(model, checkpoint=name)]
+    calls += [lambda: drystone.check_many([model], out=name)]
+    for call in calls:
+        with pytest.raises(InputError, match=r"no such file|is no name of a file|choose a shorter"):
+            call()
+    io.write(model, "tower.json")
+    for command in (
+        ["convert", "tower.json", f"{name}.json"],
+        ["check", "tower.json", "--csv", f"{name}.csv"],
+        ["study", name, "--set", "friction=0.4"],
+    ):
+        assert main(command) == 2
+        assert "Errno" not in capsys.readouterr().err
+    assert [one.name for one in tmp_path.iterdir()] == ["tower.json"]
