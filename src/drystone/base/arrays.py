@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from numbers import Integral
 from typing import Any, TypeAlias, TypeVar
 
@@ -172,6 +172,20 @@ def of_type(value: Any, kind: type[T], what: str, remedy: str = "") -> T:
         said = f"{what} is {shortened(repr(value), 60)}"
         raise InputError(said, remedy=remedy or f"give {kind.__name__}(...)")
     return value
+
+
+def texts(given: str | Iterable[str], option: str) -> list[str]:
+    """The texts of an option: one, or those of a list.
+
+    Raises
+    ------
+    InputError
+        It has something else.
+    """
+    if isinstance(given, str):
+        return [given] if given else []
+    found = list(given) if np.iterable(given) else [given]
+    return [of_type(one, str, option, "give a text, or a list of texts") for one in found]
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base.arrays import texts
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.io.jsontext import Field, parse
@@ -114,7 +115,7 @@ class Loads:
                     where="case",
                     remedy="leave out --gravity and --density",
                 )
-            total = combined([self.case] if isinstance(self.case, str) else self.case, cases)
+            total = combined(texts(self.case, "case"), cases)
         elif whole is None and base is not None:
             total = base
         elif whole is None and cases and not own_weight:

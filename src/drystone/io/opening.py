@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Ints, of_type
+from drystone.base.arrays import Bools, Ints, of_type, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress
@@ -423,21 +423,19 @@ def kept_of(
         A name or pattern fits no block, or no block is left.
     """
     kept = np.ones(len(assembly), dtype=bool)
-    if len(only):
+    if only := texts(only, "only"):
         kept &= _named(assembly, only, "only")
-    if len(without):
+    if without := texts(without, "without"):
         kept &= ~_named(assembly, without, "without")
     if not kept.any():
         raise InputError("no block is left", where="without", remedy="leave fewer blocks out")
     return np.flatnonzero(kept)
 
 
-def _named(assembly: Assembly, given: str | Sequence[str], option: str) -> Bools:
+def _named(assembly: Assembly, given: Sequence[str], option: str) -> Bools:
     """The blocks (n,) that names and patterns mean."""
     try:
-        chosen = [
-            select(assembly, text).fixed for text in ([given] if isinstance(given, str) else given)
-        ]
+        chosen = [select(assembly, text).fixed for text in given]
     except InputError as error:
         raise error.located(option) from error
     return np.any(chosen, axis=0)
@@ -448,8 +446,7 @@ def _isolated(model: Model, how: How) -> Model:
 
     Source: Kao 2023, section 6.3.2, an unstable block with its neighbours as supports.
     """
-    blocks = how.get("isolate", ())
-    if not len(blocks):
+    if not (blocks := texts(how.get("isolate", ()), "isolate")):
         return model
     fixed = model.assembly.fixed | ~_named(model.assembly, blocks, "isolate")
     if fixed.all():
@@ -462,17 +459,16 @@ def _isolated(model: Model, how: How) -> Model:
 
 def _cracked(model: Model, how: How) -> Model:
     """The model without the joints that are cracks; no others are looked for instead."""
-    given = how.get("crack", ())
-    if not len(given):
+    if not (given := texts(how.get("crack", ()), "crack")):
         return model
     contacts, cut = model.contacts, np.zeros(model.contacts.count, dtype=bool)
-    for text in [given] if isinstance(given, str) else given:
+    for text in given:
         first, colon, second = text.partition(":")
         if not colon:
             raise InputError(
                 f"'{text}' is not BLOCKS:BLOCKS", where="crack", remedy="write a-*:b-*"
             )
-        a, b = (_named(model.assembly, one, "crack") for one in (first, second))
+        a, b = (_named(model.assembly, [one], "crack") for one in (first, second))
         of_a, of_b = contacts.block_a, contacts.block_b
         here = (a[of_a] & b[of_b]) | (a[of_b] & b[of_a])
         if not here.any():

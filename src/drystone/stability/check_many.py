@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
+from drystone.base import arrays
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
@@ -92,6 +93,7 @@ def check_many(
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop, progress)
     chosen = CheckOptions.of(options)
+    arrays.number(each_s, "each_s", finite=False)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     kept: list[Row] = [] if journal is None else journal.records
     tasks = _tasks(models, kept, (chosen, each_s, how), out)

@@ -9,8 +9,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from drystone.answer import Answer
 from drystone.answer.chart import Chart
 from drystone.answer.scene import (
@@ -20,7 +18,7 @@ from drystone.answer.scene import (
     SceneStage,
     with_version,
 )
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import Floats, frozen_floats, number, whole
 from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
@@ -133,9 +131,9 @@ def save_figure(
     True
     """
     width, height = frozen_floats(size, (2,), "size")
-    if not (width > 0.0 and height > 0.0 and dpi > 0.0):
+    if not (width > 0.0 and height > 0.0 and number(dpi, "dpi") > 0.0):
         raise InputError("size and dpi must be above zero")
-    if not 0.0 <= explode < np.inf:
+    if number(explode, "explode") < 0.0:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
     if isinstance(subject, Answer):
         shown = subject.figure()
@@ -155,7 +153,7 @@ def save_figure(
     drawing = partial(
         draw, scene, (float(width), float(height)), preset=preset, layers=layers, opacity=opacity,
         toward=None if toward is None else unit(toward, "view direction"),
-        arrow_scale=float(arrow_scale), stage=stage, names=names,
+        arrow_scale=number(arrow_scale, "arrow_scale"), stage=stage, names=names,
         theme="dark" if dark else "light", inside=ax,
     )  # fmt: skip
     return save_plot(path, drawing, dpi, "figure")
@@ -222,11 +220,11 @@ def draw(
 
 def _require(scene: Scene, stage: int, preset: str | None, opacity: float | None) -> None:
     """Refuse a stage or a preset that does not exist, and an opacity that is none."""
-    if not -len(scene.stages) <= stage < len(scene.stages):
+    if not -len(scene.stages) <= whole(stage, "stage") < len(scene.stages):
         raise InputError(f"there is no stage {stage}", remedy=f"{len(scene.stages)} exist")
     if preset is not None and preset not in PRESETS:
         raise InputError(f"there is no preset '{preset}'", remedy=f"there are {', '.join(PRESETS)}")
-    if opacity is not None and not 0.0 < opacity <= 1.0:
+    if opacity is not None and not 0.0 < number(opacity, "opacity") <= 1.0:
         raise InputError(f"opacity is {opacity}", remedy="give a share above 0, up to 1")
 
 
