@@ -62,6 +62,16 @@ def test_a_leaning_slab_with_a_flat_foot_stands_by_its_upper_edge(degrees: float
     assert not solve_rbe(leaning(degrees), friction=0.9).falls
 
 
+@pytest.mark.parametrize(("friction", "falls"), [(0.6, False), (0.05, True)])
+def test_no_proof_of_falling_rests_on_an_edge_that_is_near(friction: float, falls: bool) -> None:
+    """A slab whose upper edge is 4 mm from a wall; slippery feet slide away from it anyway."""
+    block = slab(70.0)
+    wall = wall_beside(block.transformed(translation=(0.004, 0.0, 0.0)))
+    found = check(Assembly((FLOOR, wall, block)).with_fixed([0, 1]), friction=friction)
+    assert found.verdict is (Verdict.UNSTABLE if falls else Verdict.UNDECIDED)
+    assert ("'wall' and 'slab' are 4 mm apart" in found.message) is not falls
+
+
 def test_a_leaning_slab_slips_where_friction_is_too_low_for_its_edge_as_well() -> None:
     found = check(leaning(60.0), friction=0.1)
     assert found.verdict is Verdict.UNSTABLE

@@ -17,8 +17,10 @@ from drystone.detection import EdgeContacts
 from drystone.detection.candidates import near_blocks
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.misses import edge_misses
 from drystone.detection.parallel_edges import ParallelEdges, parallel_edges
 from drystone.detection.patches import patches_of
+from drystone.detection.reasons import Missed
 from drystone.mechanics.meeting import least_friction
 from drystone.model import Model
 
@@ -178,3 +180,22 @@ def with_what_touches(model: Model, motion: Floats) -> Model | None:
     if not len(more):
         return None
     return with_edges(model, more.with_friction(least_friction(model, more)))
+
+
+def near_edges(model: Model, moving: Bools) -> list[Missed]:
+    """Where edges and corners of blocks that move (n,) are near others that they do not touch.
+
+    They were not searched where both blocks have faces that touch others.
+    """
+    touching = further_of(model)
+    if touching is None or model.report is None:
+        return []
+    patches, options, count = patches_of(model.assembly), model.report.options, len(model)
+    a, b = near_blocks(patches, options)
+    every = (model.contacts, touching.contacts, touching.parallel)
+    known = [np.sort(np.stack([each.block_a, each.block_b], axis=1), axis=1) for each in every]
+    near = [(one.block_a, one.block_b) for one in model.unjoined]
+    known += [touching.corners, np.array(near, dtype=np.intp).reshape(-1, 2)]
+    low, high = np.concatenate(known).T
+    some = (moving[a] | moving[b]) & ~np.isin(a * count + b, low * count + high)
+    return edge_misses(model.assembly, patches, (a[some], b[some]), (), options)[0]

@@ -20,6 +20,7 @@ from drystone.formulations.equilibrium import (
 )
 from drystone.formulations.projection import held_still, project_on_mechanisms
 from drystone.mechanics.rest_state import RestState
+from drystone.mechanics.touching import near_edges
 from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
 from drystone.stability.problem import Problem
@@ -35,11 +36,12 @@ def unless_near_pairs_hold(found: Result, check: Callable[[Model], Result]) -> R
         Gives the verdict on the same model whose near pairs touch. Where it falls even so, that is
         the proof: what moves without them moves with fewer contacts too.
     """
-    if found.verdict is not Verdict.UNSTABLE or not found.model.unjoined:
+    if found.verdict is not Verdict.UNSTABLE:
         return found
     model, names = found.model, found.assembly.names
     moving = part_of_fall(found)
     near = [m for m in model.unjoined if moving[m.block_a] or moving[m.block_b]]
+    near += near_edges(model, moving)
     if not near:
         return found
     most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
