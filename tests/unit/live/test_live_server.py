@@ -319,7 +319,7 @@ def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
     out, err = running.communicate(timeout=300)
     assert (running.returncode, out) == (0, b"")
     # reading may have been slow, and then it was said
-    assert err in (b"", f"drystone: reading {folder / 'arch.json'} ...\n".encode())
+    assert all(line.endswith(b" ...") for line in err.splitlines())  # progress, where it is slow
     end = time.monotonic() + 60.0
     while any(Path(f"/proc/{child}").exists() for child in children):
         assert time.monotonic() < end
