@@ -27,7 +27,7 @@ from drystone.detection import DetectionOptions
 from drystone.geometry.frames import rotation_about
 from drystone.mechanics.touching import further_contacts
 from drystone.models import box, prism
-from drystone.settlement import End, SettlementOptions, push, reduce_friction
+from drystone.settlement import End, SettlementOptions, push, reduce_friction, settle
 
 FLOOR = box((20.0, 8.0, 1.0), (-10.0, -4.0, -1.0), "floor")
 
@@ -263,7 +263,7 @@ def test_a_tripod_stands_by_the_edges_of_its_legs_on_a_hub() -> None:
     assert check(tripod(), friction=0.5).falls
 
 
-def test_friction_that_decays_and_pushes_begin_with_the_edges_that_touch() -> None:
+def test_settling_pushes_and_friction_that_decays_begin_with_the_edges_that_touch() -> None:
     soon = SettlementOptions(fall=0.02)
     decay = reduce_friction(leaning(60.0), friction=0.6, options=soon)
     least = 0.6 * float(decay.load[-1])
@@ -271,6 +271,7 @@ def test_friction_that_decays_and_pushes_begin_with_the_edges_that_touch() -> No
     assert check(leaning(60.0), friction=least - 0.01).falls
     assert any("edges and corners touch" in note for note in decay.model.notes)
     assert push(card_house(1), to=1e-4, friction=0.5, options=soon).end is End.REACHED
+    assert settle(card_house(1), friction=0.5).rests
 
 
 def test_a_subset_knows_the_edges_that_touch() -> None:

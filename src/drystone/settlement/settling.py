@@ -24,6 +24,7 @@ from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, faces_apart, followed_model
+from drystone.mechanics.touching import with_what_touches
 from drystone.mechanics.vertices_met import still_on_faces, vertices_met
 from drystone.model import Model
 from drystone.results import Residuals
@@ -158,7 +159,7 @@ def settle(
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
-    return _carried(model, moving, chosen, clock, executor, progress)
+    return _settled(chosen, clock, (model, moving), executor, progress)
 
 
 def settle_for_verdict(
@@ -384,10 +385,18 @@ def _ready(given: Given, how: How) -> tuple[Model, Floats | None]:
 
 
 def _settled(
-    chosen: SettlementOptions, clock: Clock, given: tuple[Model, Floats | None]
+    chosen: SettlementOptions,
+    clock: Clock,
+    given: tuple[Model, Floats | None],
+    executor: Workers | None = None,
+    progress: Progress | None = None,
 ) -> Settlement:
+    """Where the blocks end; what falls is followed again with the edges and corners that touch."""
     model, motion = given
-    return _carried(model, motion, chosen, clock, None, None)
+    found = _carried(model, motion, chosen, clock, executor, progress)
+    falls = found.outcome is Outcome.FALLS
+    more = with_what_touches(model, found.displacement) if falls else None
+    return found if more is None else _carried(more, motion, chosen, clock, executor, progress)
 
 
 def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions) -> Settlement:
