@@ -165,7 +165,8 @@ def test_bad_input_is_one_line_and_exit_code_two(tmp_path: Path) -> None:
     run = drystone("check absent.obj --html page.html", tmp_path)
     assert run.returncode == 2
     assert run.stdout == ""
-    said = [line for line in run.stderr.splitlines() if not line.endswith(" ...")]  # progress
+    slow = ("drystone: starting ...", "drystone: reading absent.obj ...")  # on a busy machine
+    said = [line for line in run.stderr.splitlines() if line not in slow]
     assert len(said) == 1
     assert "absent.obj" in said[0]
     assert list(tmp_path.iterdir()) == []
