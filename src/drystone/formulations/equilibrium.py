@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.settings import Options
 from drystone.formulations.corner_forces import (
     STRENGTH,
@@ -29,7 +29,7 @@ from drystone.formulations.corner_forces import (
     add_corner_forces,
 )
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
+from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus, solution
 from drystone.solvers.program import ConicProgram, ProgramBuilder, Term
 
 ANY_FORCES = 1e-3
@@ -205,33 +205,22 @@ def solve_equilibrium(
     return solved(partial(build_equilibrium, **form), statics, options, stop=stop)
 
 
-def solve_load_factor(
-    statics: Statics,
-    live: Floats,
-    *,
-    cone: FrictionCone,
-    reserve: sparse.csc_matrix | None = None,
-    options: ConicOptions | None = None,
-    stop: Callable[[], bool] | None = None,
-    enough: float = np.inf,
-) -> FactorSolution:
-    """The largest factor of a live load on top of the load of ``statics`` that can be balanced.
+class LoadFactors:
+    """The largest factors of live loads on top of the load of ``statics`` that can be balanced.
 
     ::
 
         maximise  lambda   subject to   A f + p + lambda live + R s = 0,  0 <= s <= 1,  friction,
                                         no pull
 
+    The program is built once, and only the live load changes in it, unless joints crush.
+
     Parameters
     ----------
     statics
-    live : (n, 6)
-        Scaled as ``statics.load`` is.
     cone
     reserve : (6 n, r)
         R: wrenches of which any share may act, such as what fill resists; scaled alike.
-    options
-    stop
     enough
         A factor from which on no larger one is asked for.
 
@@ -240,30 +229,54 @@ def solve_load_factor(
     The multiplier is a collapse mechanism on which the live load does unit work: the kinematic
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
-    column = sparse.csc_matrix(live.reshape(-1, 1))
-    count = 0 if reserve is None else reserve.shape[1]
 
-    def build(given: Statics) -> ConicProgram:
+    def __init__(
+        self,
+        statics: Statics,
+        cone: FrictionCone,
+        reserve: sparse.csc_matrix | None = None,
+        enough: float = np.inf,
+    ) -> None:
+        self._statics, self._cone, self._enough = statics, cone, enough
+        self._reserve = sparse.csc_matrix((0, 0)) if reserve is None else reserve
+        self._kept: tuple[ConicProgram, Any] | None = None
+        self._place: Ints = np.zeros(0, dtype=np.intp)  # of the live loads in it
+
+    def __call__(self, live: Floats, stop: Callable[[], bool] | None = None) -> FactorSolution:
+        """The largest factor of a live load (n, 6), scaled as ``statics.load`` is."""
+        column, place = sparse.csc_matrix(live.reshape(-1, 1)), np.flatnonzero(live)
+        if self._statics.crushing is not None:
+            build = partial(self._program, column)
+            state = solved(build, self._statics, stop=stop, enough=-self._enough)
+        else:
+            if np.isin(place, self._place).all() and self._kept is not None:
+                program, solver = self._kept
+                solver.update(A=(np.arange(len(self._place)), live.ravel()[self._place]))
+            else:
+                program = self._program(column, self._statics)
+                solver = program.solver()
+                self._place, self._kept = place, (program, solver)
+            state = _state(program, solution(solver, stop))
+        factor = {
+            ConicStatus.SOLVED: float(state.raw.x[0]),
+            ConicStatus.UNBOUNDED: float("inf"),
+            ConicStatus.INFEASIBLE: float("-inf"),
+            ConicStatus.FAILED: float("nan"),
+        }[state.raw.status]
+        return FactorSolution(factor, state, state.raw.x[1 : 1 + self._reserve.shape[1]].copy())
+
+    def _program(self, column: sparse.csc_matrix, statics: Statics) -> ConicProgram:
         builder = ProgramBuilder()
         terms: list[Term] = [(builder.variable("factor", 1, linear=-1.0), column)]
-        if enough < np.inf:  # a little more, so that forces at that factor are well inside
-            builder.at_most("enough", np.array([1.001 * enough]), (terms[0][0], 1.0))
-        if reserve is not None:
+        count = self._reserve.shape[1]
+        if count:
             share = builder.variable("reserve", count)
-            terms.append((share, reserve))
+            terms.append((share, self._reserve))
             builder.at_most("reserve from 0", np.zeros(count), (share, -1.0))
             builder.at_most("reserve to 1", np.ones(count), (share, 1.0))
-        return _balanced(builder, given, add_corner_forces(builder, given), cone, *terms)
-
-    state = solved(build, statics, options, stop=stop, enough=-enough)
-    raw = state.raw
-    factor = {
-        ConicStatus.SOLVED: float(raw.x[0]),
-        ConicStatus.UNBOUNDED: float("inf"),
-        ConicStatus.INFEASIBLE: float("-inf"),
-        ConicStatus.FAILED: float("nan"),
-    }[raw.status]
-    return FactorSolution(factor, state, raw.x[1 : 1 + count].copy())
+        if self._enough < np.inf:  # a little more, so that forces at that factor are well inside
+            builder.at_most("enough", np.array([1.001 * self._enough]), (terms[0][0], 1.0))
+        return _balanced(builder, statics, add_corner_forces(builder, statics), self._cone, *terms)
 
 
 def solve_extreme_force(
@@ -316,17 +329,24 @@ def solved(
     raw = replace(raw, iterations=steps)
     if vertex and raw.status is ConicStatus.SOLVED:
         raw = program.at_vertex(raw, ConicOptions.of(options).time_limit_s)
+    state = _state(program, raw)
+    if "pull" not in program.variables or statics.crushing is None:
+        return state
+    pull = np.zeros(len(state.force))
+    pull[statics.crushing.corner] = raw.x[program.variables["pull"]]
+    return replace(state, pull=pull)
+
+
+def _state(program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
+    """The state of a solution."""
     force = raw.x[program.variables["force"]].reshape(-1, 3).copy()
-    tension, pull = np.zeros(len(force)), None
+    tension = np.zeros(len(force))
     if "tension" in program.variables:
         net = raw.x[program.variables["tension"]]
         force[:, 0] -= net
         tension = np.maximum(0.0, net)
-    if "pull" in program.variables and statics.crushing is not None:
-        pull = np.zeros(len(force))
-        pull[statics.crushing.corner] = raw.x[program.variables["pull"]]
     multiplier = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
-    return EquilibriumSolution(force, tension, multiplier, raw, pull)
+    return EquilibriumSolution(force, tension, multiplier, raw)
 
 
 def _finer(

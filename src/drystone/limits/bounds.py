@@ -15,7 +15,7 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
+from drystone.formulations.equilibrium import FactorSolution, LoadFactors
 from drystone.formulations.projection import held_still
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.limit_search import VerdictSearch, Width
@@ -192,7 +192,7 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
     """The largest factor of a live load; the scales are those of the model without it."""
     statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
-    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop)
+    return LoadFactors(statics, cone)(scaled_wrench(statics, live), stop)
 
 
 def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:

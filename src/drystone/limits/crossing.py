@@ -14,7 +14,7 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.checks import mechanism_defects
-from drystone.formulations.equilibrium import FactorSolution, solve_load_factor
+from drystone.formulations.equilibrium import FactorSolution, LoadFactors
 from drystone.formulations.projection import held_still
 from drystone.limits.bounds import balanced, scaled_wrench
 from drystone.limits.limit_types import LimitOptions
@@ -135,11 +135,12 @@ class Crossing:
         """
         at = Position(place, train, train.on(self.tops, place), *train.pieces(self.tops, place))
         known: dict[bytes, PlacedTrain] = {}
+        largest = LoadFactors(self.problem.statics, self.options.cone, self._reserve)
 
         def under(adverse: Bools) -> PlacedTrain:
             key = adverse.tobytes()
             if key not in known:
-                known[key] = PlacedTrain(at, self._largest(at.load(adverse)), adverse)
+                known[key] = PlacedTrain(at, largest(self._scaled(at.load(adverse))), adverse)
             return known[key]
 
         count, free = len(at.ends), self.problem.model.assembly.free
@@ -173,13 +174,11 @@ class Crossing:
             best = one
         return best
 
-    def _largest(self, live: LoadCase) -> FactorSolution:
+    def _scaled(self, live: LoadCase) -> Floats:
         wrench = scaled_wrench(self.problem.statics, live)
         if not wrench.any():
             raise InputError("no axle is on a free block", remedy="give fewer steps")
-        return solve_load_factor(
-            self.problem.statics, wrench, cone=self.options.cone, reserve=self._reserve
-        )
+        return wrench
 
     def result(self, placed: PlacedTrain) -> Result | None:
         """The forces and the mechanism at the limit; None where they are not balanced."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
@@ -213,6 +214,18 @@ class Tops:
             return np.asarray(down[:, None] * part)
 
         return traction
+
+    def piece(self, line: float, across: float, low: float, high: float) -> Floats:
+        """Wrenches (n, 6) of a line load [N/m] on a piece of the road; kept for the next place."""
+        asked = line, across, low, high
+        if asked not in self._pieces:
+            long = high - low
+            self._pieces[asked] = self.spread(line * long, 0.5 * (low + high), long, across)
+        return self._pieces[asked]
+
+    @cached_property
+    def _pieces(self) -> dict[tuple[float, ...], Floats]:
+        return {}
 
     def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
         """Wrenches (n, 6) of a force [N] down on the road at a place.

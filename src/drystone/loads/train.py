@@ -198,11 +198,7 @@ class Train(Options):
             cuts = np.union1d(cuts, np.clip([middle - away, middle + away], cuts[0], cuts[-1]))
             free = np.abs(0.5 * (cuts[1:] + cuts[:-1]) - middle) < away
         ends = np.stack([cuts[:-1], cuts[1:]], axis=1)[~free]
-        each = [
-            tops.spread(self.line * (b - a), 0.5 * (a + b), b - a, self.lane)
-            for a, b in ends.tolist()
-        ]
-        return ends, np.array(each)
+        return ends, np.array([tops.piece(self.line, self.lane, a, b) for a, b in ends.tolist()])
 
 
 def _axles(texts: Sequence[Any], where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:

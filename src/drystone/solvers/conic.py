@@ -87,80 +87,66 @@ class ConicSolution:
     message: str
 
 
-def solve_conic(
-    quadratic: Any,
+def prepared(
+    quadratic: Floats,
     linear: Floats,
     matrix: Any,
     right: Floats,
     cones: Cones,
     options: ConicOptions | None = None,
-    *,
-    stop: Callable[[], bool] | None = None,
-) -> ConicSolution:
-    """Solve a conic program.
+) -> Any:
+    """A solver of a conic program; its method ``update`` changes entries.
 
     Parameters
     ----------
-    quadratic : (x, x) sparse, upper triangle is read; or its diagonal (x,)
-    linear : (x,)
+    quadratic, linear : (x,)
+        Of the quadratic part its diagonal.
     matrix : (r, x) sparse
     right : (r,)
     cones
         Cones of the r rows, in the order of :class:`Cones`.
     options
-    stop
-        Called at every step with Clarabel 0.11 and later; True ends the program as FAILED. An
-        exception in it, or Ctrl-C, is raised from here at the next step.
     """
     chosen = options if options is not None else ConicOptions()
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_iter = chosen.iteration_limit
     settings.tol_feas = chosen.tolerance
-    gap = chosen.tolerance if chosen.gap is None else chosen.gap
-    settings.tol_gap_abs = settings.tol_gap_rel = gap
+    settings.tol_gap_abs = settings.tol_gap_rel = chosen.gap or chosen.tolerance
     settings.tol_infeas_abs = settings.tol_infeas_rel = chosen.tolerance
     settings.max_threads = 1
     if np.isfinite(chosen.time_limit_s):
         settings.time_limit = max(chosen.time_limit_s, 1e-3)
-    kinds = []
-    if cones.zero:
-        kinds.append(clarabel.ZeroConeT(cones.zero))
-    if cones.nonnegative:
-        kinds.append(clarabel.NonnegativeConeT(cones.nonnegative))
+    flat = (clarabel.ZeroConeT, cones.zero), (clarabel.NonnegativeConeT, cones.nonnegative)
+    kinds = [kind(count) for kind, count in flat if count]
     kinds.extend(clarabel.SecondOrderConeT(size) for size in cones.second_order)
-    if isinstance(quadratic, np.ndarray):
-        size = len(quadratic)
-        place = np.arange(size + 1)
-        upper = sparse.csc_matrix((quadratic, place[:-1], place), shape=(size, size))
-    else:
-        upper = sparse.csc_matrix(sparse.triu(quadratic))
-    solver = clarabel.DefaultSolver(
-        upper,
-        np.asarray(linear, dtype=np.float64),
-        sparse.csc_matrix(matrix),
-        np.asarray(right, dtype=np.float64),
-        kinds,
-        settings,
-    )
+    size = len(quadratic)
+    place = np.arange(size + 1)
+    upper = sparse.csc_matrix((quadratic, place[:-1], place), shape=(size, size))
+    return clarabel.DefaultSolver(upper, linear, sparse.csc_matrix(matrix), right, kinds, settings)
+
+
+def solution(solver: Any, stop: Callable[[], bool] | None = None) -> ConicSolution:
+    """The solution by a solver.
+
+    Parameters
+    ----------
+    solver
+    stop
+        Called at every step with Clarabel 0.11 and later; True ends the program as FAILED. An
+        exception in it, or Ctrl-C, is raised from here at the next step.
+    """
     raw = _watched(solver, stop)
     name = str(raw.status)
-    if name in ("Solved", "AlmostSolved"):
-        status = ConicStatus.SOLVED
-    elif name in ("PrimalInfeasible", "AlmostPrimalInfeasible"):
-        status = ConicStatus.INFEASIBLE
-    elif name in ("DualInfeasible", "AlmostDualInfeasible"):
-        status = ConicStatus.UNBOUNDED
-    else:
-        status = ConicStatus.FAILED
-    return ConicSolution(
-        status,
-        np.asarray(raw.x),
-        np.asarray(raw.z),
-        int(raw.iterations),
-        f"clarabel {clarabel.__version__}",
-        name,
-    )
+    known = {
+        "Solved": ConicStatus.SOLVED,
+        "PrimalInfeasible": ConicStatus.INFEASIBLE,
+        "DualInfeasible": ConicStatus.UNBOUNDED,
+    }
+    status = known.get(name.removeprefix("Almost"), ConicStatus.FAILED)
+    x, z = np.asarray(raw.x), np.asarray(raw.z)
+    solver_name = f"clarabel {clarabel.__version__}"
+    return ConicSolution(status, x, z, int(raw.iterations), solver_name, name)
 
 
 def _watched(solver: Any, stop: Callable[[], bool] | None) -> Any:

@@ -16,7 +16,7 @@ from scipy.optimize import linprog
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import SolverError, counted
-from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, solve_conic
+from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, prepared, solution
 
 
 @dataclass(frozen=True)
@@ -69,17 +69,19 @@ class ConicProgram(OneLine):
     def solve(
         self, options: ConicOptions | None = None, *, stop: Callable[[], bool] | None = None
     ) -> ConicSolution:
-        """The solution; parameters as for ``drystone.solvers.conic.solve_conic``."""
-        return solve_conic(
-            self.quadratic, self.linear, self.matrix, self.right, self.cones, options, stop=stop
-        )
+        """The solution; parameters as for ``drystone.solvers.conic``."""
+        return solution(self.solver(options), stop)
 
-    def at_vertex(self, solution: ConicSolution, time_limit_s: float = np.inf) -> ConicSolution:
+    def solver(self, options: ConicOptions | None = None) -> Any:
+        """A solver, as ``drystone.solvers.conic.prepared`` makes it."""
+        return prepared(self.quadratic, self.linear, self.matrix, self.right, self.cones, options)
+
+    def at_vertex(self, found: ConicSolution, time_limit_s: float = np.inf) -> ConicSolution:
         """A vertex of the set of solutions, by the simplex method.
 
         Parameters
         ----------
-        solution
+        found
             Of a linear program without second-order cones.
         time_limit_s
 
@@ -98,11 +100,11 @@ class ConicProgram(OneLine):
             "method": "highs-ds",
             "options": {} if np.isinf(time_limit_s) else {"time_limit": max(time_limit_s, 0.0)},
         }
-        found = linprog(self.linear, **form)
-        if found.x is None:
-            raise SolverError(f"the simplex method found no vertex: {found.message}")
-        steps = solution.iterations + int(found.nit)
-        return replace(solution, x=found.x, iterations=steps, solver="HiGHS dual simplex")
+        vertex = linprog(self.linear, **form)
+        if vertex.x is None:
+            raise SolverError(f"the simplex method found no vertex: {vertex.message}")
+        steps = found.iterations + int(vertex.nit)
+        return replace(found, x=vertex.x, iterations=steps, solver="HiGHS dual simplex")
 
     def value(self, x: Floats, name: str) -> Floats:
         """The part of a solution x that belongs to a variable, in its unit."""

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Stop
 from drystone.checks import Residuals, check_forces, crushed_most
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import solve_load_factor
+from drystone.formulations.equilibrium import LoadFactors
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicStatus
@@ -55,7 +55,7 @@ def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> C
     """What share of its loads a model carries whose joints crush."""
     statics = problem.statics
     none = replace(statics, load=np.zeros_like(statics.load))
-    found = solve_load_factor(none, statics.load, cone=cone, stop=late, enough=1.0)
+    found = LoadFactors(none, cone, enough=1.0)(statics.load, late)
     share, state = found.factor, found.state
     steps = state.raw.iterations
     if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
@@ -85,7 +85,7 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
         return None
     statics = Problem.build(model).statics
     none = replace(statics, load=np.zeros_like(statics.load))
-    found = solve_load_factor(none, statics.load, cone=FrictionCone.exact(), stop=stop).factor
+    found = LoadFactors(none, FrictionCone.exact())(statics.load, stop).factor
     return found if 0.0 < found < np.inf else None
 
 

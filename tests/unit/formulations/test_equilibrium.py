@@ -7,11 +7,11 @@ from drystone import Assembly, Contacts, InputError, LoadCase
 from drystone.formulations.equilibrium import (
     FrictionCone,
     FrictionRule,
+    LoadFactors,
     Objective,
     Weights,
     solve_equilibrium,
     solve_extreme_force,
-    solve_load_factor,
 )
 from drystone.geometry.frames import rotation_about
 from drystone.mechanics.statics import Statics, build_statics
@@ -149,7 +149,7 @@ def test_a_load_factor_has_a_mechanism_on_which_the_live_load_does_unit_work() -
     problem = statics(assembly, 2.0)
     live = np.zeros((1, 6))
     live[0, 0] = 1.0
-    solution = solve_load_factor(problem, live, cone=EXACT)
+    solution = LoadFactors(problem, EXACT)(live)
     assert solution.factor == pytest.approx(1.0)  # topples over the edge of a cube
     assert abs(float((live * solution.state.multiplier).sum())) == pytest.approx(1.0)
 
@@ -158,8 +158,24 @@ def test_load_factors_tell_what_cannot_be_reached_and_what_never_balances() -> N
     standing, sliding = statics(tower(2), 0.5), statics(incline(45.0), 0.5)
     down, across = np.zeros((2, 1, 6))
     down[0, 2], across[0, 1] = -1.0, 1.0
-    assert solve_load_factor(standing, down, cone=EXACT).factor == float("inf")
-    assert solve_load_factor(sliding, across, cone=EXACT).factor == float("-inf")
+    assert LoadFactors(standing, EXACT)(down).factor == float("inf")
+    assert LoadFactors(sliding, EXACT)(across).factor == float("-inf")
+
+
+def test_each_live_load_has_the_factor_that_it_has_alone_whichever_came_before() -> None:
+    problem = statics(tower(2), 0.7)
+    largest = LoadFactors(problem, EXACT)
+    loads = {  # a cube of unit weight slides three times, is pressed and is lifted
+        (1.0, 0.0, 0.0): 0.7,
+        (0.5, 0.0, 0.0): 1.4,
+        (0.0, 0.0, -1.0): np.inf,
+        (0.0, 2.0, 0.0): 0.35,
+        (0.0, 0.0, 1.0): 1.0,
+    }
+    for force, factor in loads.items():
+        live = np.zeros((1, 6))
+        live[0, :3] = force
+        assert largest(live).factor == pytest.approx(factor), force
 
 
 def test_prestress_between_walls_is_bounded_below_only() -> None:

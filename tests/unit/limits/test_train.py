@@ -14,6 +14,7 @@ from drystone.limits import LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
 from drystone.loads.fill import Tops
 from drystone.models import box, segmental_bridge
+from drystone.solvers.program import ConicProgram, ProgramBuilder
 
 FILL = Fill(cover=0.3, weight=2e4)
 
@@ -124,6 +125,23 @@ def test_no_stretch_of_the_line_load_is_worse_than_the_one_found(bridge: Model) 
             some = LoadCase(axle + pieces[first:last].sum(axis=0))
             other = limit_load(loaded, some, options=quick).equilibrium
             assert found.factors[0] <= (other.falls or np.inf)
+
+
+def test_the_programs_of_one_place_are_one_program(
+    bridge: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built, build = [], ProgramBuilder.build
+
+    def counted(program: ProgramBuilder) -> ConicProgram:
+        built.append(program)
+        return build(program)
+
+    monkeypatch.setattr(ProgramBuilder, "build", counted)
+    train = Train("line", (0.0,), (1e4,), line=3e4)
+    fill = replace(FILL, k=0.2, passive=1.0)
+    found = limit_train(bridge, train=train, fill=fill, steps=1)
+    assert len(found.line)
+    assert len(built) == len(found.places) == 1
 
 
 def test_places_near_the_worst_one_are_tried_as_well(bridge: Model) -> None:

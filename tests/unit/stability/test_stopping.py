@@ -13,7 +13,7 @@ from drystone import LoadCase, Result, Verdict, find_contacts, models
 from drystone.base.progress import Clock
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_cra, solve_cra_penalty, solve_rbe
-from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
+from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, prepared, solution
 from drystone.stability import CheckOptions, check, try_rest
 
 ARCH = models.arch(0.15)
@@ -119,9 +119,9 @@ def program(stop: Callable[[], bool] | None) -> ConicStatus:
     """A small quadratic program of some ten steps."""
     rng = np.random.default_rng(0)
     rows = sparse.csc_matrix(rng.standard_normal((60, 20)))
-    return solve_conic(
-        np.ones(20), rng.standard_normal(20), rows, np.ones(60), Cones(nonnegative=60), stop=stop
-    ).status
+    cones = Cones(nonnegative=60)
+    solver = prepared(np.ones(20), rng.standard_normal(20), rows, np.ones(60), cones)
+    return solution(solver, stop).status
 
 
 def test_a_program_ends_where_it_is_told_to():
