@@ -5,26 +5,23 @@ python examples/moving_pictures.py docs/images
 It needs drystone[fall] and Pillow, which matplotlib brings.
 """
 
-import io
 import sys
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
-from PIL import Image
 
 import drystone
 from drystone.assembly import Assembly
-from drystone.base.files import write_bytes
 from drystone.fall import fall
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, corbelled_bridge
 from drystone.view import Scene, scene_of
+from drystone.view.film import write_gif
 
 SIZE = (8.2, 4.4)
 """Inches."""
-DPI = 100
 ROOM = 0.05
 """Share of the width that is left free on each side of the blocks."""
 
@@ -46,7 +43,7 @@ def drawn(scene: Scene, toward: tuple[float, float, float], **options: object) -
 
     Nobody could read words at the width of a phone.
     """
-    figure = drystone.save_figure(scene, size=SIZE, dpi=DPI, toward=toward, **options)
+    figure = drystone.save_figure(scene, size=SIZE, toward=toward, **options)
     axes = figure.axes[0]
     words = [*figure.texts, *figure.legends, *figure.axes[1:], *axes.texts, *axes.patches]
     for one in [*words, *axes.lines]:
@@ -59,8 +56,8 @@ def drawn(scene: Scene, toward: tuple[float, float, float], **options: object) -
     return figure, np.array([right, np.cross(eye, right)]) @ scene.centre
 
 
-def frames(pictures: list[Picture]) -> list[Image.Image]:
-    """Images of one place: all that one of the figures shows, and some room around it."""
+def framed(pictures: list[Picture]) -> list[Figure]:
+    """Figures of one place: all that one of them shows, and some room around it."""
     boxes = [(figure.axes[0].dataLim, place) for figure, place in pictures]
     low = np.min([place + box.min for box, place in boxes], axis=0)
     high = np.max([place + box.max for box, place in boxes], axis=0)
@@ -68,27 +65,18 @@ def frames(pictures: list[Picture]) -> list[Image.Image]:
     width = (1.0 + 2.0 * ROOM) * max(width, height * SIZE[0] / SIZE[1])
     half = 0.5 * np.array([width, width * SIZE[1] / SIZE[0]])
     middle = 0.5 * (low + high)
-    made = []
     for figure, place in pictures:
         (left, low), (right, high) = middle - half - place, middle + half - place
         figure.axes[0].set(xlim=(left, right), ylim=(low, high))
-        file = io.BytesIO()
-        figure.savefig(file, format="png", dpi=DPI)
-        made.append(Image.open(file).convert("P", palette=Image.Palette.ADAPTIVE, colors=32))
-    return made
+    return [figure for figure, _ in pictures]
 
 
-def save(images: list[Image.Image], path: Path, milliseconds: int) -> None:
+def save(figures: list[Figure], path: Path, milliseconds: int) -> None:
     """An endless GIF that waits on its first and its last frame."""
-    times = [1000] + [milliseconds] * (len(images) - 2) + [2000]
-    made = io.BytesIO()
-    images[0].save(
-        made, "GIF", save_all=True, append_images=images[1:], duration=times, loop=0, optimize=True
-    )
-    write_bytes(path, made.getvalue())
+    write_gif(figures, path, [1000] + [milliseconds] * (len(figures) - 2) + [2000])
 
 
-def falling(count: int) -> list[Image.Image]:
+def falling(count: int) -> list[Figure]:
     """An arch that is too thin, until it lies on the ground."""
     model = drystone.Model.of(arch(thickness_ratio=0.1, voussoirs=15), friction=0.7)
     film = fall(model, drystone.check(model).mechanism)
@@ -97,16 +85,16 @@ def falling(count: int) -> list[Image.Image]:
     chosen = np.linspace(0, min(lies, len(film) - 1), count).astype(int)
     scenes = [scene_of(moved(model.assembly, film.positions[step])) for step in chosen]
     figures = [drawn(scene, (0.15, -1.0, 0.25), preset="solid") for scene in scenes]
-    return frames(figures)
+    return framed(figures)
 
 
-def built(count: int) -> list[Image.Image]:
+def built(count: int) -> list[Figure]:
     """A bridge that is built out from both sides."""
     model = drystone.Model.of(corbelled_bridge(), friction=0.7)
     scene = scene_of(drystone.plan(model))
     stages = range(len(scene.stages))[-count:]
     figures = [drawn(scene, (0.3, -1.0, 0.25), stage=stage) for stage in stages]
-    return frames(figures)
+    return framed(figures)
 
 
 def main(folder: Path = Path(), count: int = 30) -> None:

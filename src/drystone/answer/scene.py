@@ -214,6 +214,8 @@ class SceneStage(OneLine):
     facts
         What was asked, by name, where it differs from that of the scene.
     layers
+    spot
+        Where the stage is in the first chart of its scene.
     """
 
     label: str
@@ -237,6 +239,7 @@ class SceneStage(OneLine):
     gravity: Floats = field(default_factory=lambda: -UP)
     facts: Mapping[str, str] = field(default_factory=dict)
     layers: tuple[Layer, ...] = ()
+    spot: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

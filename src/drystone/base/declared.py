@@ -157,7 +157,7 @@ class Offered(OneLine):
     shown
         Options that the help shows; others are shown by ``--help-all``.
     writes
-        What its answer can write beside pictures: ``joints``, a ``model``, or nothing.
+        What its answer can write beside pictures: ``joints``, a ``model``, a ``film``, or nothing.
     names
         Options that are offered, such as ``options.scan``; all when left out.
     """
@@ -165,7 +165,7 @@ class Offered(OneLine):
     analysis: Callable[..., Any]
     example: str = ""
     shown: tuple[str, ...] = ()
-    writes: Literal["", "joints", "model"] = ""
+    writes: Literal["", "joints", "model", "film"] = ""
     names: tuple[str, ...] | None = None
 
     @property

@@ -13,13 +13,13 @@ from drystone.cli.model_input import OneFile, Subject
 from drystone.cli.offered import Analysis, Argument, Of, Part
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures, WithModel, Written
+from drystone.cli.written import Pictures, WithFilm, WithModel, Written
 
 if TYPE_CHECKING:
     from drystone.base.declared import Declared, Offered
 
 
-_FILES: Mapping[str, type[Pictures]] = {"joints": Written, "model": WithModel}
+_FILES: Mapping[str, type[Pictures]] = {"joints": Written, "model": WithModel, "film": WithFilm}
 """The files of answers, by what they can write beside pictures."""
 
 

@@ -17,7 +17,7 @@ from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting, executor_of
-from drystone.cli.written import Pictures
+from drystone.cli.written import WithFilm
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PlanFiles(Pictures):
+class PlanFiles(WithFilm):
     """The files of a plan."""
 
     cad: options.Cad = None

@@ -96,6 +96,25 @@ class Pictures:
 
 
 @dataclass(frozen=True)
+class WithFilm(Pictures):
+    """The film of an answer with several stages too."""
+
+    film: Annotated[
+        Path | None,
+        Option("Write a film of the stages, .gif.", OUTPUT, kind=kinds.target(".gif")),
+    ] = None
+
+    def of(self, answer: Any) -> Files:
+        """The pictures and the film of an answer, and remarks on them."""
+        jobs, said = super().of(answer)
+        if self.film is not None:
+            from drystone.view import save_film  # pictures are imported when needed
+
+            jobs.append((self.film, partial(save_film, answer)))
+        return jobs, said
+
+
+@dataclass(frozen=True)
 class Written(Pictures):
     """The tables of joints and of their corners too."""
 

@@ -127,9 +127,15 @@ class TrainEnvelope(Answer):
             return self.limit.best.standing
         return self._crossing.result(self._placed[self.worst]) if len(self.places) else None
 
-    def axles(self) -> Table:
-        """The axles at the worst place: where they are, what they weigh, how they spread."""
-        one, tops = self._placed[self.worst], self._crossing.tops
+    def axles(self, place: int | None = None) -> Table:
+        """The axles at a place, by its position: where they are, what they weigh, how they spread.
+
+        Parameters
+        ----------
+        place
+            The worst one when left out.
+        """
+        one, tops = self._placed[self.worst if place is None else place], self._crossing.tops
         train = one.at.train
         x = one.at.place - 0.5 * train.length + np.array(train.places)
         low, high = tops.ends
@@ -144,15 +150,16 @@ class TrainEnvelope(Answer):
             "on_the_bridge": (x >= low) & (x <= high),
         }
         units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
-        return Table("axles at the worst place, at factor 1", columns, {**units, "load": "N"})
+        where = "the worst place" if place is None else f"x = {one.at.place:.4g} m"
+        return Table(f"axles at {where}, at factor 1", columns, {**units, "load": "N"})
 
     @property
     def line(self) -> Floats:
         """Stretches (s, 2) [m] of the road with the line load at the worst place."""
         return self._placed[self.worst].line
 
-    def _axle_layers(self) -> tuple[Layer, ...]:
-        axles = self.axles()
+    def _axle_layers(self, place: int) -> tuple[Layer, ...]:
+        axles = self.axles(place)
         bounds = self.model.assembly.bounds
         middle = 0.5 * float(bounds[:, 0, 1].min() + bounds[:, 1, 1].max())
         flat = np.zeros(len(axles))
@@ -166,7 +173,7 @@ class TrainEnvelope(Answer):
             "axles", "axles",
             LayerKind.ARROWS, "load", at, down, single=True, width=3.0, group="axles",
         )]  # fmt: skip
-        for a, b in self.line.tolist():
+        for a, b in self._placed[place].line.tolist():
             cuts = np.linspace(a, b, int(b - a) + 2)  # arrows a metre apart at most
             x, size = 0.5 * (cuts[1:] + cuts[:-1]), self.train.line * np.diff(cuts)
             at = np.column_stack([x, 0.0 * x + middle, self._crossing.tops.level(x)])
@@ -308,13 +315,15 @@ class TrainEnvelope(Answer):
         if not len(self.places) or self.falls_alone:
             return replace(scene, title=self.title)
         found = () if self.limit is None else self.limit.layers().stages
-        worst, axles = found or self._stage(self.worst), self._axle_layers()
-        stages = [replace(one, layers=(*one.layers, *axles)) for one in worst]
+        axles = self._axle_layers(self.worst)
+        worst = [replace(one, layers=(*one.layers, *axles)) for one in found]
+        stages = worst or self._stage(self.worst)
         still = max(len(found) - 1, 0)
         for i in np.flatnonzero(np.isfinite(self._near)).tolist():
             stages += self._stage(i)
         charts = (self.figure(),)
-        return replace(scene, title=self.title, stages=tuple(stages), charts=charts, still=still)
+        every = tuple(stages) or scene.stages  # no factor is finite where any is carried
+        return replace(scene, title=self.title, stages=every, charts=charts, still=still)
 
     def _stage(self, i: int) -> list[SceneStage]:
         one = self._placed[i]
@@ -325,7 +334,9 @@ class TrainEnvelope(Answer):
         stage = result.stage(f"x = {place:.3g} m")
         way = "" if one.at.train == self.train else ", turned round"
         headline = f"Load factor {rounded_down(one.found.factor, 4):.4g} at x = {place:.4g} m{way}"
-        return [replace(stage, headline=headline)]
+        layers = (*stage.layers, *self._axle_layers(i))
+        spot = place, one.found.factor
+        return [replace(stage, headline=headline, layers=layers, spot=spot)]
 
     def figure(self) -> Chart:
         """The factor by the place of the train."""

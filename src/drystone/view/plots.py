@@ -21,14 +21,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def _axes(title: str, across: str, up: str, projection: str | None = None) -> tuple[Figure, Any]:
-    """A figure with one pair of axes and a grid."""
+def _axes(title: str, projection: str | None = None) -> tuple[Figure, Any]:
+    """A figure with one pair of axes."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    axes: Any = figure.add_subplot(xlabel=across, ylabel=up, projection=projection)
+    axes: Any = figure.add_subplot(projection=projection)
     axes.set_title(title, fontsize=10)
-    axes.grid(alpha=0.25)
     return figure, axes
 
 
@@ -76,8 +75,8 @@ def chart_png(chart: Chart | HeatMap) -> tuple[bytes, tuple[int, int]]:
 
 def _map_figure(chart: HeatMap, title: str) -> Figure:
     """Cells that are darker where values are larger, with their values where there is room."""
-    figure, axes = _axes(title, chart.across, chart.up)
-    axes.grid(visible=False)
+    figure, axes = _axes(title)
+    axes.set(xlabel=chart.across, ylabel=chart.up)
     drawn = axes.imshow(chart.values, origin="lower", aspect="auto", cmap="YlGnBu")
     figure.colorbar(drawn, ax=axes, label=chart.quantity)
     axes.set_facecolor("white")
@@ -95,15 +94,25 @@ def _map_figure(chart: HeatMap, title: str) -> Figure:
 
 
 def _chart_figure(chart: Chart, title: str) -> Figure:
-    colour = ROLE_COLOUR["light"]
+    head = "\n".join(one for one in (title, chart.caption) if one)
+    figure, axes = _axes(head, "polar" if chart.polar else None)
+    draw_chart(axes, chart)
+    if any(one.label for one in chart.marks):
+        handles = axes.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
+    return figure
+
+
+def draw_chart(axes: Any, chart: Chart) -> None:
+    """A chart in given axes of matplotlib, without a title and a legend."""
     named = zip((chart.across, chart.up), chart.units, strict=True)
     across, up = (f"{text} [{unit}]" if unit else text for text, unit in named)
-    head = "\n".join(one for one in (title, chart.caption) if one)
-    figure, axes = _axes(head, across, up, "polar" if chart.polar else None)
+    axes.set(xlabel=across, ylabel=up)
+    axes.grid(alpha=0.25)
     for one in chart.marks:
         _draw_marks(axes, one, np.deg2rad(one.x) if chart.polar else one.x)
     for at, text in chart.lines:
-        axes.axvline(at, color=colour["edge"], linestyle=":", linewidth=1.2)
+        axes.axvline(at, color=ROLE_COLOUR["light"]["edge"], linestyle=":", linewidth=1.2)
         axes.annotate(text, (at, 1.0), xycoords=("data", "axes fraction"), xytext=(-3, -3),
                       textcoords="offset points", fontsize=9, ha="right", va="top",
                       rotation=90)  # fmt: skip
@@ -114,10 +123,6 @@ def _chart_figure(chart: Chart, title: str) -> Figure:
     if chart.polar:
         axes.set_ylabel("")
         axes.set_rlabel_position(67.5)
-    if any(one.label for one in chart.marks):
-        handles = axes.get_legend_handles_labels()
-        figure.legend(*handles, loc="outside lower center", ncol=3, frameon=False, fontsize=9)
-    return figure
 
 
 def _draw_marks(axes: Any, marks: Marks, x: Floats) -> None:

@@ -233,6 +233,9 @@ def test_the_command_draws_the_envelope(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["models", "segmental-bridge", "--set", "voussoirs=8", "--out", "b.json"]) == 0
+    words = "limit train b.json --steps 1 --html b.html --film b.gif".split()  # noqa: SIM905
+    assert main([*words, "--fill", "cover=0.3m,weight=20kN/m3"]) == 2
+    assert "film: one stage is no film" in capsys.readouterr().err
     words = "limit train b.json --train lm1 --steps 3 --html b.html".split()  # noqa: SIM905
     assert main([*words, "--fill", "cover=0.3m,weight=20kN/m3"]) == 0
     assert "Stands under 'lm1' up to load factor" in capsys.readouterr().out
