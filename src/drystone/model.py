@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -13,6 +14,7 @@ from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
 from drystone.base.display import Card, OneLine, shortened
 from drystone.base.errors import InputError, counted, require
+from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.block_overlaps import overlap_lines
@@ -76,6 +78,15 @@ class Origin(OneLine):
     units: str = "m"
 
 
+class FlushEnds(enum.StrEnum):
+    """What becomes of the end of a joint where the faces of both blocks end, while they move."""
+
+    LONGER = "longer"
+    """The face of the block nearer to the supports goes on, as in published programs."""
+    EXACT = "exact"
+    """Both end where they are drawn."""
+
+
 @dataclass(frozen=True, eq=False)
 class Model(Card):
     """Blocks, the interfaces at which they touch, and the load on them.
@@ -99,6 +110,9 @@ class Model(Card):
         blocks fall rests on them.
     origin
         The file that it was read from.
+    ends
+        What becomes of flush ends of joints where blocks are followed; ``None``: undecided where
+        they decide.
 
     Raises
     ------
@@ -124,6 +138,7 @@ class Model(Card):
     cases: tuple[LoadCase, ...] = ()
     unjoined: tuple[Missed, ...] = ()
     origin: Origin = field(default_factory=Origin)
+    ends: FlushEnds | None = None
 
     def __post_init__(self) -> None:
         count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
@@ -153,6 +168,8 @@ class Model(Card):
                     where=f"block '{self.assembly.names[i]}'",
                     remedy="give metres and radians",
                 )
+        if self.ends is not None:
+            object.__setattr__(self, "ends", member_of(FlushEnds, self.ends, "ends"))
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "cases", tuple(self.cases))
         object.__setattr__(self, "unjoined", tuple(self.unjoined))
@@ -356,6 +373,15 @@ class Model(Card):
                 remedy="ask 'settle' what that does, or take a case without settlement",
             )
 
+    def require_ends_as_drawn(self, what: str) -> None:
+        """Raise InputError where ends of joints are chosen, of an analysis that moves no blocks."""
+        if self.ends is not None:
+            raise InputError(
+                f"{what} follows no blocks, so what becomes of ends of joints has no part in it",
+                where="ends",
+                remedy="leave it out",
+            )
+
     def with_supports(self, supports: str | Sequence[int | str], up: Sequence[float] = UP) -> Model:
         """The same model with exactly these blocks fixed; see :meth:`of`.
 
@@ -385,6 +411,7 @@ class Model(Card):
             notes=self.notes,
             unjoined=among(self.unjoined, chosen),
             origin=self.origin,
+            ends=self.ends,
         )
 
     def without(self, blocks: Blocks) -> Model:
@@ -431,4 +458,4 @@ def _own_friction(block: Block) -> float:
     return float(given)
 
 
-__all__ = ["Model", "Origin", "up_of_load"]
+__all__ = ["FlushEnds", "Model", "Origin", "up_of_load"]

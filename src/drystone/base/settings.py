@@ -19,6 +19,7 @@ from drystone.base.progress import check_keywords, with_keywords
 
 P = ParamSpec("P")
 R = TypeVar("R")
+E = TypeVar("E", bound=enum.Enum)
 
 
 class Options(OneLine):
@@ -89,13 +90,18 @@ def _checked(value: Any, kind: type, name: str) -> Any:
     if kind is float:
         return number(value, name, finite=False)
     if issubclass(kind, enum.Enum):
-        try:
-            return kind(value)
-        except ValueError as error:
-            known = ", ".join(f"'{one.value}'" for one in kind)
-            said = shortened(repr(value), 60)
-            raise InputError(f"{name} is {said}", remedy=f"give one of {known}") from error
+        return member_of(kind, value, name)
     return of_type(value, kind, name, "give True or False" if kind is bool else "")
+
+
+def member_of(kind: type[E], value: Any, name: str) -> E:
+    """The member of an enumeration, or of that value; else InputError."""
+    try:
+        return kind(value)
+    except ValueError as error:
+        known = ", ".join(f"'{one.value}'" for one in kind)
+        said = shortened(repr(value), 60)
+        raise InputError(f"{name} is {said}", remedy=f"give one of {known}") from error
 
 
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:

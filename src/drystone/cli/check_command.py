@@ -38,7 +38,6 @@ def solve(
     waiting: Waiting,
     time_limit: float | None,
     robust: bool = False,
-    ends: str | None = None,
     key: str = "solve",
 ) -> Result:
     """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it.
@@ -51,7 +50,7 @@ def solve(
     waiting.stage(key, "solving")
     with waiting.keywords(time_limit) as common:
         options = CheckOptions.robust() if robust else CheckOptions()
-        result = check(model, options=options.with_ends(ends), **common)
+        result = check(model, options=options, **common)
     waiting.end_stage()
     return result
 
@@ -76,7 +75,6 @@ def check(
             expert=True,
         ),
     ] = False,
-    ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
     wanted: CheckFiles,
     waiting: Waiting,
@@ -88,7 +86,7 @@ def check(
     """
     model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
-    result = solve(model, waiting, time_limit, strict, ends)
+    result = solve(model, waiting, time_limit, strict)
     if result.stable and not result.stopped:
         from drystone.limits.bounds import tilt_margin
         from drystone.stability.strength import crushing_factor

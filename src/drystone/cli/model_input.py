@@ -53,6 +53,7 @@ HOW = partial(
             "gap",
             "angle",
             "edges",
+            "ends",
             "anyway",
             "search",
             "crack",

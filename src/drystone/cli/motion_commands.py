@@ -55,7 +55,6 @@ def settle(
         SupportResponseOptions,
         Of("drystone.settlement.SupportResponseOptions", ("compliance",)),
     ],
-    ends: options.Ends = None,
     time_limit: options.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
@@ -89,10 +88,7 @@ def settle(
     with waiting.keywords(time_limit) as common:
         if model.load.motion is None:
             waiting.stage("solve", "following the blocks")
-            chosen = settlement.SettlementOptions(
-                carrier=None if ends is None else settlement.FlushEnds(ends).carrier
-            )
-            found: Answer = settlement.settle(model, options=chosen, **common)
+            found: Answer = settlement.settle(model, **common)
         elif to is not None:
             waiting.stage("solve", "moving")
             found = settlement.move_supports(model, to=to, **common)

@@ -73,14 +73,3 @@ TimeLimit: TypeAlias = Annotated[
 ]
 
 Workers: TypeAlias = Annotated[int | str, Option(WORKERS, kind=kinds.WORKERS, expert=True)]
-
-Ends: TypeAlias = Annotated[
-    str | None,
-    Option(
-        "Ends of joints where the faces of both blocks end: the face of the block nearer to the "
-        "supports goes on (longer), or both end as drawn (exact). When left out, undecided where "
-        "they decide.",
-        kind=kinds.one_of(("longer", "exact")),
-        expert=True,
-    ),
-]

@@ -12,7 +12,8 @@ from drystone.base.display import differing
 from drystone.base.errors import InputError
 from drystone.cli import families, kinds, options
 from drystone.cli.command import command
-from drystone.cli.offered import MODEL, OUTPUT, Argument, Of, Option
+from drystone.cli.model_input import HOW
+from drystone.cli.offered import MODEL, OUTPUT, Analysis, Argument, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
@@ -147,7 +148,7 @@ def tune(
         ),
     ],
     set: families.Settings = (),
-    friction: options.Friction = None,
+    reading: Annotated[Analysis, HOW(("friction", "ends"), shown=("friction",))],
     search: SearchRequest,
     out: Annotated[
         Path | None,
@@ -173,7 +174,6 @@ def tune(
     """
     build, known = families.shell_family(family) or families.family(family)
     given = dict(families.setting(text, known) for text in set)
-    how: dict[str, Any] = {} if friction is None else {"friction": friction}
     twice = {text.partition("=")[0].replace("-", "_") for text in search.vary} & given.keys()
     if twice:
         raise InputError(
@@ -182,12 +182,12 @@ def tune(
             remedy="give one of them",
         )
     made = partial(build, **given)
-    found = search.run(made, known, how, waiting, time_limit)
-    return Told(found, subject=family, files=partial(_files, found, made, how, out, png))
+    found = search.run(made, known, reading.given, waiting, time_limit)
+    return Told(found, subject=family, files=partial(_files, found, made, reading.given, out, png))
 
 
 def _files(
-    found: Tuned, build: Any, how: dict[str, Any], out: Path | None, png: Path | None
+    found: Tuned, build: Any, how: Mapping[str, Any], out: Path | None, png: Path | None
 ) -> Files:
     jobs: list[Any] = []
     if out is not None and found.front:

@@ -92,6 +92,7 @@ def changed(
         joined_contacts(unchanged, contacts),
         _carried_load(model, assembly, kept),
         notes=model.notes,
+        ends=model.ends,
     )
 
 

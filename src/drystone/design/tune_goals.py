@@ -94,10 +94,8 @@ def _value(goal: str, found: Mapping[str, Any], model: Model) -> float:
 
 
 def model_of(made: Any, how: Mapping[str, Any]) -> Model:
-    """The model of what a family gives: itself, or that of an assembly or a shell."""
-    if isinstance(made, Shell):
-        return made.model(**how)
-    return made if isinstance(made, Model) else as_model(made, **how)
+    """The model of what a family gives: a model, an assembly or a shell."""
+    return as_model(made.model() if isinstance(made, Shell) else made, **how)
 
 
 def planned_counts(model: Model, clock: Clock | None = None) -> tuple[Mapping[str, int], str]:

@@ -112,7 +112,7 @@ def build(
     contacts, loads, results = (
         draft.finish(assembly, scale_of(unit)) if draft.finish else (None, (), ())
     )
-    return Contents(assembly, contacts, loads, results, built.notes, draft.ties, unit)
+    return Contents(assembly, contacts, loads, results, built.notes, draft.ties, unit, draft.ends)
 
 
 def try_blocks(

@@ -65,6 +65,8 @@ class Draft:
         Assumptions of the reader.
     ties
         Names of the two blocks of each tie.
+    ends
+        Of the model; see :class:`drystone.Model`.
     """
 
     shapes: tuple[DraftBlock, ...]
@@ -72,6 +74,7 @@ class Draft:
     finish: Callable[[Assembly, float], Extras] | None = None
     notes: tuple[str, ...] = ()
     ties: tuple[tuple[str, str], ...] = ()
+    ends: str | None = None
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,8 @@ class Contents(OneLine):
         Names of the two blocks of each tie that is not among the contacts.
     units
         Unit of length of the file; only a writer gets an assembly in it, all others one in metres.
+    ends
+        Of the model; see :class:`drystone.Model`.
     """
 
     assembly: Assembly
@@ -101,3 +106,4 @@ class Contents(OneLine):
     notes: tuple[str, ...] = ()
     ties: tuple[tuple[str, str], ...] = ()
     units: str = "m"
+    ends: str | None = None

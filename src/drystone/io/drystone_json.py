@@ -26,7 +26,7 @@ from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
 SCHEMA = "drystone"
 VERSION = 1
-TOP = ("schema", "version", "units", "blocks", "contacts", "loads", "results")
+TOP = ("schema", "version", "units", "blocks", "contacts", "ends", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
 LOAD = ("name", "wrench", "motion", "acceleration", "surface", "parts")
@@ -80,7 +80,8 @@ def read(top: Field) -> Draft:
     def finish(assembly: Assembly, _: float) -> Extras:
         return _extras(top, assembly)
 
-    return Draft(shapes, "m" if more else units, finish if more else None)
+    ends = top["ends"].text() if top.has("ends") else None
+    return Draft(shapes, "m" if more else units, finish if more else None, ends=ends)
 
 
 def _shape(field: Field) -> DraftBlock:

@@ -73,6 +73,7 @@ def _content(model: Contents, path: Path) -> dict[str, Any]:
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
         "contacts": None if contacts is None else contacts_content(contacts),
+        "ends": model.ends,
         "loads": [_load_content(load) for load in loads] or None,
         "results": results or None,
     }

@@ -28,7 +28,7 @@ from drystone.io.several import Paths, digest_of, is_paths, place_of
 from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
-from drystone.model import Model, Origin, up_of_load
+from drystone.model import FlushEnds, Model, Origin, up_of_load
 from drystone.supports import GroundPlane, ground_of, require_supports, select
 from drystone.ties import with_ties
 
@@ -64,6 +64,7 @@ class How(FileOptions, total=False):
     angle: float | None
     edges: EdgeContacts | str | None
     detection: DetectionOptions | None
+    ends: FlushEnds | str | None
     anyway: bool
     only: str | Sequence[str]
     without: str | Sequence[str]
@@ -97,6 +98,7 @@ def read(
     angle: float | None = None,
     edges: EdgeContacts | str | None = None,
     detection: DetectionOptions | None = None,
+    ends: FlushEnds | str | None = None,
     anyway: bool = False,
     only: str | Sequence[str] = (),
     without: str | Sequence[str] = (),
@@ -164,6 +166,10 @@ def read(
         or never (isolated).
     detection
         All tolerances of the contact search.
+    ends
+        Ends of joints where the faces of both blocks end, while blocks are followed: the face of
+        the block nearer to the supports goes on (longer), or both end as drawn (exact). Left out,
+        undecided where they decide.
     anyway
         Accept blocks that overlap by more than a tenth of the smaller one.
     only
@@ -225,7 +231,7 @@ def read(
         progress("read", 0, 2)
     asked: How = {
         "supports": supports, "friction": friction, "density": density,
-        "joint_capacity": joint_capacity, "strength": strength, "anyway": anyway,
+        "joint_capacity": joint_capacity, "strength": strength, "ends": ends, "anyway": anyway,
         "only": only, "without": without, "isolate": isolate, "crack": crack, "search": search,
     }  # fmt: skip
     of_file: FileOptions = {
@@ -310,8 +316,9 @@ def _model_of(
     model = _cracked(_isolated(model, how), how)
     notes += model.notes
     total, said = loads.on(model.assembly, contents.loads, own_weight=density is not None)
-    return _with_capacity(
-        replace(model, load=total, notes=(*notes, *said), cases=contents.loads), how
+    return _with_joints(
+        replace(model, load=total, notes=(*notes, *said), cases=contents.loads),
+        {**how, "ends": how.get("ends") or contents.ends},
     )
 
 
@@ -378,9 +385,10 @@ def _coefficient(friction: float | str | None) -> float | None:
         raise error.located("friction") from error
 
 
-def _with_capacity(model: Model, how: How) -> Model:
-    """The model with the capacities of joints that are asked for."""
-    words, strength = how.get("joint_capacity"), how.get("strength")
+def _with_joints(model: Model, how: How) -> Model:
+    """The model with the capacities and ends of joints that are asked for."""
+    words, strength, ends = how.get("joint_capacity"), how.get("strength"), how.get("ends")
+    model = model if ends is None else replace(model, ends=ends)  # type: ignore[arg-type]
     model = model if words is None else with_joint_capacity(model, words)
     if strength is None:
         return model
@@ -531,7 +539,7 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
     if loads != Loads():
         total, notes = loads.on(model.assembly, model.cases, base=model.load)
         model = replace(model, load=total, notes=(*model.notes, *notes))
-    return _with_capacity(model, how)
+    return _with_joints(model, how)
 
 
 def content_of(given: object) -> str:
@@ -556,7 +564,7 @@ def _joints_and_load(model: Model) -> list[Any]:
     known, capacity = model.contacts, model.contacts.capacity
     arrays: list[Any] = [
         model.load.wrench, known.block_a, known.block_b, known.frame, known.friction, known.point,
-        known.interface,
+        known.interface, np.array(model.ends or []),
     ]  # fmt: skip
     if capacity is not None:
         arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]

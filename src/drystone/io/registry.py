@@ -391,10 +391,11 @@ def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
     if isinstance(model, Contents):
         return model
     if isinstance(model, Model):
-        cases = tuple(case for case in model.cases if case is not model.load)
-        return Contents(model.assembly, model.contacts, (model.load, *cases), notes=model.notes)
+        loads = (model.load, *(case for case in model.cases if case is not model.load))
+        return Contents(model.assembly, model.contacts, loads, notes=model.notes, ends=model.ends)
     if isinstance(model, Result):
-        return Contents(model.assembly, model.contacts, (model.load,), (model,))
+        ends = model.model.ends
+        return Contents(model.assembly, model.contacts, (model.load,), (model,), ends=ends)
     if isinstance(model, Assembly):
         return Contents(model)
     raise InputError(

@@ -128,9 +128,7 @@ def searched(
             width = Width(_LEAST * abs(end - start), share)
         last, known = outer.stands, outer
         if last is None and outer.falls != start:  # the program leaves the start open
-            at = (means.check or partial(verdict, stop=means.clock.late, ends=means.options.ends))(
-                family(start)
-            )
+            at = (means.check or partial(verdict, stop=means.clock.late))(family(start))
             last = end if STANDS[at.verdict] else None
             known = Bracket(falls=start if at.falls else None, falling=at)
         found = {"rest": FoundBracket(known, (), ())}
@@ -195,7 +193,7 @@ def _inside(
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
-    full = search(partial(verdict, ends=options.ends), starts=first.results)
+    full = search(verdict, starts=first.results)
     rest = full.around(near, far, span, width=width, beyond=outer, closing=closing)
     if late() and rest.bracket.stands is None:  # what uniform stiffness holds stands
         held = uniform.bracket
@@ -212,11 +210,7 @@ def _inside(
     found = {"uniform": uniform, "rest": rest}  # where both were asked the verdict is told
     if options.robust and rest.bracket.stands is not None:
         inner = min(near, rest.bracket.stands, key=lambda value: abs(value - start))
-        every = search(
-            partial(every_stiffness, ends=options.ends),
-            STANDS_OR_NOT,
-            full.results | first.results,
-        )
+        every = search(every_stiffness, STANDS_OR_NOT, full.results | first.results)
         outside = replace(rest.bracket, standing=None)
         found["robust"] = every.around(
             inner, rest.bracket.stands, (start, rest.bracket.stands), width=width, beyond=outside

@@ -10,7 +10,6 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.settlement import FlushEnds
 from drystone.stability import QUICK, CheckOptions, check, try_rest
 
 Check: TypeAlias = Callable[[Model], Result]
@@ -35,11 +34,7 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 
 def every_stiffness(
-    model: Model,
-    *,
-    start: Floats | None = None,
-    stop: Stop | None = None,
-    ends: FlushEnds | None = None,
+    model: Model, *, start: Floats | None = None, stop: Stop | None = None
 ) -> Result:
     """Whether it stands with every contact stiffness that is tried: robust.
 
@@ -51,21 +46,15 @@ def every_stiffness(
         STABLE where it stands with all of them. Otherwise UNSTABLE where no forces balance the
         loads or the blocks fall, or else UNDECIDED.
     """
-    options = replace(CheckOptions.robust(), uniform=True).with_ends(ends)
+    options = replace(CheckOptions.robust(), uniform=True)
     found = check(model, options=options, start=start, stop=stop)
     everywhere = found.samples.standing == found.samples.tried
     return found if everywhere or not found.stable else replace(found, verdict=Verdict.UNDECIDED)
 
 
-def verdict(
-    model: Model,
-    *,
-    start: Floats | None = None,
-    stop: Stop | None = None,
-    ends: FlushEnds | None = None,
-) -> Result:
+def verdict(model: Model, *, start: Floats | None = None, stop: Stop | None = None) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return check(model, options=CheckOptions().with_ends(ends), start=start, stop=stop)
+    return check(model, start=start, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

@@ -19,7 +19,7 @@ from drystone.detection import find_contacts
 from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
-from drystone.model import Model
+from drystone.model import FlushEnds, Model
 from drystone.virtual import shrink
 
 
@@ -204,16 +204,18 @@ class Parametric(OneLine):
     find
         Function that finds the contacts.
     quantity
+    ends
     """
 
     build: Callable[[float], Assembly]
     find: Callable[[Assembly], Contacts]
     quantity: Quantity = Quantity("thickness")
+    ends: FlushEnds | None = None
 
     def __call__(self, value: float) -> Model:
         """The model at a value of the parameter."""
         assembly = self.build(value)
-        return Model(assembly, self.find(assembly))
+        return Model(assembly, self.find(assembly), ends=self.ends)
 
 
 def found(friction: float, assembly: Assembly) -> Contacts:

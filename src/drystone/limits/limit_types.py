@@ -12,7 +12,7 @@ from drystone.base.settings import Options
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.limits.limit_families import Quantity
 from drystone.results import Result, Samples, Verdict
-from drystone.settlement import FlushEnds, Outcome
+from drystone.settlement import Outcome
 
 
 @dataclass(frozen=True)
@@ -125,9 +125,6 @@ class LimitOptions(Options):
         Whether to search the limit of equilibrium only, without the verdict.
     robust
         Whether to search the limit of standing for every contact stiffness too.
-    ends
-        What becomes of ends of joints where both faces end. When left out, the verdict is undecided
-        where they decide.
     """
 
     width: float | None = None
@@ -135,7 +132,6 @@ class LimitOptions(Options):
     cone: FrictionCone = field(default_factory=FrictionCone.exact)
     equilibrium_only: bool = False
     robust: bool = False
-    ends: FlushEnds | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

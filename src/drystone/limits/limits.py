@@ -36,6 +36,7 @@ from drystone.limits.limit_families import (
 )
 from drystone.limits.limit_types import LimitOptions
 from drystone.loads import LoadCase
+from drystone.model import FlushEnds
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
@@ -258,6 +259,7 @@ def limit_thickness(
     find: Callable[[Assembly], Contacts] | None = None,
     parameter: str = "thickness",
     unit: str = "",
+    ends: FlushEnds | None = None,
     check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Workers | None = None,
@@ -279,6 +281,8 @@ def limit_thickness(
         Function that finds the contacts; when left out, :func:`drystone.find_contacts`.
     parameter, unit
         For tables.
+    ends
+        What becomes of flush ends of joints; see :class:`drystone.Model`.
     options
         The default width is 1e-5 of the range.
 
@@ -294,7 +298,7 @@ def limit_thickness(
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")
     finder = find if find is not None else partial(found, friction)
-    family = Parametric(build, finder, Quantity(parameter, unit))
+    family = Parametric(build, finder, Quantity(parameter, unit), ends)
     width = 1e-5 * abs(first - last)
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     return bisected(family, first, last, width, means)

@@ -17,7 +17,7 @@ from drystone.contacts import Contacts
 from drystone.live.snapshot import Found
 from drystone.live.wish import WishedModel
 from drystone.mechanics.bodies import build_bodies
-from drystone.mechanics.corners import Carrier
+from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import Driver
 from drystone.mechanics.follow import Bounds
 from drystone.mechanics.meeting import Apart, followed_model
@@ -268,8 +268,9 @@ class CoarseSteps:
         none = np.zeros(model.contacts.count, dtype=bool)
         self.apart = Apart(model.contacts.select(none), np.zeros((0, 2)))
         part, gap = followed_model(self.model, self.apart)
+        carrier = CARRIER[model.ends] or Carrier.MOVING
         self.bodies = build_bodies(
-            part, Carrier.MOVING, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
+            part, carrier, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
         )
         self.rest = self._rested(chosen, stop)
         self.last = self.rest

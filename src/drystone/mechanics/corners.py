@@ -25,6 +25,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, plane_cross
 from drystone.contacts import Contacts
 from drystone.mechanics.face_edges import FaceSides, to_the_end
+from drystone.model import FlushEnds
 
 STRAIGHT = 1e-6
 """Sine of the angle between two edges below which they are one side."""
@@ -48,6 +49,10 @@ class Carrier(enum.Enum):
     """The block that is nearer to the supports."""
     EXACT = "exact"
     """Neither goes on beyond the end of the other: the faces end where they are drawn."""
+
+
+CARRIER = {None: None, FlushEnds.LONGER: Carrier.MOVING, FlushEnds.EXACT: Carrier.EXACT}
+"""The carrier that a model asks for by its ``ends``, if any."""
 
 
 class Ends(NamedTuple):

@@ -309,6 +309,7 @@ def find_forces(
     'Tension is needed: 2.94 kN in 1 of 1 joint'
     """
     real = as_model(given, **how)
+    real.require_ends_as_drawn("a look at forces")
     if form != "rbe":
         _refuse_of_rbe(objective=objective, rule=rule, cone=cone)
     if form in ("cra", "file") and gamma is not None:

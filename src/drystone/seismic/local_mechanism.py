@@ -363,6 +363,7 @@ def local_mechanism(
     told = "" if site is None else site if isinstance(site, str) else "given"
     site = SeismicDemand.named(site) if isinstance(site, str) else site
     model = supported_model(given, **how)
+    model.require_ends_as_drawn("the kinematic method")
     along = axis_vector(direction, "direction") * np.array([1.0, 1.0, 0.0])
     if not along.any():
         raise InputError("is vertical", where="direction", remedy="give x, y or another level one")

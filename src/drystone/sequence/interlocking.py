@@ -135,6 +135,7 @@ def interlocking(
     (False, ('block-1', 'block-2'))
     """
     model = as_model(given, **how)
+    model.require_ends_as_drawn("a search for motions")
     if key is not None:
         model = model.with_supports([key] if isinstance(key, int | str) else list(key))
     assembly = model.assembly

@@ -337,6 +337,7 @@ def with_items(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
         joined_contacts(model.contacts, _interfaces(pairs, joints)),
         replace(model.load, wrench=wrench),
         notes=model.notes,
+        ends=model.ends,
     )
     return ScaffoldedModel(whole, tuple(items))
 

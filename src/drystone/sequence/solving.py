@@ -154,7 +154,8 @@ class PartSolver(OneLine):
         some = Assembly(tuple(self.structure.assembly.blocks[b] for b in blocks.tolist()), resting)
         contacts, chosen = self._contacts_of(blocks, resting)
         load = LoadCase(self.structure.load.wrench[blocks], self.structure.load.name)
-        return _Part(blocks, chosen, Problem.build(Model(some, contacts, load)))
+        part = Model(some, contacts, load, ends=self.structure.model.ends)
+        return _Part(blocks, chosen, Problem.build(part))
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
         """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""

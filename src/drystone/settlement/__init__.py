@@ -1,6 +1,7 @@
 """Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
 from drystone.mechanics.corners import Carrier
+from drystone.model import FlushEnds
 from drystone.settlement.first_order import (
     SupportResponse,
     SupportResponseOptions,
@@ -11,7 +12,6 @@ from drystone.settlement.large_displacement import move_supports, push, reduce_f
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.settlement_types import (
     UNDECIDED,
-    FlushEnds,
     Loading,
     Outcome,
     Settlement,

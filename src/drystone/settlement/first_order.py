@@ -314,6 +314,7 @@ def support_response(
     """
     chosen = SupportResponseOptions.of(options)
     given = as_model(given, **how)
+    given.require_ends_as_drawn("the answer to small motions")
     assembly, contacts = given.assembly, given.contacts
     case = _case(assembly, motion, given.load)
     prescribed = np.zeros((len(assembly), 6)) if case.motion is None else case.motion

@@ -17,7 +17,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.mechanics.bodies import Bodies, build_bodies
-from drystone.mechanics.corners import Carrier
+from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import Driver
 from drystone.mechanics.follow import Bounds, Ended
 from drystone.mechanics.meeting import (
@@ -82,7 +82,8 @@ def push(
         Displacement at which it ends; left out, the mean size of a block.
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
-        where no carrier is given the moving block carries the ends of joints.
+        where neither it nor the model chooses a carrier, the moving block carries the ends of
+        joints.
 
     Raises
     ------
@@ -245,7 +246,7 @@ def _driven(
         raise InputError("every block is fixed", remedy="leave a block free")
     apart = faces_apart(model, FARTHEST)
     part, gap = followed_model(model, apart)
-    carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
+    carrier = chosen.carrier or CARRIER[model.ends] or Carrier.MOVING
     most = 0
 
     def tell(share: float) -> None:

@@ -28,7 +28,7 @@ from drystone.mechanics.bodies import (
     numbered_axes,
     numbered_forces,
 )
-from drystone.mechanics.corners import Carrier, flush_ends, joint_ends
+from drystone.mechanics.corners import CARRIER, Carrier, flush_ends, joint_ends
 from drystone.mechanics.follow import Bounds, Ended, Follower, Track
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
@@ -199,8 +199,9 @@ class FollowedCase:
 
 def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     """The carriers to follow: two if the ends of loaded joints allow both."""
-    if chosen.carrier is not None:
-        return (chosen.carrier,)
+    carrier = chosen.carrier or CARRIER[model.ends]
+    if carrier is not None:
+        return (carrier,)
     contacts = model.contacts.select(model.active)
     flush = flush_ends(model.assembly, contacts)
     return (Carrier.MOVING, Carrier.RESTING) if flush else (Carrier.MOVING,)

@@ -51,7 +51,7 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
         point,
         np.arange(len(joint)),
     )
-    return Model(assembly.moved(motion), corners, model.load)
+    return Model(assembly.moved(motion), corners, model.load, ends=model.ends)
 
 
 def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
@@ -129,20 +129,6 @@ class Outcome(enum.Enum):
     """The message has the reason."""
 
 
-class FlushEnds(enum.StrEnum):
-    """What becomes of the end of a joint where the faces of both blocks end."""
-
-    LONGER = "longer"
-    """The face of the block nearer to the supports goes on, as in published programs."""
-    EXACT = "exact"
-    """Both end where they are drawn."""
-
-    @property
-    def carrier(self) -> Carrier:
-        """The block that carries such ends."""
-        return Carrier.MOVING if self is FlushEnds.LONGER else Carrier.EXACT
-
-
 UNDECIDED = (Outcome.ENDS_DECIDE, Outcome.SHEAR_DECIDES)
 """Outcomes of paths that end otherwise."""
 
@@ -165,8 +151,8 @@ class SettlementOptions(Options):
     carrier
         The block that carries the ends of joints where both end flush; the face of the other one
         is taken as longer. ``moving`` is what published programs do. With ``exact`` neither is
-        longer, as by faces that are clipped after every step. When left out, both blocks are
-        followed as carriers if there are such ends.
+        longer, as by faces that are clipped after every step. When left out, what the model says
+        of its ``ends``, or both blocks are followed as carriers if there are such ends.
     overlap
         Of the corners under the mean load of a block: small for rigid blocks. Between 1e-6 and 1e-7
         no limit of ten measured models changes by more than half a degree.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.settlement import FlushEnds, SettlementOptions
+from drystone.settlement import SettlementOptions
 
 SAMPLES = 4
 """Other contact stiffnesses, at most, that tell robust from sensitive."""
@@ -61,12 +61,6 @@ class CheckOptions(Options):
             )
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
-
-    def with_ends(self, ends: FlushEnds | str | None) -> CheckOptions:
-        """The same with ends of joints where both faces end: ``longer``, ``exact``; None: as is."""
-        if ends is None:
-            return self
-        return replace(self, settlement=replace(self.settlement, carrier=FlushEnds(ends).carrier))
 
     @classmethod
     def robust(cls) -> CheckOptions:

@@ -68,6 +68,10 @@ def measured(answer: Answer) -> tuple[list[float | None], tuple[str, ...]]:
     raise TypeError(f"no limit: {answer!r}")
 
 
+_READING = ("strength", "ends")
+"""Options of reading that are part of what a limit asks."""
+
+
 def limit_of_words(words: str, model: Model) -> Callable[[Model, dict[str, Any]], Answer]:
     """What computes a limit, from words as behind ``drystone limit``, such as ``tilt --axis y``.
 
@@ -79,7 +83,7 @@ def limit_of_words(words: str, model: Model) -> Callable[[Model, dict[str, Any]]
     offered, texts = _asked(words)
     values: dict[str, Any] = {}
     for path, text in texts.items():
-        one = declared_at(read if path == "strength" else offered.analysis, path)
+        one = declared_at(read if path in _READING else offered.analysis, path)
         values[path] = grown(text, model) if LoadCase in one.kinds else one.value(text)
     known = declared(offered.analysis)
 
@@ -99,7 +103,7 @@ def _asked(words: str) -> tuple[Offered, dict[str, Any]]:
         raise InputError(f"there is no limit '{name}'", where="limit", remedy=remedy)
     offered = LIMITS[name]
     paths = {path.rpartition(".")[2]: path for path in (*offered.arguments, *offered.options)}
-    paths["strength"] = "strength"  # of reading: a limit asks for it
+    paths |= {path: path for path in _READING}
     takes = list(offered.arguments)
     texts: dict[str, Any] = {}
     while rest:
@@ -107,7 +111,7 @@ def _asked(words: str) -> tuple[Offered, dict[str, Any]]:
         if word.startswith("--"):
             key = word.removeprefix("--").replace("-", "_")
             refuse_unknown([key], list(paths))
-            flag = key != "strength" and bool in declared_at(offered.analysis, paths[key]).kinds
+            flag = key not in _READING and bool in declared_at(offered.analysis, paths[key]).kinds
             if not (flag or rest):
                 raise InputError(f"{word} needs a value", where="limit", remedy=f"limit {name}")
             texts[paths[key]] = True if flag else rest.pop(0)

@@ -147,8 +147,8 @@ def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_n
     assert "the ends of the joints decide" in found.message
     assert [path.outcome for path in found.settlement.paths] == [Outcome.RESTS, Outcome.FALLS]
     assert check(flush, options=MOVING).verdict is Verdict.STABLE
-    assert check(flush, options=CheckOptions().with_ends("longer")).verdict is Verdict.STABLE
-    assert check(flush, options=CheckOptions().with_ends("exact")).verdict is Verdict.UNSTABLE
+    assert check(flush, ends="longer").verdict is Verdict.STABLE
+    assert check(flush, ends="exact").verdict is Verdict.UNSTABLE
     assert check(tilted(wedge("c", longer=0.2), X, 40.0)).verdict is Verdict.STABLE
 
 

@@ -1,0 +1,51 @@
+"""What becomes of flush ends of joints is said of the model, and every analysis hears it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import InputError, LoadCase, Model, io
+from drystone.cli.application import main
+from drystone.models import wedge
+from drystone.settlement import End, FlushEnds, push
+from tests.unit.cli.test_command import commands
+
+NO_PART = {"convert", "cut", "demo", "inspect", "mcp", "models", "poses", "reproduce", "shell"}
+"""Commands that read no model to check it, or make their own."""
+MODEL = Model.of(wedge("c"), friction=0.84, load=LoadCase.tilt(wedge("c"), (1.0, 0.0, 0.0), 40.0))
+"""It stands where the groove is a little longer than the wedge, and falls where it is not."""
+
+
+def test_every_command_that_checks_a_model_takes_them() -> None:
+    with_ends = {
+        name for name, one in commands().items() if any("--ends" in x.opts for x in one.params)
+    }
+    assert {*commands()} - with_ends - {"study"} == NO_PART  # a study takes --set ends=exact
+
+
+@pytest.mark.parametrize(("ends", "end"), [("longer", End.SPENT), ("exact", End.FALLS)])
+def test_a_push_begins_with_the_ends_that_are_chosen(ends: str, end: End) -> None:
+    along = LoadCase.gravity(MODEL.assembly, direction=(1.0, 0.0, 0.0))
+    assert push(MODEL, along, ends=ends).end is end
+
+
+def test_a_model_keeps_them_in_its_file_and_in_its_parts(tmp_path: Path) -> None:
+    path = tmp_path / "wedge.json"
+    io.write(Model(MODEL.assembly, MODEL.contacts, MODEL.load, ends=FlushEnds.LONGER), path)
+    model = drystone.read(path)
+    assert model.ends is model.subset([0, 1]).ends is FlushEnds.LONGER
+    assert drystone.check(path).stable
+    assert drystone.read(path, ends="exact").ends is FlushEnds.EXACT
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"ends": "round"}))
+    with pytest.raises(InputError, match=r"ends is 'round'.*'longer', 'exact'"):
+        drystone.read(path)
+
+
+def test_what_follows_no_blocks_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    io.write(MODEL, tmp_path / "wedge.json")
+    assert main(["interlock", str(tmp_path / "wedge.json"), "--ends", "longer"]) == 2
+    assert "--ends: a search for motions follows no blocks" in capsys.readouterr().err
