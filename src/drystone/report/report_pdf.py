@@ -134,7 +134,7 @@ class _Paper:
 
     def part(self, part: Part) -> list[Any]:
         """What is printed of a part."""
-        from reportlab.platypus import Image, Spacer
+        from reportlab.platypus import Spacer
 
         match part:
             case str():
@@ -144,10 +144,7 @@ class _Paper:
             case Table():
                 return self.table(part)
             case Picture():
-                width = _WIDTH - 2.0 * _MARGIN
-                image = Image(io.BytesIO(part.png), width, width * part.size[1] / part.size[0])
-                image.keepWithNext = 1
-                return [image, self.text(part.caption)]
+                return [_figure(part, self.text(part.caption))]
             case Mapping():
                 return [self.entries(part), Spacer(1, 6)]
         return [self.plans(part), Spacer(1, 6)]
@@ -207,6 +204,27 @@ class _Paper:
         rows = [cells[i : i + 4] for i in range(0, len(cells), 4)]
         rows = [[*row, *[""] * (4 - len(row))] for row in rows]
         return Grid(rows, [(_WIDTH - 2.0 * _MARGIN) / 4.0] * 4)
+
+
+def _figure(picture: Picture, caption: Any) -> Any:
+    """A picture over its caption, as small as 0.6 of its size if it fits at the foot of a page."""
+    from reportlab.platypus import Flowable, Image
+
+    class Figure(Flowable):  # type: ignore[misc]  # it has no types
+        def wrap(self, width: float, height: float) -> tuple[float, float]:
+            self.below = caption.wrap(width, height)[1] + caption.getSpaceAfter()
+            full = width * picture.size[1] / picture.size[0]
+            self.high = full * min(max((height - self.below) / full, 0.6), 1.0)
+            self.wide = self.high * picture.size[0] / picture.size[1]
+            self.margin = 0.5 * (width - self.wide)
+            return width, self.high + self.below
+
+        def draw(self) -> None:
+            image = Image(io.BytesIO(picture.png), self.wide, self.high)
+            image.drawOn(self.canv, self.margin, self.below)
+            caption.drawOn(self.canv, 0.0, caption.getSpaceAfter())
+
+    return Figure()
 
 
 def _fitted(natural: Any, width: float) -> Any:

@@ -204,6 +204,28 @@ def test_a_heading_stays_with_the_picture_below_it(
     assert len(pages[0]) == 6
 
 
+def test_a_picture_becomes_smaller_where_it_then_fits_on_the_page(
+    document: Document, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    platypus = pytest.importorskip("reportlab.platypus")
+    picture = next(
+        one for section in document.sections for one in section.parts if isinstance(one, Picture)
+    )
+    drawn: list[tuple[int, float]] = []
+    monkeypatch.setattr(
+        platypus.Image,
+        "draw",
+        lambda self: drawn.append((self.canv.getPageNumber(), self.drawHeight)),
+    )
+    for lines in (20, 30, 40):
+        filled = Section("Before", (*("line",) * lines, picture))
+        pdf_of(Document("A wall", {"Author": "N. N."}, "foot", (filled,)))
+    (_, full), (_, less), (_, again) = drawn
+    assert [page for page, _ in drawn] == [1, 1, 2]
+    assert 0.6 * full <= less < 0.9 * full
+    assert again == full
+
+
 def test_a_plan_can_be_reported(tmp_path: Path) -> None:
     write_report(plan(Model.of(tower(2), friction=0.6)), tmp_path / "plan.html")
     assert "Loads" in (tmp_path / "plan.html").read_text(encoding="utf-8")
@@ -275,6 +297,11 @@ def test_the_strength_that_forces_need_is_that_of_their_stress_block() -> None:
     needed, at = least_strength(drystone.check(Model.of(tower(2), friction=0.6, load=load)))
     assert at == 0
     assert needed == pytest.approx(2.0 * 2400.0 * 9.81 / 0.75)  # 1 - 2 x 0.125 of the face
+
+
+def test_forces_of_rounding_in_a_head_joint_need_no_strength() -> None:
+    found = drystone.check(wall(), friction=0.6)
+    assert least_strength(found)[0] == pytest.approx(found.joints()["peak_pressure"].max())
 
 
 def test_the_strength_that_mortar_which_pulls_needs_is_that_of_a_linear_pressure() -> None:
