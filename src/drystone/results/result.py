@@ -124,7 +124,8 @@ class Result(Solution, Answer):
     def _on_corners(self) -> list[Sentence]:
         """What carries more torsion than pressure spread over its face does.
 
-        Nothing needs its corners where spread pressure was tried as well, and holds it.
+        Nothing needs its corners where spread pressure was tried as well, and holds it. Where it
+        was not tried, other forces may carry the same load without them.
         """
         robust = self.samples.tried > 2 and not self.stopped
         pressure = Sensitivity.PRESSURE in self.sensitive_to
@@ -137,13 +138,12 @@ class Result(Solution, Answer):
             return []
         at, names = int(np.argmax(used)), self.assembly.names
         pair = f"'{names[joints.block_a[at]]}' and '{names[joints.block_b[at]]}'"
-        return [
-            Sentence(
-                f"the joint of {pair} needs its corners: it turns with {100.0 * used[at]:.0f} % of"
-                " what pressure spread over its face carries"
-                + ("" if pressure else "; --strict asks whether it stands without")
-            )
-        ]
+        needs = "needs its corners:" if pressure else "may need its corners: with these forces"
+        words = f"the joint of {pair} {needs} it turns with {100.0 * used[at]:.0f} % of what"
+        words += " pressure spread over its face carries"
+        if not (pressure or getattr(self.options, "samples", False)):
+            words += "; --strict asks whether it stands without"
+        return [Sentence(words)]
 
     def tables(self) -> Sequence[Table]:
         """What gives way with its props, the joints that carry most, reactions, applied loads."""

@@ -362,16 +362,17 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
         stood, tried = sum(one.stands for one in asked.tried), len(asked.tried)
         if stood < tried:
             held = f"{stood} of {tried} contact stiffnesses tried would hold it in place"
-    words = f"{found.message}; {held}: {asked.sensitive}"
+    words = f"{found.message}; {held}"
+    doubted = f"{words}: {asked.sensitive}"
     if found.outcome is Outcome.RESTS:
         if not uniform.stands or hardly:
-            return asked.settles(found, words)
+            return asked.settles(found, doubted)
         # that it slides far was the only doubt
-        return asked.stable(uniform) if certain else asked.stable(uniform, words, found)
+        return asked.stable(uniform) if certain else asked.stable(uniform, doubted, found)
     if found.outcome in (Outcome.UNKNOWN, *UNDECIDED):
         if clock.late():
             return asked.no_answer()
-        return asked.answer(Verdict.UNDECIDED, words, settlement=found)
+        return asked.answer(Verdict.UNDECIDED, doubted, settlement=found)
     if hardly:
         words = f"{held}, and {found.message}"
         freely = None if uniform.stands else _free_fall(asked, words)
@@ -379,7 +380,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
             return replace(freely, settlement=found)
     elif not uniform.stands and asked.balances:
         reached = "forces could balance the loads, but the loads alone do not bring them about"
-        words = f"{reached}; {found.message}; shims or prestress might hold it: {asked.sensitive}"
+        words = f"{reached}; {found.message}; shims or prestress might hold it"
     motion = next(asked.first_motions(), None)
     if motion is None and not uniform.stands:
         motion = asked.smooth_motion()
