@@ -47,13 +47,59 @@ class Trimmed:
     failures: list[StageAnswer | None]
     denied: int
 
+    @property
+    def rank(self) -> tuple[int, int, Cost]:
+        """Stages that are not carried, those denied, and the help: less is better."""
+        return sum(one is not None for one in self.failures), self.denied, self.cost
+
 
 def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
     """The order that a search found, without its unnecessary help."""
     path = found[0][::-1]
     if search.quick:
         path = apart(path, search)
-    props = _props_in_time(path, search)
+    return _finished(path, [_needed(node, search) for node in path], found[1], search)
+
+
+def mended(order: Trimmed, search: OrderSearch) -> Trimmed:
+    """An order with further props where scaffolding does not carry those that it has."""
+    needed: list[int] = []
+    more = 0
+    for number, (node, props) in enumerate(zip(order.path, order.props, strict=True)):
+        placed = order.path[number - 1].group if number else ()
+        needed.append(_carried(replace(node, props=props), placed, more, search))
+        more |= needed[-1] & ~props
+    return _finished(order.path, needed, proved=False, search=search)
+
+
+def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) -> int:
+    """Props with which scaffolding carries a stage: at most one more; those it has if none does.
+
+    Parameters
+    ----------
+    node
+    last
+        The blocks that were placed last, which are tried first,
+    more
+        after those that were propped at other stages for the same reason.
+    search
+    """
+    props, scaffold = node.props, search.scaffold
+    if scaffold is None or not props or scaffold.answer(node.placed, props, followed=True).stands:
+        return props
+    newest = mask_of(last)
+    near = search.widened(props | newest) & node.placed & ~props & search.proppable
+    for block in sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1)):
+        if _stands(replace(node, props=props | 1 << block), search, full=False):
+            return props | 1 << block
+    return props
+
+
+def _finished(
+    path: list[Node], needed: Sequence[int], proved: bool, search: OrderSearch
+) -> Trimmed:
+    """An order with the props that its stages need, each in place from its first to its last."""
+    props = _props_in_time(path, needed, search)
     cost = _cost(path, props)
     failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
     denied = 0
@@ -62,7 +108,7 @@ def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
                   for node, held in zip(path, props, strict=True)]  # fmt: skip
         answers = search.evaluator.answers(stages, checked=True)
         denied = sum(not answer.stands for answer in answers)
-    return Trimmed(path, props, cost, found[1], failures, denied)
+    return Trimmed(path, props, cost, proved, failures, denied)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
@@ -98,9 +144,8 @@ def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
     return out
 
 
-def _props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
+def _props_in_time(path: Sequence[Node], needed: Sequence[int], search: OrderSearch) -> list[int]:
     """Props at each stage, from the first to the last stage that needs them."""
-    needed = [_needed(node, search) for node in path]
     ever = 0
     for mask in needed:
         ever |= mask

@@ -37,6 +37,10 @@ many are checked before help is given. The bridge of the source with its load, a
 an order without help that is found after some hundred states."""
 
 
+class Costly(Exception):
+    """A search needs more props than it may."""
+
+
 class OrderSearch(StageTree):
     """One search; see the module docstring.
 
@@ -49,8 +53,10 @@ class OrderSearch(StageTree):
         Infinite: never; the result is proved to be optimal.
     width
         Number of blocks tried for removal from one stage, the first ones in the order.
-    scaffold
-        What holds propped blocks. A stage that stands with ideal props must also stand with it.
+    scaffold, carried
+        See :class:`drystone.sequence.stage_tree.StageTree`.
+    limit
+        Propped blocks above which it raises :class:`Costly`.
     """
 
     def __init__(
@@ -62,10 +68,13 @@ class OrderSearch(StageTree):
         *,
         progress: Progress | None = None,
         scaffold: ScaffoldedStages | None = None,
+        carried: bool = True,
+        limit: int | None = None,
     ) -> None:
         whole = math.isinf(patience)
-        super().__init__(evaluator, bound, None if whole else width, scaffold)
+        super().__init__(evaluator, bound, None if whole else width, scaffold, carried)
         self.patience = patience
+        self.limit = limit
         self.tries = int(min(4.0, max(1.0, patience // 4)))
         self.progress = progress
         # they bound what is still to come, where the search goes to its end
@@ -217,6 +226,8 @@ class OrderSearch(StageTree):
 
     def report(self, node: Node) -> None:
         """Keep the best stage, and report its progress."""
+        if self.limit is not None and node.cost[0] > self.limit:
+            raise Costly
         if self.reached is None or node.placed.bit_count() < self.reached.placed.bit_count():
             self.reached = node
         if self.progress is not None:

@@ -16,9 +16,9 @@ from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.helping import SPARED, Trimmed, trimmed
+from drystone.sequence.helping import SPARED, Trimmed, mended, trimmed
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.order_search import OrderSearch
+from drystone.sequence.order_search import Costly, OrderSearch
 from drystone.sequence.plan_steps import Step
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
@@ -212,11 +212,40 @@ class _Planner:
     def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
         """The order with the least help that is found.
 
+        Of scaffolding: the order with ideal props, with more of them where it does not carry; or
+        what is found with scaffolding at each stage, where that needs less.
+        """
+        if self.scaffold is None or math.isinf(self.patience):
+            return self.searched(complete, bound)
+        ideal = self.searched(complete, bound, carried=False)
+        known = mended(ideal, self.new_search(bound))
+        if self.cut or known.rank == (0, 0, ideal.cost):
+            return replace(known, proved=ideal.proved and known.cost == ideal.cost)
+        limit = None if any(known.failures) else 2 * known.cost[0]
+        try:
+            other = self.searched(complete, bound, limit=limit)
+        except Costly:
+            return known
+        except Stopped:
+            self.cut_short()
+            return known
+        return min(known, other, key=lambda one: one.rank)
+
+    def searched(
+        self,
+        complete: StageAnswer,
+        bound: BoundRules,
+        *,
+        carried: bool = True,
+        limit: int | None = None,
+    ) -> Trimmed:
+        """An order by searches of one kind; see :meth:`new_search`.
+
         Where the check denies stages of it that a quick look found to stand, it is searched again
         with what is known then, until no fewer are denied. In models of few blocks less help is
         searched below it, except where the order is given.
         """
-        search = self.new_search(bound)
+        search = self.new_search(bound, carried=carried, limit=limit)
         root = Node(self.model.everything, 0)
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=NO_HELP)
@@ -224,7 +253,7 @@ class _Planner:
         left = len(best.path)
         while 0 < best.denied < left:
             left = best.denied
-            search = self.new_search(bound)
+            search = self.new_search(bound, carried=carried, limit=limit)
             best = min(
                 best, trimmed(search.run(root), search), key=lambda one: (one.denied, one.cost)
             )
@@ -234,8 +263,7 @@ class _Planner:
         try:
             less = search.below(root, best.cost)
         except Stopped:
-            self.evaluator.late = bool  # what was found is told in full
-            self.cut = f"{self.clock.reason} before less help was searched for to the end"
+            self.cut_short()
             return best
         if less is None:
             return best
@@ -243,11 +271,27 @@ class _Planner:
             return replace(best, proved=True)
         return min(best, trimmed(less, search), key=lambda one: one.cost)
 
-    def new_search(self, bound: BoundRules) -> OrderSearch:
-        """A search that knows what is known of stages."""
+    def cut_short(self) -> None:
+        """Go on without a time limit: what was found is told in full."""
+        self.evaluator.late = bool
+        self.cut = f"{self.clock.reason} before less help was searched for to the end"
+
+    def new_search(
+        self, bound: BoundRules, *, carried: bool = True, limit: int | None = None
+    ) -> OrderSearch:
+        """A search that knows what is known of stages.
+
+        Parameters
+        ----------
+        bound
+        carried
+            Whether scaffolding must carry the stages; else it only tells which blocks take it.
+        limit
+            Propped blocks above which it gives up.
+        """
         self.last_search = OrderSearch(
             self.evaluator, bound, self.patience, self.options.width, progress=self.progress,
-            scaffold=self.scaffold,
+            scaffold=self.scaffold, carried=carried, limit=limit,
         )  # fmt: skip
         return self.last_search
 

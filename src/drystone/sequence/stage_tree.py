@@ -179,6 +179,8 @@ class StageTree:
         left out. Then every stage is checked, as a proof of the least help needs.
     scaffold
         What holds propped blocks. A stage that stands with ideal props must also stand with it.
+    carried
+        Whether it must; else scaffolding only tells which blocks can be propped.
     """
 
     def __init__(
@@ -187,8 +189,10 @@ class StageTree:
         bound: BoundRules,
         width: int | None = None,
         scaffold: ScaffoldedStages | None = None,
+        carried: bool = True,
     ) -> None:
         self.evaluator = evaluator
+        self.carried = carried
         self.model: StagedModel = evaluator.model
         self.bound = bound
         self.width = len(self.model.assembly) if width is None else width
@@ -235,7 +239,7 @@ class StageTree:
         Stopped
             The time is over.
         """
-        if self.scaffold is None or not props:
+        if self.scaffold is None or not props or not self.carried:
             return None
         if self.evaluator.late():
             raise Stopped

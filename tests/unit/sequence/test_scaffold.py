@@ -1,5 +1,6 @@
 """Struts push, ropes pull, clamps do both within limits, centring carries a face."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -253,6 +254,17 @@ def test_a_stage_that_no_scaffolding_within_its_limit_carries_is_told(arch_plan)
     assert "a strut carries" in found.message
 
 
+def test_where_no_prop_carries_no_more_blocks_are_propped_than_with_ideal_props():
+    """Else the search props one ring of neighbours after the other."""
+    sizes = {"courses": 3, "width": 1.8, "thickness": 0.3, "wedge": 0.3, "ground": "springers"}
+    model = shell_by_name("free-edge", **sizes).model(friction=0.6)
+    options = PlanOptions(rules=Rules(hands=1, order="course"), patience=0.0)
+    weak = replace(options, scaffold="strut", scaffold_options=WEAK)
+    ideal, found = plan(model, options=options), plan(model, options=weak)
+    assert found.counts["propped"] == ideal.counts["propped"] == 1
+    assert "could not be shown to stand" in found.message
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -303,7 +315,7 @@ SHELLS = {
     "barrel": {"courses": 5, "blocks": 2, "thickness": 0.6, "wedge": 0.2},
     "dome": {"courses": 3, "blocks": 6, "thickness": 0.5},
     "pavilion": {"courses": 3, "width": 2.0, "thickness": 0.5},
-    "cross": {"courses": 9, "width": 1.0, "thickness": 0.25, "wedge": 0.2},
+    "cross": {"courses": 5, "width": 1.6, "thickness": 0.25, "wedge": 0.2},
     "tri-dome": {"courses": 4, "width": 1.8, "thickness": 0.5, "keystone": True},
     "free-edge": {"courses": 4, "width": 1.8, "thickness": 0.3, "wedge": 0.2},
     "three-vaults": {"courses": 3, "width": 2.0, "thickness": 0.3, "wedge": -0.1},
@@ -322,7 +334,7 @@ TAKES = {
     "barrel": (12, 8, 12, 12, 12),
     "dome": (18, 12, 12, 18, 12),
     "pavilion": (24, 12, 12, 24, 12),
-    "cross": (72, 72, 72, 72, 72),
+    "cross": (24, 24, 24, 24, 24),
     "tri-dome": (22, 22, 22, 22, 22),
     "free-edge": (16, 16, 16, 16, 16),
     "three-vaults": (51, 51, 51, 51, 51),
