@@ -17,7 +17,6 @@ from drystone.base.arrays import (
     frozen_floats,
     frozen_ints,
     frozen_points,
-    of_type,
     one_or_each,
     whole,
 )
@@ -125,9 +124,9 @@ class Contacts(OneLine):
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if self.capacity is not None:
-            found = of_type(self.capacity, JointCapacity, "the capacity of contacts")
-            if len(found.tension) != m:
-                raise InputError(f"there are {m} interfaces and {len(found.tension)} capacities")
+            found = len(self.capacity.tension)
+            if found != m:
+                raise InputError(f"there are {m} interfaces and {found} capacities")
 
     def _summary(self) -> str:
         return f"{counted(self.count, 'interface')}, {counted(self.corner_count, 'corner')}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, printable
 
 _PerInterface: TypeAlias = float | Sequence[float] | Floats
 """One number for all interfaces, or one each."""
@@ -136,6 +136,9 @@ class JointCapacity(OneLine):
             Largest bending moment of a joint that is not pressed. Pressure adds to it.
         brittle
         """
+        if not hasattr(contacts, "interface"):
+            said = f"contacts is {printable(repr(contacts), 60)}"
+            raise InputError(said, remedy="give the .contacts of a model")
         m = contacts.count
         given = tension if tension is not None else 0.0 if moment is None else NO_LIMIT
         pull = _capacities(given, m, "tension")

@@ -6,7 +6,7 @@ before its objects are made.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,7 +136,7 @@ def _meshes(given: Any, name: str) -> Iterator[tuple[str, Floats, list[Sequence[
     elif hasattr(given, "keys") and hasattr(given, "n_blocks"):
         for key in given.keys():  # noqa: SIM118  # iterating gives the blocks
             yield from _meshes(given[key], str(key or ""))
-    elif isinstance(given, Iterable) and not isinstance(given, str | bytes | dict):
+    elif np.iterable(given) and not isinstance(given, str | bytes | dict):
         for one in given:
             yield from _meshes(one, "")
     else:

@@ -141,7 +141,7 @@ class Model(Card):
     ends: FlushEnds | None = None
 
     def __post_init__(self) -> None:
-        count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
+        count = len(self.assembly)
         remedy = "give the .contacts of what find_contacts found, or use Model.of(assembly)"
         of_type(self.contacts, Contacts, "the value of contacts", remedy)
         if self.contacts.highest_block >= count:
@@ -257,7 +257,7 @@ class Model(Card):
         supports: str | Sequence[int | str] | GroundPlane | None = None,
         friction: float | None = None,
         density: float | None = None,
-        load: Any = None,
+        load: LoadCase | float | Sequence[float] | Floats | None = None,
         detection: DetectionOptions | None = None,
         anyway: bool = False,
     ) -> Model:
@@ -289,7 +289,7 @@ class Model(Card):
             Two blocks share more than a tenth of the smaller one.
         """
         assembly = assembly_of(assembly)
-        of_type(anyway, bool, "anyway")
+        anyway = bool(of_type(anyway, bool | np.bool_, "anyway", "give True or False"))  # type: ignore[arg-type]
         if density is not None:
             assembly = assembly.with_density(density)
         up = up_of_load(load)
@@ -309,7 +309,9 @@ class Model(Card):
         notes += tuple(inexact_lines(assembly.names, report.inexact))
         notes += tuple(resampled_lines(report.resampled))
         notes += tuple(overlap_lines(assembly.names, report.overlaps_left))
-        model = cls(assembly, contacts, load, report, notes, unjoined=report.unjoined)
+        model = cls(
+            assembly, contacts, LoadCase.of(assembly, load), report, notes, unjoined=report.unjoined
+        )
         return model if chosen is None else model.with_supports(chosen, up)
 
     def with_load(self, load: Any) -> Model:

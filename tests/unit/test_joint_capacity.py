@@ -70,7 +70,7 @@ def test_a_file_keeps_them(tmp_path, suffix):
             "tension is 'x', not a number, nor 3 numbers",
         ),
         (lambda: MODEL.with_capacity(JointCapacity([1.0], [1.0])), "3 interfaces and 1 capacities"),
-        (lambda: MODEL.with_capacity(3.0), "the capacity of contacts"),
+        (lambda: MODEL.with_capacity(3.0), r"capacity is 3.0; give JointCapacity\("),
     ],
 )
 def test_bad_capacities_are_refused(make, words):

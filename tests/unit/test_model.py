@@ -42,7 +42,7 @@ def test_a_load_is_a_case_a_multiple_of_gravity_or_an_acceleration(load, force):
         (lambda: Model.of(tower(2), load="heavy"), "multiple of gravity"),
         (lambda: Model.of(tower(2), load=(0.0, 1.0)), "vector in m/s2"),
         (lambda: Model.of(tower(2), load=float("nan")), "load"),
-        (lambda: drystone.check(42), "path of a file"),
+        (lambda: drystone.check(42), "a path or a list"),
         (lambda: drystone.check(tower(2), units="mm"), "takes no 'units'"),
         (lambda: drystone.check(Model.of(tower(2)), density=1.0), "takes no 'density'"),
     ],
@@ -94,7 +94,7 @@ def test_a_file_whose_y_axis_points_up_is_turned(tmp_path: Path) -> None:
     model = drystone.read(tmp_path / "tower.obj", up="y", supports="lowest")
     np.testing.assert_allclose(model.assembly.bounds, upright.bounds, atol=1e-12)
     assert model.assembly.fixed.tolist() == [True, False, False]
-    with pytest.raises(InputError, match="cannot point up"):
+    with pytest.raises(InputError, match="up is 'x'; give one of 'z', 'y'"):
         drystone.read(tmp_path / "tower.obj", up="x")
 
 

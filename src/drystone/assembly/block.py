@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen, frozen_floats, frozen_points, number, of_type
+from drystone.base.arrays import Floats, frozen, frozen_floats, frozen_points, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.polyhedron import body_mass_properties
@@ -78,7 +78,6 @@ class Block(OneLine):
         if not isinstance(self.name, str) or not self.name:
             raise InputError("a block needs a name", remedy="give a non-empty string")
         density = _density(self.density, where)
-        of_type(self.faces, Iterable, f"{where}: faces", "give loops")  # type: ignore[type-abstract]
         try:
             vertices = frozen_points(self.vertices, (None, 3), "vertices")
             surface = closed_surface(self.faces, len(vertices))

@@ -174,18 +174,9 @@ def of_type(value: Any, kind: type[T], what: str, remedy: str = "") -> T:
     return value
 
 
-def texts(given: str | Iterable[str], option: str) -> list[str]:
-    """The texts of an option: one, or those of a list.
-
-    Raises
-    ------
-    InputError
-        It has something else.
-    """
-    if isinstance(given, str):
-        return [given] if given else []
-    found = list(given) if np.iterable(given) else [given]
-    return [of_type(one, str, option, "give a text, or a list of texts") for one in found]
+def texts(given: str | Iterable[str]) -> list[str]:
+    """One text, or those of a list."""
+    return ([given] if given else []) if isinstance(given, str) else [*given]
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -17,15 +17,13 @@ import typing
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Union, get_args, get_origin
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, Literal, get_args, get_origin
 
 from drystone.base import units
 from drystone.base.arrays import number, of_type, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.hints import is_many, kinds_of
 from drystone.base.settings import Options
 
 _SECTIONS = ("Attributes", "Parameters")
@@ -71,7 +69,7 @@ class Declared(OneLine):
 
     @property
     def kinds(self) -> list[Any]:
-        """The types that its value may have; see :func:`kinds_of`."""
+        """The types that its value may have; see :func:`drystone.base.hints.kinds_of`."""
         return kinds_of(self.hint)
 
     @property
@@ -260,19 +258,6 @@ def nested(of: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
 def made_of(of: Callable[..., Any], values: Mapping[str, Any]) -> Any:
     """What a class of options makes of values by names such as ``plan.rules.hands``."""
     return of(**nested(of, values))
-
-
-def kinds_of(hint: Any) -> list[Any]:
-    """The types of a union, but for ``None`` and arrays, which are written as sequences."""
-    union = get_origin(hint) in (types.UnionType, Union)
-    parts = get_args(hint) if union else (hint,)
-    arrays = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
-    return [part for part in parts if part is not types.NoneType and get_origin(part) not in arrays]
-
-
-def is_many(kind: Any) -> bool:
-    """Whether a type is that of several values."""
-    return get_origin(kind) in (tuple, list, Sequence)
 
 
 def value_of(given: Any, hint: Any, unit: str = "") -> Any:

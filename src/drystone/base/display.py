@@ -13,6 +13,7 @@ from decimal import ROUND_CEILING, Context
 from typing import Any, Self
 
 from drystone.base.errors import refuse_unknown
+from drystone.base.hints import ODD, blame, hints_of
 
 _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
@@ -39,8 +40,12 @@ class OneLine:
         super().__init_subclass__(**keywords)
         for name, one in [*vars(cls).items()]:
             call = getattr(one, "__func__", one)
-            public = inspect.isfunction(call) and name[0] != "_"
-            if public and call.__qualname__ == f"{cls.__qualname__}.{name}":
+            public = name[0] != "_" or name in ("__init__", "__post_init__")
+            if (
+                public
+                and inspect.isfunction(call)
+                and call.__qualname__ == f"{cls.__qualname__}.{name}"
+            ):
                 asked = _knowing(call)
                 type.__setattr__(cls, name, asked if one is call else type(one)(asked))
         if "__repr__" not in cls.__dict__:
@@ -64,13 +69,27 @@ def _arguments(method: Callable[..., Any]) -> tuple[str, ...] | None:
 
 
 def _knowing(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A method that refuses named arguments that it does not know."""
+    """A method that names the argument that it does not know, or that made it end in an error."""
+    if method.__name__ == "__post_init__":
+
+        @functools.wraps(method)
+        def made(self: Any, *given: Any) -> None:
+            try:
+                method(self, *given)
+            except ODD as error:
+                kind: Any = type(self)
+                blame(kind, (), {name: getattr(self, name) for name in hints_of(kind)}, error)
+                raise
+
+        return made
 
     @functools.wraps(method)
     def asked(*given: Any, **named: Any) -> Any:
-        if named and (known := _arguments(method)) is not None:
-            refuse_unknown(named, known, f"{method.__qualname__} has")
-        return method(*given, **named)
+        try:
+            return method(*given, **named)
+        except ODD as error:
+            blame(method, given, named, error)
+            raise
 
     return asked
 

@@ -82,8 +82,9 @@ def printable(text: str, limit: int = _LONGEST) -> str:
     return f"{shown[:half]}...{shown[-half:]}"
 
 
-def _with_short_words(text: str) -> str:
-    """The text, each word that is too long cut in the middle: it quotes what was given."""
+def _with_short_words(told: object) -> str:
+    """As text, each word that is too long cut in the middle: it quotes what was given."""
+    text = str(told)
     if len(text) <= _LONGEST:
         return text
     return " ".join(printable(word) if len(word) > _LONGEST else word for word in text.split(" "))

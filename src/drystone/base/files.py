@@ -65,8 +65,9 @@ def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
                 remedy="split the model, thin out its meshes, or allow more (--max-size)",
             )
         with file.open("rb") as opened:
-            data = opened.read(largest + 1)
-        if len(data) > largest:  # it grows while it is read, or lies about its size
+            most = min(largest, max(size, MIB))
+            data = opened.read(most + 1)
+        if len(data) > most:  # it grows while it is read, or lies about its size
             raise FormatError("is larger than it says", where=str(file), remedy="try again")
     except (OSError, ValueError) as error:
         if isinstance(error, FormatError):

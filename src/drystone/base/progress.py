@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import inspect
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from concurrent.futures import Executor
 from typing import Any, TypeAlias
 
-from drystone.base.arrays import number
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
 from drystone.base.workers import ExecutorFactory
 
 Progress: TypeAlias = Callable[[str, int, int], None]
@@ -40,9 +37,6 @@ Called often; True ends the calculation with the results so far.""",
 Time [s] after which the calculation ends with the results so far.""",
 }
 """The four keywords and their documentation."""
-
-_CALLED = ("progress", "stop", "check", "find", "executor")
-"""Arguments of public functions that must be functions, or executors."""
 
 
 class Stopped(Exception):
@@ -95,26 +89,6 @@ class Clock:
             elif self.elapsed_s > self.limit_s:
                 self.reason = "the time was up"
         return bool(self.reason)
-
-
-def check_keywords(named: Mapping[str, Any], may_be_none: Collection[str]) -> None:
-    """Refuse a keyword that is not what its name says.
-
-    Raises
-    ------
-    InputError
-        What should be a function cannot be called, or the time limit is below zero.
-    """
-    for name in _CALLED:
-        if name not in named or (named[name] is None and name in may_be_none):
-            continue
-        value = named[name]
-        if not (callable(value) or (name == "executor" and hasattr(value, "submit"))):
-            what = "an Executor" if name == "executor" else "a function"
-            raise InputError(f"{name} is {shortened(repr(value), 60)}", remedy=f"give {what}")
-    limit = named.get("time_limit_s", 0.0)
-    if not number(limit, "time_limit_s", finite=False) >= 0.0:
-        raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
 
 
 def with_keywords(documentation: str | None, parameters: Collection[str]) -> str | None:

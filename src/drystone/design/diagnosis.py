@@ -10,7 +10,7 @@ from typing import Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen, of_type
+from drystone.base.arrays import Floats, frozen
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
@@ -108,7 +108,7 @@ def diagnose(
     """
     chosen = DiagnosisOptions.of(options)
     model = as_model(given, **how)
-    if result is not None and of_type(result, Result, "result").model is not model:
+    if result is not None and result.model is not model:
         raise InputError("the result is of another model", remedy="leave it out")
     clock = Clock(time_limit_s, stop, progress)
     clock.tell("check", 0, 2)

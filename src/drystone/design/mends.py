@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
 from drystone.answer.widening import side_by_side
-from drystone.base.display import named, shortened
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -158,28 +158,17 @@ class MendOptions(Options):
     keep: tuple[int | str, ...] = ()
 
     def __post_init__(self) -> None:
+        for name in ("kinds", "keep"):
+            if isinstance(one := getattr(self, name), str | int):
+                object.__setattr__(self, name, (one,))
         super().__post_init__()
-        kinds = _several(self.kinds, str, "kinds")
-        keep = _several(self.keep, int | str, "keep")
-        for kind in kinds:
+        for kind in self.kinds:
             if kind not in KINDS:
                 each = "give several each on its own; " if "," in kind else ""
                 remedy = f"{each}choose from {', '.join(KINDS)}"
                 raise InputError(f"there is no kind of mend '{kind}'", remedy=remedy)
-        if not kinds:
+        if not self.kinds:
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
-        object.__setattr__(self, "kinds", kinds)
-        object.__setattr__(self, "keep", keep)
-
-
-def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
-    """One value or several of a kind, as a tuple."""
-    some = tuple(given) if isinstance(given, list | tuple) else (given,)
-    for one in some:
-        if not isinstance(one, kind) or isinstance(one, bool):
-            remedy = "give names" if kind is str else "give names or positions of blocks"
-            raise InputError(f"{name} has {shortened(repr(one), 60)}", remedy=remedy)
-    return some
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.assembly.sound import require_sound
-from drystone.base.arrays import Ints, of_type
+from drystone.base.arrays import Ints
 from drystone.base.display import Card
 from drystone.base.settings import checked_call
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
@@ -101,7 +101,6 @@ def find_contacts(
     >>> found.report.isolated
     ()
     """
-    of_type(assembly, Assembly, "the assembly")
     options = DetectionOptions.of(options)
     check_friction(friction, 1)
     patches = patches_of(assembly)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from drystone.base import units
-from drystone.base.arrays import of_type
 from drystone.base.errors import InputError
 from drystone.base.files import read_bytes
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
@@ -51,7 +50,6 @@ def with_strength(model: Model, text: str) -> Model:
     """
     where = "strength"
     try:
-        of_type(text, str, "it", "write it with its unit, such as 5MPa")
         pressure = units.measured(text, units.PRESSURES, what=where)
     except InputError as error:
         raise error.located(where) from error
@@ -63,7 +61,7 @@ def with_strength(model: Model, text: str) -> Model:
 
 def law_of(text: str) -> tuple[str, bool | None]:
     """The words without a last ``brittle`` or ``ductile``, and whether it is brittle, if told."""
-    words, _, last = of_type(text, str, _WHERE, f"write {_EXAMPLE}").rpartition(",")
+    words, _, last = text.rpartition(",")
     known = {"brittle": True, "ductile": False}
     return (words, known[last.strip()]) if last.strip() in known else (text, None)
 

@@ -27,7 +27,7 @@ from drystone.loads.load_words import (
 from drystone.model import Model
 
 
-@dataclass(frozen=True, eq=True)
+@dataclass(frozen=True, eq=False)
 class Loads:
     """Loads by the names of the arguments of :func:`drystone.read`.
 
@@ -50,8 +50,14 @@ class Loads:
     case: str | Sequence[str] = ()
     seismic: Any = None
 
+    @property
+    def given(self) -> bool:
+        """Whether one of them is given."""
+        one = any(each is not None for each in (self.gravity, self.load, self.seismic))
+        return one or len(self.case) > 0
+
     def __post_init__(self) -> None:
-        if self.case and self.acceleration is not None:
+        if len(self.case) and self.acceleration is not None:
             raise InputError(
                 "the cases of the file have their own weight",
                 where="case",
@@ -108,14 +114,14 @@ class Loads:
         """
         notes: list[str] = []
         whole = self.acceleration
-        if self.case:
+        if len(self.case):
             if own_weight:
                 raise InputError(
                     "the cases of the file have their own weight",
                     where="case",
                     remedy="leave out --gravity and --density",
                 )
-            total = combined(texts(self.case, "case"), cases)
+            total = combined(texts(self.case), cases)
         elif whole is None and base is not None:
             total = base
         elif whole is None and cases and not own_weight:

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Ints, of_type, texts
+from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress
@@ -225,8 +225,6 @@ def read(
     >>> model.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
-    if not isinstance(up, str) or up not in UP:
-        raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
     if progress is not None:
         progress("read", 0, 2)
     asked: How = {
@@ -259,8 +257,7 @@ def read(
 
 def _says(value: Any) -> bool:
     """Whether an argument differs from what it is when it is left out."""
-    empty: tuple[Any, ...] = (None, False, (), [])
-    return isinstance(value, np.ndarray) or not any(value is x or value == x for x in empty)
+    return not (value is None or value is False or (isinstance(value, list | tuple) and not value))
 
 
 def _told(value: Any) -> str:
@@ -286,7 +283,7 @@ def _model_of(
     progress: Progress | None = None,
 ) -> Model:
     """The model of what was read, or of an assembly; see :func:`read`."""
-    anyway, density = of_type(how.get("anyway", False), bool, "anyway"), how.get("density")
+    anyway, density = how.get("anyway", False), how.get("density")
     coefficient = _coefficient(how.get("friction"))
     contents, notes = _part_of(contents, how)
     up = up_of_load(loads.acceleration)
@@ -431,9 +428,9 @@ def kept_of(
         A name or pattern fits no block, or no block is left.
     """
     kept = np.ones(len(assembly), dtype=bool)
-    if only := texts(only, "only"):
+    if only := texts(only):
         kept &= _named(assembly, only, "only")
-    if without := texts(without, "without"):
+    if without := texts(without):
         kept &= ~_named(assembly, without, "without")
     if not kept.any():
         raise InputError("no block is left", where="without", remedy="leave fewer blocks out")
@@ -454,7 +451,7 @@ def _isolated(model: Model, how: How) -> Model:
 
     Source: Kao 2023, section 6.3.2, an unstable block with its neighbours as supports.
     """
-    if not (blocks := texts(how.get("isolate", ()), "isolate")):
+    if not (blocks := texts(how.get("isolate", ()))):
         return model
     fixed = model.assembly.fixed | ~_named(model.assembly, blocks, "isolate")
     if fixed.all():
@@ -467,7 +464,7 @@ def _isolated(model: Model, how: How) -> Model:
 
 def _cracked(model: Model, how: How) -> Model:
     """The model without the joints that are cracks; no others are looked for instead."""
-    if not (given := texts(how.get("crack", ()), "crack")):
+    if not (given := texts(how.get("crack", ()))):
         return model
     contacts, cut = model.contacts, np.zeros(model.contacts.count, dtype=bool)
     for text in given:
@@ -536,7 +533,7 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
     model = _cracked(_isolated(model, how), how)
     if coefficient is not None:
         model = model.with_friction(coefficient)
-    if loads != Loads():
+    if loads.given:
         total, notes = loads.on(model.assembly, model.cases, base=model.load)
         model = replace(model, load=total, notes=(*model.notes, *notes))
     return _with_joints(model, how)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import number, of_type
+from drystone.base.arrays import number, texts
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors, require
 from drystone.base.files import PathLike, as_path, is_there, read_bytes
@@ -282,8 +282,7 @@ def _draft(
     """The draft of a file, or of several together; its unit if it is not that; other options."""
     if units is not None:
         scale_of(units)
-    named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
-    asked: dict[str, Any] = {"layers": named, "hidden": of_type(hidden, bool, "hidden")}
+    asked: dict[str, Any] = {"layers": texts(layers), "hidden": hidden}
     if thickness is not None:
         told = length(thickness, "thickness") if isinstance(thickness, str) else thickness
         asked["thickness"] = number(told, "thickness")
@@ -308,7 +307,9 @@ def _draft_of(
             what = "no thickness to choose" if name == "thickness" else "no layers"
             raise FormatError(f"{chosen.title} has {what}", where=str(path), remedy="leave it out")
     options = {**asked, **({"units": units} if "units" in chosen.options else {})}
-    largest = None if max_size is None else int(2**20 * number(max_size, "max_size"))
+    largest = (
+        None if max_size is None else int(2**20 * np.clip(number(max_size, "max_size"), 0.0, 1e12))
+    )
     data = read_bytes(path, largest)
     try:
         draft = chosen.read(data, Path(path), **options)

@@ -14,7 +14,7 @@ from scipy.special import betaincinv
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
-from drystone.base.arrays import Floats, frozen, frozen_floats, number, of_type, whole
+from drystone.base.arrays import Floats, frozen, frozen_floats, whole
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import Ragged
@@ -288,11 +288,10 @@ def imperfections(
         raise InputError(
             "nothing is imperfect", remedy="give Imperfections(tolerance=0.002) or others"
         )
-    of_type(kinds, Imperfections, "the value of imperfections")
-    if whole(draws, "the number of draws") < 1:
+    if draws < 1:
         raise InputError(f"{draws} draws", remedy="give one or more")
     whole(seed, "the seed", least=0)
-    if not 0.0 < number(confidence, "confidence") < 1.0:
+    if not 0.0 < confidence < 1.0:
         raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
     orders = _orders(loading)
     model = as_model(given, **how)

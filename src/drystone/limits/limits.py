@@ -12,7 +12,7 @@ from functools import partial
 from typing import Unpack
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, number, of_type
+from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -293,7 +293,6 @@ def limit_thickness(
     >>> round(limit.rest.value, 3)
     0.1
     """
-    of_type(build, Callable, "what builds the model", "give a function")  # type: ignore[arg-type]
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")

@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks, ring
-from drystone.base.arrays import Floats, whole
+from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -218,7 +218,7 @@ def tilt_sweep(
     directions
         Number of azimuths, the first along x: the assembly leans towards each of them.
     """
-    if whole(directions, "the number of directions") < 1:
+    if directions < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)

@@ -13,7 +13,7 @@ from drystone.answer import Answer, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.answer.scene import Layer, LayerKind
-from drystone.base.arrays import Floats, whole
+from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -417,7 +417,7 @@ def limit_train(
     carried = Train.named("axle") if train is None else train
     if "fill to " in model.load.name:
         raise InputError("the load has fill already", where="load", remedy="give --fill alone")
-    if whole(steps, "the number of places") < 1:
+    if steps < 1:
         raise InputError(f"{steps} places", where="steps", remedy="give one or more")
     tops = Tops.of(model.assembly, Fill(0.0, 0.0) if fill is None else fill)
     low, high = tops.ends

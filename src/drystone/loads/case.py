@@ -9,7 +9,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, frozen_floats, number, of_type
+from drystone.base.arrays import Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
@@ -106,7 +106,6 @@ class LoadCase(OneLine):
         if load is None:
             return cls.gravity(assembly)
         if isinstance(load, LoadCase):
-            of_type(assembly, Assembly, "the assembly")
             if len(load.wrench) != len(assembly):
                 raise InputError(
                     f"the load has {len(load.wrench)} wrenches, the assembly {len(assembly)} blocks"
@@ -299,7 +298,6 @@ class LoadCase(OneLine):
         InputError
             There is no such block, or the motion is not 3 or 6 finite numbers.
         """
-        of_type(assembly, Assembly, "the assembly")
         i = int(assembly.indices([block])[0])
         values = frozen_floats(motion, (None,), f"motion of block '{assembly.names[i]}'")
         if len(values) not in (3, 6):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import Floats, of_type
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.geometry.frames import AXES
@@ -68,7 +68,7 @@ class Earth(Options):
     [15000.0, 9000.0, 3000.0]
     """
 
-    side: str
+    side: Literal["x", "-x", "y", "-y"]
     weight: float
     k: float
     top: float | None = None
@@ -79,8 +79,6 @@ class Earth(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if of_type(self.side, str, "side") not in ("x", "-x", "y", "-y"):
-            raise InputError(f"side is '{self.side}'", remedy="use one of x, -x, y, -y")
         self._refuse_below(0.0, "weight", "k", "surcharge", "wall_friction")
 
     @classmethod
@@ -109,7 +107,7 @@ class Earth(Options):
         away = np.array(AXES[self.side])
         up = np.array([0.0, 0.0, 1.0])
         strips = SeenStrips.of(assembly, np.stack([up, np.cross(away, up), away]))
-        if of_type(self.blocks, str, "blocks"):
+        if self.blocks:
             strips = strips.of_blocks(select(assembly, self.blocks.replace("+", ",")).fixed)
         if not len(strips.block):
             raise InputError("it touches no face", where="earth", remedy="see 'side'")

@@ -10,7 +10,7 @@ from typing import Literal, Self
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, of_type
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.base.units import quantity
@@ -79,8 +79,6 @@ class Fill(Options):
             raise InputError(
                 f"passive is {self.passive:g}, k {self.k:g}", remedy="give more than k"
             )
-        if of_type(self.law, str, "law") not in ("even", "boussinesq"):
-            raise InputError(f"law is '{self.law}'", remedy="use one of even, boussinesq")
 
     @property
     def _level(self) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, frozen_floats, lengths, number, of_type, whole
+from drystone.base.arrays import Floats, Ints, frozen_floats, lengths, number, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import unit
@@ -34,7 +34,6 @@ def free_block(assembly: Assembly, block: int | str) -> int:
     InputError
         There is no such block, or it is fixed.
     """
-    of_type(assembly, Assembly, "the assembly")
     i = int(assembly.indices([block])[0])
     if assembly.fixed[i]:
         raise InputError(
@@ -60,7 +59,6 @@ def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
     InputError
         A force is larger than a float can hold.
     """
-    of_type(assembly, Assembly, "the assembly")
     wrench = np.zeros((len(assembly), 6))
     with np.errstate(over="ignore", invalid="ignore"):
         wrench[:, :3] = assembly.mass[:, None] * (number(g, "g") * direction)

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen_floats, of_type
+from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
@@ -73,8 +73,7 @@ class Train(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        where = f"train '{of_type(self.name, str, 'name')}'"
-        of_type(self.source, str, "source")
+        where = f"train '{self.name}'"
         for name in ("places", "loads"):
             given = frozen_floats(getattr(self, name), (None,), name)
             object.__setattr__(self, name, tuple(given.tolist()))

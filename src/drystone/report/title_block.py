@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
-from drystone.base.arrays import of_type
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.settings import Options
 from drystone.io.jsontext import parse_toml
@@ -40,10 +39,6 @@ class TitleBlock(Options):
     checker: str = ""
     number: str = ""
     date: str = ""
-
-    def __post_init__(self) -> None:
-        for one in fields(self):
-            of_type(getattr(self, one.name), str, one.name, "give a text")
 
     @classmethod
     def read(cls, path: PathLike) -> TitleBlock:

@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, Sentence
-from drystone.base.arrays import of_type
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -154,7 +153,6 @@ def margins(
     directions
         Number of horizontal directions of tilt.
     """
-    of_type(plan, Plan, "the plan", "give what drystone.plan answers")
     widths = LimitOptions(width=friction_width, scan=1), LimitOptions(width=tilt_width, scan=2)
     task = partial(_margin_of, plan.model, widths=widths, upper=tilt_upper, directions=directions)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]

@@ -20,7 +20,7 @@ from drystone.answer import (
 )
 from drystone.answer.drawing import areas, enlargement, seen, state_of
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, of_type
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
@@ -380,9 +380,7 @@ def _state(task: _Task, prescribed: Floats) -> Result:
 def _case(assembly: Assembly, motion: Mapping[int | str, Any] | None, load: LoadCase) -> LoadCase:
     """The load with every motion in it."""
     case = load
-    remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
     motions = {} if motion is None else motion
-    of_type(motions, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
     for block, given in motions.items():
         case = case + LoadCase.settlement(assembly, block, given)
     if case.motion is None:

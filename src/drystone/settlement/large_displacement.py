@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen, frozen_floats, number
+from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -115,9 +115,8 @@ def push(
         raise InputError(
             "the load that grows has no force on a free block", remedy="push a free block"
         )
-    far = number(to, "to") if to is not None else None
-    if far is not None and far <= 0.0:
-        raise InputError(f"to is {far:g}", remedy="give a length in m above zero")
+    if to is not None and not 0.0 < to < np.inf:
+        raise InputError(f"to is {to:g}", remedy="give a length in m above zero")
 
     def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
         wrench = case.wrench[free]
@@ -129,7 +128,7 @@ def push(
         # by this the displacement along the whole load becomes the mean one of its forces
         share = float(np.linalg.norm(grown) / np.linalg.norm(grown[:, :3], axis=1).sum())
         share *= bodies.length_unit
-        ended = driver.grow(grown, (bodies.length_unit if far is None else far) / share, tell)
+        ended = driver.grow(grown, (bodies.length_unit if to is None else to) / share, tell)
         return ended, share, 1.0
 
     return _driven(model, Drive.LOAD, run, options, progress, Clock(time_limit_s, stop))
@@ -177,7 +176,7 @@ def move_supports(
     if moving is None or longest == 0.0:
         raise InputError("no support moves", remedy='give a motion, such as {"base": (0, 0, -0.1)}')
     if to is not None:
-        if not number(to, "to") > 0.0:
+        if not 0.0 < to < np.inf:
             raise InputError(f"to is {to:g} m", remedy="give a length above zero")
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))

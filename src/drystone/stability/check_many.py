@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
-from drystone.base import arrays
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike
@@ -18,7 +17,6 @@ from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, content_of, supported_model
-from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
@@ -87,13 +85,11 @@ def check_many(
     >>> found["verdict"].tolist()
     ['stable', 'unstable']
     """
-    one = isinstance(models, str | bytes | os.PathLike | Assembly | Model)
-    if one or not isinstance(models, Iterable):
+    if isinstance(models, Assembly):
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop, progress)
     chosen = CheckOptions.of(options)
-    arrays.number(each_s, "each_s", finite=False)
     journal = None if out is None else Journal(out, _about(chosen, each_s, how), _row)
     kept: list[Row] = [] if journal is None else journal.records
     tasks = _tasks(models, kept, (chosen, each_s, how), out)

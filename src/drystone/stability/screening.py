@@ -16,8 +16,8 @@ PATIENT     follows the stick-slip law as far as :func:`drystone.check` does
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
-from drystone.base.arrays import number, of_type
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.mechanics.rest_state import RestOptions
@@ -61,9 +61,8 @@ class Screening(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        laws = of_type(self.slip_lengths, tuple, "slip_lengths", "give a tuple of numbers and None")
-        lengths = [number(one, "a slip length") for one in laws if one is not None]
-        if not laws or min(lengths, default=1.0) <= 0.0:
+        laws = self.slip_lengths
+        if not laws or not all(one is None or 0.0 < one < inf for one in laws):
             raise InputError(
                 f"the slip lengths are {laws}",
                 remedy="give one or more numbers above zero, or None for the stick-slip law",

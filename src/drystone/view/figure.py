@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +19,8 @@ from drystone.answer.scene import (
     SceneStage,
     with_version,
 )
-from drystone.base.arrays import Floats, frozen_floats, number, whole
-from drystone.base.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.errors import InputError, printable
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
@@ -131,10 +132,12 @@ def save_figure(
     True
     """
     width, height = frozen_floats(size, (2,), "size")
-    if not (width > 0.0 and height > 0.0 and number(dpi, "dpi") > 0.0):
+    if not (width > 0.0 and height > 0.0 and 0.0 < dpi < inf):
         raise InputError("size and dpi must be above zero")
-    if number(explode, "explode") < 0.0:
+    if not 0.0 <= explode < inf:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
+    if not (ax is None or hasattr(ax, "get_window_extent")):
+        raise InputError(f"ax is {printable(repr(ax), 60)}", remedy="give axes of matplotlib")
     if isinstance(subject, Answer):
         shown = subject.figure()
         if isinstance(shown, Chart):
@@ -220,11 +223,11 @@ def draw(
 
 def _require(scene: Scene, stage: int, preset: str | None, opacity: float | None) -> None:
     """Refuse a stage or a preset that does not exist, and an opacity that is none."""
-    if not -len(scene.stages) <= whole(stage, "stage") < len(scene.stages):
+    if not -len(scene.stages) <= stage < len(scene.stages):
         raise InputError(f"there is no stage {stage}", remedy=f"{len(scene.stages)} exist")
     if preset is not None and preset not in PRESETS:
         raise InputError(f"there is no preset '{preset}'", remedy=f"there are {', '.join(PRESETS)}")
-    if opacity is not None and not 0.0 < number(opacity, "opacity") <= 1.0:
+    if opacity is not None and not 0.0 < opacity <= 1.0:
         raise InputError(f"opacity is {opacity}", remedy="give a share above 0, up to 1")
 
 

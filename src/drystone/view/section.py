@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.answer.scene import Layer, LayerKind, Scene
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, of_type
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.geometry.polyhedron import Faces, rings
 
@@ -52,7 +52,7 @@ def read_section(text: str) -> tuple[int, float | None]:
     >>> read_section("x=1.2"), read_section("z")
     ((0, 1.2), (2, None))
     """
-    name, given, number = of_type(text, str, "section", "write x=1.2").partition("=")
+    name, given, number = text.partition("=")
     axis = AXES.find(name.strip()) if name.strip() else -1
     at: float | None = None
     if given:

@@ -381,5 +381,5 @@ def test_blocks_of_very_different_sizes_touch() -> None:
 
 
 def test_tolerance_that_is_no_number_is_named() -> None:
-    with pytest.raises(InputError, match="gap is 'a', not a number"):
+    with pytest.raises(InputError, match="gap is 'a'; give a number"):
         DetectionOptions(gap="a")  # type: ignore[arg-type]

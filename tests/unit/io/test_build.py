@@ -122,7 +122,9 @@ def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
 
 
 def test_unreadable_units_are_refused_before_the_file_is_touched(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="unit 'yard' is not known; use one of mm, cm, m, in, ft"):
+    with pytest.raises(
+        ValueError, match="units is 'yard'; give one of 'mm', 'cm', 'm', 'in', 'ft'"
+    ):
         io.read_file(tmp_path / "missing.json", units="yard")
 
 

@@ -101,7 +101,7 @@ def test_what_cannot_be_written_is_told_and_nothing_appears(tmp_path: Path, name
 
 
 def test_only_models_assemblies_and_results_are_written(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="of type list cannot be written"):
+    with pytest.raises(ValueError, match=r"model is .*; give Model\("):
         io.write([], tmp_path / "model.obj")  # type: ignore[arg-type]
 
 

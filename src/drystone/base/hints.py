@@ -1,0 +1,214 @@
+"""Annotations of arguments: which values they allow, and which argument has another."""
+
+from __future__ import annotations
+
+import collections.abc
+import enum
+import functools
+import inspect
+import os
+import sys
+import types
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from numbers import Integral
+from pathlib import Path
+from typing import Any, Literal, Union, Unpack, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.base.errors import DrystoneError, InputError, printable, refuse_unknown
+
+ODD = (TypeError, ValueError, AttributeError, LookupError, ArithmeticError)
+"""The errors in which Python ends where an argument is of another type."""
+
+_UNIONS = (types.UnionType, Union)
+_ARRAYS = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
+_SEVERAL = {tuple, list, set, frozenset, collections.abc.Set, Sequence, Collection, Iterable}
+_OURS = {*sys.stdlib_module_names, "numpy", "drystone"} - {"types", "unittest"}
+"""Packages whose values are what they are; one of another may stand for a class, as a mesh does."""
+_WORDS: dict[Any, str] = {
+    float: "a number", int: "a whole number", bool: "True or False", str: "a text",
+    Callable: "a function", Mapping: "a dictionary", os.PathLike: "a path", Path: "a path",
+    np.ndarray: "numbers", NDArray: "numbers", types.NoneType: "None",
+}  # fmt: skip
+
+
+def kinds_of(hint: Any) -> list[Any]:
+    """The types of a union, but for ``None`` and arrays, which are written as sequences."""
+    parts = [one for one in _parts(hint) if one is not types.NoneType]
+    return [one for one in parts if get_origin(one) not in _ARRAYS]
+
+
+def is_many(kind: Any) -> bool:
+    """Whether a type is that of several values."""
+    return get_origin(kind) in (tuple, list, Sequence)
+
+
+def fits(value: Any, hint: Any) -> bool:
+    """Whether an annotation allows a value; True where that is for the function to tell.
+
+    Examples
+    --------
+    >>> fits(np.int64(2), float | None), fits(True, float), fits(["a", 2], str | Sequence[str])
+    (True, False, False)
+    """
+    own, inner = get_origin(hint) or hint, get_args(hint)
+    if test := _TESTS.get(own):
+        return test(value, inner)
+    if not isinstance(own, type) or getattr(own, "_is_protocol", False):
+        return True
+    return isinstance(value, own) or _is_one_of(value, _values(own)) or _is_foreign(value)
+
+
+def told(hint: Any) -> str:
+    """What an annotation allows, in words.
+
+    Examples
+    --------
+    >>> told(float | Sequence[str] | None), told(Literal["x", "y"])
+    ('a number, a list of texts or None', "one of 'x', 'y'")
+    """
+    words = dict.fromkeys(map(_word, _parts(hint)))
+    *first, last = [one for one in words if not (one.startswith("a list of") and "a list" in words)]
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def refuse_wrong(values: Iterable[tuple[str, Any]], hints: Mapping[str, Any]) -> None:
+    """Refuse the first value that its annotation does not allow.
+
+    Raises
+    ------
+    InputError
+        There is one; it is named, with what is wanted.
+    """
+    for name, value in values:
+        if name in hints and not fits(value, hints[name]):
+            said = f"{name} is {printable(repr(value), 60)}"
+            raise InputError(said, remedy=f"give {told(hints[name])}")
+
+
+def blame(
+    function: Callable[..., Any], given: Any, named: Mapping[str, Any], error: Exception
+) -> None:
+    """Where a call ended in an error of Python, refuse the argument that is wrong, if one is.
+
+    Raises
+    ------
+    InputError
+        There is no argument of a name, or one has a value that its annotation does not allow.
+    """
+    if isinstance(error, DrystoneError):
+        return
+    known = inspect.signature(function).parameters
+    if not any(one.kind is one.VAR_KEYWORD for one in known.values()):
+        refuse_unknown(named, [*(known.keys() - {"self", "cls"})], f"{function.__qualname__} has")
+    refuse_wrong((*zip(known, given, strict=False), *named.items()), hints_of(function))
+
+
+@functools.cache
+def hints_of(function: Any) -> dict[str, Any]:
+    """The annotation of each argument, with those of a dictionary of them as ``**how``."""
+    homes = reversed(function.__mro__) if isinstance(function, type) else (function,)
+    place: dict[str, Any] = {}
+    for home in homes:
+        place |= vars(sys.modules[home.__module__])
+    found: dict[str, Any] = {}
+    for name, one in inspect.signature(function).parameters.items():
+        try:
+            asked = types.SimpleNamespace(__annotations__={name: one.annotation})
+            hint = get_type_hints(asked, place)[name]
+        except NameError:  # imported for a type checker only
+            hint = Any
+        if get_origin(hint) is Unpack:
+            found |= get_type_hints(get_args(hint)[0])
+        elif one.annotation is not one.empty:
+            found[name] = Union[hint, None] if one.default is None else hint  # noqa: UP007
+    return found
+
+
+def _parts(hint: Any) -> tuple[Any, ...]:
+    return get_args(hint) if get_origin(hint) in _UNIONS else (hint,)
+
+
+def _word(hint: Any) -> str:
+    """One of the types that an annotation allows, in words."""
+    own, inner = get_origin(hint) or hint, get_args(hint)
+    choices = inner if own is Literal else _values(own)
+    if choices:
+        return f"one of {', '.join(map(repr, choices))}"
+    if own not in _SEVERAL:
+        return _WORDS.get(own) or f"{getattr(own, '__name__', own)}(...)"
+    words = told(inner[0]).removeprefix("a ") if len({*inner} - {...}) == 1 else ""
+    return "a list" if not words or "(" in words or " " in words else f"a list of {words}s"
+
+
+def _values(kind: Any) -> list[Any]:
+    """The values of an enumeration; none of another type."""
+    members = kind if isinstance(kind, type) and issubclass(kind, enum.Enum) else ()
+    return [one.value for one in members]
+
+
+def _is_foreign(value: Any) -> bool:
+    return type(value).__module__.partition(".")[0] not in _OURS
+
+
+def _is_one_of(value: Any, choices: Collection[Any]) -> bool:
+    return isinstance(value, str | int | enum.Enum) and value in choices
+
+
+def _is_number(value: Any, _: Any) -> bool:
+    """Whether a value is a single number; truth values and texts are none."""
+    if isinstance(value, str | bytes | bool | np.bool_ | np.complexfloating):
+        return False
+    return _made(float, value) is not None
+
+
+def _are_numbers(value: Any, _: Any) -> bool:
+    """Whether numpy takes a value for numbers."""
+    made = _made(np.asarray, value)
+    return made is not None and made.dtype.kind in "biuf"
+
+
+def _made(make: Callable[[Any], Any], value: Any) -> Any:
+    """What is made of a value; None where it ends in an error."""
+    try:
+        return make(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def _are_several(value: Any, inner: Collection[Any]) -> bool:
+    """Whether a value is no text and has several, each of one of some types."""
+    if isinstance(value, str | bytes) or not np.iterable(value):
+        return False
+    kinds = [one for one in inner if one is not Ellipsis]
+    listed = value if kinds and hasattr(value, "__len__") else ()
+    return all(any(fits(one, kind) for kind in kinds) for one in listed)
+
+
+def _are_in_order(value: Any, inner: Sequence[Any]) -> bool:
+    return not isinstance(value, Mapping) and _are_several(value, inner)
+
+
+def _are_named(value: Any, inner: Sequence[Any]) -> bool:
+    """Whether a value has names, all of a type."""
+    named = isinstance(value, Mapping)
+    return _is_foreign(value) or (named and _are_several([*value], inner[:1]))
+
+
+_TESTS: dict[Any, Callable[[Any, Any], bool]] = {
+    Any: lambda *_: True,
+    float: _is_number,
+    int: lambda value, _: isinstance(value, Integral) and not isinstance(value, bool),
+    bool: lambda value, _: isinstance(value, bool | np.bool_),
+    Callable: lambda value, _: callable(value),
+    Literal: _is_one_of,
+    Mapping: _are_named,
+    **dict.fromkeys(_ARRAYS, _are_numbers),
+    **dict.fromkeys(_UNIONS, lambda value, of: any(fits(value, one) for one in of)),
+    **dict.fromkeys(_SEVERAL, _are_several),
+    Iterable: lambda value, _: _are_several(value, ()),
+    **dict.fromkeys((tuple, list, Sequence), _are_in_order),
+}
+"""Whether a value is of a type with types inside it, where the type itself does not tell."""
