@@ -172,6 +172,7 @@ class Result(Solution, Answer):
             "settlement": [
                 {
                     "carrier": path.carrier,
+                    "tangential": path.tangential,
                     "outcome": path.outcome,
                     "travel": path.travel.max(),
                     "beyond": path.beyond,

@@ -25,6 +25,7 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics import law
 from drystone.mechanics.bodies import LIGHT
+from drystone.mechanics.increments import FEW
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
@@ -315,16 +316,42 @@ def _with_stiff_shear(
     if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
         return found
     asked.depends_on(Sensitivity.SHEAR)
-    said = "; ".join(
-        f"at {shear:g} of the normal one {one.message}"
-        for shear, one in ((options.tangential, found), (stiff, other))
-    )
+    ways = {options.tangential: found, stiff: other}
+    said = [f"at {shear:g} of the normal one {one.message}" for shear, one in ways.items()]
+    takes = _taken_to_stand(asked, pool, ways, options)
     return replace(
         found,
         outcome=Outcome.SHEAR_DECIDES,
-        message=f"it depends on the shear stiffness of the joints: {said}",
+        message=f"it depends on the shear stiffness of the joints: {'; '.join(said)}{takes}",
         paths=(*found.paths, *other.paths),
     )
+
+
+def _taken_to_stand(
+    asked: Asked, pool: WorkerPool, ways: dict[float, Settlement], options: SettlementOptions
+) -> str:
+    """Of few blocks: the shear stiffness from which they rest, and the friction with which both do.
+
+    Each is the least of a few that were followed; how many are is chosen.
+    """
+    statics, model, late = asked.problem.statics, asked.problem.model, asked.clock.late
+
+    def rests(shear: float, friction: float = 1.0) -> bool:
+        rough = model.with_friction(friction * model.contacts.friction)
+        chosen = replace(options, tangential=shear)
+        found = settle_for_verdict(rough, options=chosen, executor=pool.executor, stop=late)
+        return found.rests
+
+    moves, held = sorted(ways, key=lambda shear: ways[shear].rests)
+    if not ways[held].rests or statics.free_count > FEW:
+        return ""
+    for _ in range(3):
+        between = float(f"{0.5 * (held + moves):.2g}")
+        held, moves = (between, moves) if rests(between) else (held, between)
+    rougher = (one for one in (1.02, 1.05, 1.1, 1.2) if all(rests(shear, one) for shear in ways))
+    least = next(rougher, None)
+    more = "" if least is None else f", and both ways with {least:g} times the friction"
+    return "" if late() else f"; it would stand at {held:g} and not at {moves:g}{more}"
 
 
 def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:

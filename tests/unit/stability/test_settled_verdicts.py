@@ -139,6 +139,11 @@ def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
     assert Sensitivity.SHEAR in found.sensitive_to
     assert found.settlement.outcome is Outcome.SHEAR_DECIDES
     assert [path.tangential for path in found.settlement.paths] == [0.17, 0.5]
+    takes = "it would stand at 0.46 and not at 0.42, and both ways with 1.02 times the friction"
+    assert takes in found.message
+    between = replace(one, settlement=replace(one.settlement, tangential=0.46))
+    assert check(model, options=between).stable
+    assert check(model.with_friction(1.02 * 0.84), options=MOVING).stable
 
 
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:
