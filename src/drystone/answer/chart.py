@@ -86,14 +86,13 @@ class Chart(OneLine):
     @property
     def span(self) -> tuple[float, float]:
         """Least and largest value across."""
-        values = [*(one.x for one in self.marks), np.array([at for at, _ in self.lines])]
-        return ends_of(values)
+        return ends_of([*(one.x for one in self.marks), np.array([at for at, _ in self.lines])])
 
     @property
     def rise(self) -> tuple[float, float]:
         """Least value up or zero, and the largest."""
-        values = [*(one.y for one in self.marks), np.zeros(1)]
-        low, high = ends_of(values)
+        low, high = ends_of([*(one.y for one in self.marks), np.zeros(1)])
+        low = 0.0 if abs(low) <= 1e-3 * high else low  # what nobody sees needs no label
         return low, high if self.top is None else self.top
 
 

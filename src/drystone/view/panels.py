@@ -12,8 +12,8 @@ from drystone.base import units
 from drystone.base.arrays import Floats
 
 WIDTH, HEIGHT = 280.0, 160.0
-LEFT, RIGHT, TOP, BOTTOM = 44.0, 12.0, 20.0, 32.0
-"""Size [px] of a chart, and its margins."""
+RIGHT, TOP, BOTTOM = 12.0, 20.0, 32.0
+"""Size [px] of a chart, and its margins; the left one is as wide as the values in it."""
 _REACH = 92.0
 """Radius [px] of a polar chart."""
 
@@ -22,12 +22,12 @@ def panel(chart: Chart) -> str:
     """HTML of a chart with its title and caption."""
     drawn = ""
     if chart.marks:
-        size = (WIDTH, 2 * _REACH + 56.0) if chart.polar else (WIDTH, HEIGHT)
+        height = 2 * _REACH + 56.0 if chart.polar else HEIGHT
         name = html.escape(f"{chart.title}: {chart.up} by {chart.across}")
         body = "".join(_polar_axes() if chart.polar else _axes(chart))
         body += "".join(_drawn(chart, one) for one in chart.marks)
         drawn = (
-            f'<svg viewBox="0 0 {size[0]:g} {size[1]:g}" width="100%" role="img" '
+            f'<svg viewBox="0 0 {WIDTH:g} {height:g}" width="100%" role="img" '
             f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>'
         )
     told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
@@ -44,7 +44,13 @@ def _place(chart: Chart, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         x, left, right = np.log(x), float(np.log(left)), float(np.log(right))
     across = (x - left) / (right - left) if right > left else np.full(np.shape(x), 0.5)
     up = (np.nan_to_num(y) - low) / ((high - low) or 1.0)
-    return LEFT + across * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - up * (HEIGHT - TOP - BOTTOM)
+    edge = _left(chart)
+    return edge + across * (WIDTH - edge - RIGHT), HEIGHT - BOTTOM - up * (HEIGHT - TOP - BOTTOM)
+
+
+def _left(chart: Chart) -> float:
+    """[px], of the axis up."""
+    return max(44.0, *(9.0 + 6.5 * len(_told(one, chart.units[1])) for one in chart.rise))
 
 
 def _drawn(chart: Chart, marks: Marks) -> str:
@@ -52,9 +58,8 @@ def _drawn(chart: Chart, marks: Marks) -> str:
     ink = f"var(--{marks.ink})"
     if marks.kind in (MarkKind.LINE, MarkKind.DASHED, MarkKind.AREA):
         points = [*zip(x, y, strict=True)]
-        look = f'fill="none" stroke="{ink}" stroke-width="2"'
-        if marks.kind is MarkKind.DASHED:
-            look += ' stroke-dasharray="4 3"'
+        dashes = ' stroke-dasharray="4 3"' if marks.kind is MarkKind.DASHED else ""
+        look = f'fill="none" stroke="{ink}" stroke-width="2"{dashes}'
         if marks.kind is MarkKind.AREA:
             look = f'fill="{ink}" fill-opacity="0.15" stroke="none"'
             if marks.low is not None:
@@ -67,19 +72,18 @@ def _drawn(chart: Chart, marks: Marks) -> str:
         return "".join(
             f'<path d="{path.format(a - 3.5, b - 3.5)}" {look}/>' for a, b in zip(x, y, strict=True)
         )
-    fill = "none" if marks.kind is MarkKind.RING else ink
+    look = f'fill="{"none" if marks.kind is MarkKind.RING else ink}" stroke="{ink}"'
     return "".join(
-        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" fill="{fill}" stroke="{ink}"/>'
-        for a, b in zip(x, y, strict=True)
+        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" {look}/>' for a, b in zip(x, y, strict=True)
     )
 
 
 def _axes(chart: Chart) -> Iterator[str]:
     """Axes, their ends, and the values that are marked."""
-    low, high = chart.rise
+    (low, high), left = chart.rise, _left(chart)
     base = HEIGHT - BOTTOM
     yield (
-        f'<path d="M{LEFT:g} {TOP:g}V{base:g}H{WIDTH - RIGHT:g}" fill="none" stroke="var(--line)"/>'
+        f'<path d="M{left:g} {TOP:g}V{base:g}H{WIDTH - RIGHT:g}" fill="none" stroke="var(--line)"/>'
     )
     for at, text in chart.lines:
         x = float(_place(chart, np.array([at]), np.zeros(1))[0][0])
@@ -87,7 +91,7 @@ def _axes(chart: Chart) -> Iterator[str]:
         yield _text(x, TOP - 7.0, text, "end" if x > 0.8 * WIDTH else "middle")
     for value in dict.fromkeys((low, high)):
         y = float(_place(chart, np.zeros(1) + chart.span[0], np.array([value]))[1][0])
-        yield _text(LEFT - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
+        yield _text(left - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
     for value in _across(chart):
         x = float(_place(chart, np.array([value]), np.zeros(1))[0][0])
         yield _text(x, base + 13.0, _told(value, chart.units[0]))

@@ -1,9 +1,12 @@
 """Limits as scenes."""
 
+import re
+
 import numpy as np
 import pytest
 
 import drystone
+from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.errors import InputError
 from drystone.limits import Bracket, Limit, Quantity, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
@@ -77,3 +80,12 @@ def test_without_states_there_is_no_picture() -> None:
     empty = Limit(Quantity("tilt", "deg"), 0.0, 90.0, Bracket())
     with pytest.raises(InputError, match="no state is known"):
         scene_of(empty)
+
+
+def test_values_beside_a_chart_are_not_cut_off_and_a_line_ends_at_zero() -> None:
+    line = Marks(MarkKind.LINE, np.array([0.0, 0.3]), np.array([1.177, -4e-4]), "ink")
+    drawn = panel(Chart("Capacity curve", (line,), "d*", "a*", ("m", "m/s2")))
+    beside = re.findall(r'<text x="([\d.]+)" y="[\d.]+" text-anchor="end">([^<]*)<', drawn)
+    assert [text for _, text in beside] == ["0 m/s2", "1.177 m/s2"]
+    for x, text in beside:
+        assert float(x) >= 6.0 * len(text)
