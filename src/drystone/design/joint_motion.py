@@ -50,9 +50,10 @@ class JointMotion(enum.Enum):
 
     STAYS = "stays on"
     SLIDES = "slides along"
+    TURNS = "turns about the normal of its joint with"
     HINGES = "hinges about an edge of"
-    LIFTS = "lifts off"
     DROPS = "drops away from"
+    LIFTS = "lifts off"
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +171,9 @@ def _kind(moved: Floats, reach: float, away: Floats, frame: Floats, sign: float)
         return JointMotion.STAYS
     closed = opening <= STILL * np.maximum(slide.max(), reach * STILL)
     if closed.all():
-        return JointMotion.SLIDES
+        along = moved.mean(axis=0)  # less than the rest where the centre of the turn is in the face
+        turned = np.linalg.norm((moved - along)[:, 1:], axis=1)
+        return JointMotion.TURNS if np.hypot(*along[1:]) < turned.max() else JointMotion.SLIDES
     if closed.any():
         return JointMotion.HINGES
     mean = sign * frame.T @ moved.mean(axis=0)
@@ -195,6 +198,7 @@ def sentence(
 
 _ALONE = {
     JointMotion.SLIDES: "slide along each other",
+    JointMotion.TURNS: "turn about the normals of their joints",
     JointMotion.HINGES: "turn about the edges of their joints",
 }
 """What blocks of a region do at the joints between them."""
@@ -202,7 +206,7 @@ _ALONE = {
 
 def _motion(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
     said: list[str] = []
-    for kind in (JointMotion.SLIDES, JointMotion.HINGES, JointMotion.DROPS, JointMotion.LIFTS):
+    for kind in list(JointMotion)[1:]:
         mine = [j for j in joints if j.motion is kind]
         others = list(dict.fromkeys(j.neighbour for j in mine if j.neighbour not in blocks))
         if not mine or (kind is JointMotion.LIFTS and said):
@@ -222,7 +226,8 @@ def _verb(kind: JointMotion, mine: Sequence[JointState], several: bool, edges: b
         vertical = float(np.mean([j.direction[2] for j in mine]))
         way = "down " if vertical < -_STEEP else "up " if vertical > _STEEP else ""
         rest = f"{way}{rest}"
-    rest = rest.replace("an edge", "edges") if edges else rest
+    rest = rest.replace("its", "their") if several else rest
+    rest = rest.replace("an edge", "edges").replace("joint", "joints") if edges else rest
     return f"{first.removesuffix('s') if several else first} {rest}"
 
 
@@ -265,6 +270,9 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     # those of several blocks may balance each other: their sum holds nothing
     if not ways and len(blocks) == 1 and float(np.linalg.norm(needs.force)) > 0.0:
         missing = f"a force of {force_words(needs.force)} at {place(needs.point)} is missing"
+        force, moment = np.linalg.norm(needs.wrench[0].reshape(2, 3), axis=1)
+        if force * model.assembly.size[blocks[0]] < STILL * moment:
+            missing = f"a moment of {newtons(float(moment))} m is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:

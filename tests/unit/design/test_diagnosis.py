@@ -1,6 +1,7 @@
 """Why structures fall: regions, first motions, and what is missing, against closed forms."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,6 +38,19 @@ def slope(angle: float, friction: float = 0.6, size: float = 1.0) -> Model:
 def only(found: Diagnosis) -> drystone.design.Region:
     (region,) = found.regions
     return region
+
+
+def test_a_block_that_a_torque_turns_is_not_said_to_slide() -> None:
+    model = Model.of(tower(2), friction=0.5)
+    weight = -float(model.load.wrench[1, 2])
+    wrench = np.array(model.load.wrench)
+    wrench[1, 5] = 0.5 * weight * np.sqrt(0.5) * 1.02  # the corners carry all, and a little more
+    region = only(diagnose(model.with_load(LoadCase(wrench))))
+    turns = "block 'block-1' turns about the normal of its joint with 'block-0'"
+    assert region.sentence.startswith(turns)
+    assert re.search(r"a moment of \d+ N m is missing", region.sentence)
+    wrench[1, :1] = weight  # the centre of the turn is outside then
+    assert "slides along" in only(diagnose(model.with_load(LoadCase(wrench)))).sentence
 
 
 @pytest.mark.parametrize("size", [1.0, 0.01])
