@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, sections
 from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import FacePoints, cut_face_points
-from drystone.geometry.slipping import pressed_points, slip_use
+from drystone.geometry.slipping import Slip, clipped, slip_use
 from drystone.joints import LOADED, Resultants, bearable
 from drystone.virtual import local_corners
 
@@ -50,8 +50,7 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     used = sliding_use(contacts, resultants).copy()
     which = np.flatnonzero(twisted(contacts, resultants))
     if len(which):
-        faces = PressedFaces.of(contacts, resultants, which)
-        turned = faces.use(faces.points(exact=True), contacts, resultants)
+        turned = PressedFaces.of(contacts, resultants, which).slip(contacts, resultants).use
         used[which] = np.maximum(used[which], turned)
     return frozen(used)
 
@@ -77,17 +76,17 @@ class PressedFaces:
         Corners of each face.
     corners : (l, 2) [m]
         From the centre of pressure, as all places here.
+    area : (t,) [m2]
     plane : (t, 3)
-        As :func:`drystone.geometry.pressure.linear_pressure` gives it.
-    within : (t, 2) [m]
-        Where the pressure has its centre: the same, or just within the rim for a force on it.
+        As :func:`drystone.geometry.pressure.linear_pressure` gives it. The pressure has its centre
+        at the origin, or just within the rim for a force on it.
     """
 
     which: Ints
     loops: Ragged
     corners: Floats
+    area: Floats
     plane: Floats
-    within: Floats
 
     @classmethod
     def of(cls, contacts: Contacts, resultants: Resultants, which: Ints) -> PressedFaces:
@@ -99,42 +98,22 @@ class PressedFaces:
         one = (sections(local, loops.start), local, loops.start)
         far = edge_ratio(*one, np.zeros_like(centre))
         within = one[0].centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
-        return cls(which, loops, local, linear_pressure(*one, within), within)
+        return cls(which, loops, local, one[0].area, linear_pressure(*one, within))
 
-    def take(self, some: Bools) -> PressedFaces:
-        """Some of the faces (t,)."""
-        loops, row = self.loops.take(some)
-        return PressedFaces(
-            self.which[some], loops, self.corners[row], self.plane[some], self.within[some]
-        )
+    def slip(self, contacts: Contacts, resultants: Resultants) -> Slip:
+        """How much of their friction force and torque use (t,), and how they slip."""
+        which, owner = self.which, self.loops.owner
+        height = self.plane[owner, 0] + dot(self.corners, self.plane[owner, 1:])
+        loops, corners = clipped(self.loops, self.corners, height)
+        each = self.area / bearable(contacts, resultants.normal)[which]
+        force = each[:, None] * _along_faces(contacts, resultants.force, which)
+        return slip_use(corners, loops, self.plane, force, each * resultants.torque[which])
 
-    def points(self, exact: bool) -> FacePoints:
-        """Points of what is pressed and of the rest: as many as make the torsion right, or few."""
-        return cut_face_points(self.corners, self.loops.start, self.plane, exact)
-
-    def rows(self, points: FacePoints, wanted: Bools) -> tuple[Ints, Floats, Floats]:
-        """Faces (p,), places (p, 2) [m] and areas (p,) [m2] of the points of some of them (t,)."""
-        loops, row = points.loops.take(wanted)
-        return self.which[wanted][loops.owner], points.place[row], points.area[row]
-
-    def use(
-        self,
-        points: FacePoints,
-        contacts: Contacts,
-        resultants: Resultants,
-        enough: Floats | float = np.inf,
-    ) -> Floats:
-        """Force and torque (t,) by the largest that the faces resist, as :func:`slip_use` does."""
-        owner, which = points.loops.owner, self.which
-        bound = (contacts.friction * resultants.normal)[which]
-        return slip_use(
-            points.loops,
-            points.place,
-            bound[owner] * pressed_points(points, self.plane, self.within),
-            _along_faces(contacts, resultants.force, which),
-            resultants.torque[which],
-            enough,
-        )
+    def points(self, wanted: Bools, pole: Floats, exact: Bools) -> FacePoints:
+        """Points of some (t,), as many as make their torsion about poles right or few, (t,)."""
+        loops, row = self.loops.take(wanted)
+        one = (self.corners[row], loops.start, self.plane[wanted])
+        return cut_face_points(*one, pole[wanted], exact[wanted])
 
 
 def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:

@@ -20,7 +20,7 @@ _CONVERGED = 1e-14
 digits. One quadrilateral of a thousand keeps more than a hundredth of it by rounding."""
 _ROUNDING = 1e-14
 """Relative error of the function's value."""
-_DESCENT = 1e-4
+DESCENT = 1e-4
 """Share of the predicted decrease that a step must reach (Nocedal, Wright 2006, eq. 3.4)."""
 _MOST_STEPS = 50
 """Largest number of steps. Convex polygons of 3 to 24 sides take 1 to 6, wherever the force acts,
@@ -107,7 +107,7 @@ def _opened(made: Sections, corners: Floats, start: Ints, position: Floats) -> F
             break
         moved = plane + np.where(active, share, 0.0)[:, None] * step
         trial = _newton(local, loops, moved)
-        allowed = _ROUNDING * np.abs(value) - _DESCENT * share * decrement
+        allowed = _ROUNDING * np.abs(value) - DESCENT * share * decrement
         good = active & (trial[0] <= value + allowed)
         value, decrement = np.where(good, trial[:2], (value, decrement))
         plane, step = np.where(good[:, None], (moved, trial[2]), (plane, step))

@@ -19,7 +19,7 @@ MUCH, TWISTED = 0.8, 0.01
 """Use of a face, and the part of it that is torsion, from which on its corners may be needed.
 Measured on 148 models that stand and have joints that turn: spread points do not hold two lunes,
 used to 1.00. From a use of 1 on, or a part of 0.03, they would be missed, both or one; from nothing
-on twice as many are tried, and no more is found. Few points find a use of 1 to be 0.85 or more."""
+on twice as many are tried, and no more is found."""
 
 
 def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
@@ -27,9 +27,8 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
 
     None unless one is used so much that its torsion may need its corners. Which of those that are
     pressed all over may be is told by friction that grows with the distance from the centre of
-    pressure, beside that against the force, at the corner used most. They resist better. The rest
-    is told by few points, and again by as many as it takes where they are used much. Faces that
-    stay are first.
+    pressure, beside that against the force, at the corner used most. They resist better. Faces that
+    are used much have as many points as their torsion takes, others few. Faces that stay are first.
     """
     turns = twisted(contacts, resultants)
     if not turns.any():
@@ -52,27 +51,16 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     twist = contacts.corners.max(lengths(across))
     which = np.flatnonzero(turns & (opened | (twist > TWISTED)))
     much, least = much[which], least[which]
-    enough = np.where(much, np.maximum(MUCH, least), least)
     faces = PressedFaces.of(contacts, resultants, which)
-    few = faces.points(exact=False)
-    used = faces.use(few, contacts, resultants, enough)
-    near = much & (used > enough)
+    slip = faces.slip(contacts, resultants)
+    near = much & (slip.use > np.maximum(MUCH, least))
     if not near.any():
         return None
-    nearest = faces.take(near)
-    many = nearest.points(exact=True)
-    used[near] = nearest.use(many, contacts, resultants, enough[near])
-    if not (used[near] > enough[near]).any():
-        return None
-    wanted = used > least
+    wanted = slip.use > least
     kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))
-    owner, place, area = (
-        np.concatenate(both)
-        for both in zip(
-            faces.rows(few, wanted & ~near), nearest.rows(many, wanted[near]), strict=True
-        )
-    )
-    point = resultants.position[owner] + np.einsum("pi,pij->pj", place, contacts.frame[owner, 1:])
+    points = faces.points(wanted, slip.pole, near)
+    owner = which[wanted][points.loops.owner]
+    away = np.einsum("pi,pij->pj", points.place, contacts.frame[owner, 1:])
 
     def both(name: str) -> np.ndarray:
         return np.concatenate([getattr(kept, name), getattr(contacts, name)[owner]])
@@ -81,8 +69,8 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
         both("block_a"),
         both("block_b"),
         both("frame"),
-        np.concatenate([kept.area, area]),
+        np.concatenate([kept.area, points.area]),
         both("friction"),
-        np.concatenate([kept.point, point]),
+        np.concatenate([kept.point, resultants.position[owner] + away]),
         np.concatenate([kept.interface, kept.count + np.arange(len(owner))]),
     )
