@@ -109,11 +109,10 @@ class PressedFaces:
         force = each[:, None] * _along_faces(contacts, resultants.force, which)
         return slip_use(corners, loops, self.plane, force, each * resultants.torque[which])
 
-    def points(self, wanted: Bools, pole: Floats, exact: Bools) -> FacePoints:
-        """Points of some (t,), as many as make their torsion about poles right or few, (t,)."""
+    def points(self, wanted: Bools, pole: Floats) -> FacePoints:
+        """As many points of some (t,) as make their torsion about poles (t, 2) right."""
         loops, row = self.loops.take(wanted)
-        one = (self.corners[row], loops.start, self.plane[wanted])
-        return cut_face_points(*one, pole[wanted], exact[wanted])
+        return cut_face_points(self.corners[row], loops.start, self.plane[wanted], pole[wanted])
 
 
 def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:

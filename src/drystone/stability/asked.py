@@ -132,24 +132,28 @@ class Asked:
                 self.planned = len(self.tried)
                 break
 
-    def on_spread_points(self, rest: Candidate) -> Model | None:
+    def on_spread_points(self, rest: Candidate, model: Model) -> Model | None:
         """The model with points spread over its faces, where torsion may need their corners."""
-        model = self.problem.model
-        turned = resultants_of(model.contacts, rest.force)
-        points = spread_where_turned(model.contacts, turned)
+        points = spread_where_turned(model.contacts, resultants_of(model.contacts, rest.force))
         return None if points is None else model.with_contacts(points)
 
-    def try_spread(self, model: Model, rest: Candidate) -> bool:
-        """Whether uniform springs on points spread over the faces of a model hold it; or late."""
-        problem = Problem.build(model)
-        attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
-        found = attempt.begun_at(rest.displacement)
-        self.on_faces = attempt.from_nothing() if found is None else found
-        self.count(self.on_faces)
-        if self.on_faces.stands or self.clock.late():
-            return True
+    def not_held(self, model: Model, rest: Candidate) -> Model | None:
+        """The model with points spread over its faces, where uniform springs do not hold it.
+
+        None where they do, or late. Faces that are used much only then have points as well.
+        """
+        more: Model | None = model
+        while more is not None:
+            model, problem = more, Problem.build(more)
+            attempt = Attempt(problem, law.uniform(problem.statics), self.clock.late)
+            found = attempt.begun_at(rest.displacement)
+            self.on_faces = rest = attempt.from_nothing() if found is None else found
+            more = self.on_spread_points(rest, model) if rest.stands else None
+        self.count(rest)
+        if rest.stands or self.clock.late():
+            return None
         self.depends_on(Sensitivity.PRESSURE)
-        return False
+        return model
 
     @cached_property
     def collapse(self) -> Floats | None:

@@ -178,12 +178,12 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     spread: Model | None = None
     if uniform.stands:
         if problem.statics.dry and options.samples:
-            spread = asked.on_spread_points(uniform)
+            spread = asked.on_spread_points(uniform, problem.model)
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
             count = max(options.samples - (spread is not None), int(follows))
             asked.try_others(pool, count, uniform)
-        if spread is not None and (late() or asked.try_spread(spread, uniform)):
-            spread = None
+        if spread is not None:
+            spread = None if late() else asked.not_held(spread, uniform)
         if late() or not (follows and _doubtful(asked, uniform)):
             return asked.stable(uniform, _on_faces(asked, spread if follows else None))
     elif options.uniform or not follows:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.geometry.kern import sections
-from drystone.geometry.quadrature import ACCURATE, EVEN, FacePoints, face_points
+from drystone.geometry.quadrature import ACCURATE, FacePoints, face_points
 
 ANGLE = 2.0 * np.pi * np.arange(24) / 24.0
 SHAPES = {
@@ -33,7 +33,7 @@ def torsion(corners: np.ndarray, pole: np.ndarray) -> float:
 def evenly(corners: np.ndarray, start: np.ndarray, pole: np.ndarray) -> FacePoints:
     """Points of polygons under an even pressure that slip about poles (m, 2)."""
     plane = np.tile([1.0, 0.0, 0.0], (len(pole), 1))
-    return face_points(corners, start, plane, pole, np.full(len(pole), EVEN))
+    return face_points(corners, start, plane, pole)
 
 
 @pytest.mark.parametrize("name", SHAPES)

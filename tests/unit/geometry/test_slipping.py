@@ -138,7 +138,7 @@ def test_pressure_is_linear_and_does_not_pull() -> None:
     centre = np.array([[0.2, 0.5], [0.5, 0.5]])
     plane = linear_pressure(sections(corners, start), corners, start, centre)
     assert plane == pytest.approx(np.array([[10.0 / 3.0, -50.0 / 9.0, 0.0], [1.0, 0.0, 0.0]]))
-    points = cut_face_points(corners, start, plane, centre, np.ones(2, dtype=bool))
+    points = cut_face_points(corners, start, plane, centre)
     assert points.loops.sum(points.area) == pytest.approx([1.0, 1.0])
     height = plane[points.loops.owner, 0] + (points.place * plane[points.loops.owner, 1:]).sum(1)
     share = points.area * np.maximum(height, 0.0)
