@@ -299,10 +299,10 @@ def on_an_edge(
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
-    rim = loaded & (made.area > 0.0)
-    rim &= edge_ratio(made, corners, contacts.start, at) > 1.0 - _ON_EDGE
+    # of what has no area all is rim: an edge or a corner that a block stands on
+    rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - _ON_EDGE)
     found = []
-    for joint in np.flatnonzero(rim)[:_LOOKED_AT].tolist():
+    for joint in np.flatnonzero(loaded & rim)[:_LOOKED_AT].tolist():
         a, b = int(contacts.block_a[joint]), int(contacts.block_b[joint])
         held = _held_without(assembly, contacts, joint)
         found += [pair for pair in ((a, b), (b, a)) if not held[pair[0]]]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Contacts, JointCapacity, Model, Result, check, find_contacts
+from drystone.geometry.frames import rotation_about
 from drystone.geometry.halfedge import sharp_edges
 from drystone.models import box, curve_three_blocks, tower
 from drystone.view.encode import encode
@@ -99,6 +100,11 @@ def test_a_block_exactly_above_an_edge_is_told() -> None:
     assert result.stable
     (said,) = (one.text for one in result.sentences() if "margin is zero" in one.text)
     assert "'top' stands exactly above an edge of its joint with 'base'" in said
+    turn = rotation_about(np.array([1.0, 0.0, 0.0]), 45.0)
+    floor, cube = box((4.0, 4.0, 1.0), (-2.0, -2.0, -1.0), "floor"), box((1.0, 1.0, 1.0))
+    balanced = Assembly((floor, cube.transformed(turn, np.zeros(3))), np.array([True, False]))
+    said = str([one.text for one in check(Model.of(balanced)).sentences()])
+    assert "the margin is zero" in said  # it stands on an edge of its own
     for model in (tower(3), curve_three_blocks()):
         told = check(Model.of(model, friction=0.84)).sentences()
         assert not any("margin" in one.text for one in told)
