@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase
+from drystone.loads import placing
 from drystone.models import prism, stool, tower
 
 TOWER = tower(2)  # block-1 fills the unit square from z = 1 to 2
@@ -131,3 +132,20 @@ def test_a_weight_beyond_the_largest_number_is_refused() -> None:
     heavy = TOWER.with_density([1e308, 2400.0])
     with pytest.raises(InputError, match=r"a mass of 1e\+308 kg: .* too large"):
         LoadCase.gravity(heavy)
+
+
+def test_a_block_is_triangulated_once_for_all_its_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+    covers = placing.triangulate
+    monkeypatch.setattr(placing, "triangulate", lambda *of: asked.append(of) or covers(*of))
+    block, down = tower(2), (0.0, 0.0, -1.0)
+    lines = [LoadCase.line_load(block, 1, down, (x, 0.5, 2.0), (x, 9.0, 2.0)) for x in (0, 1)]
+    points = [LoadCase.point_load(block, 1, down, (0.2, 0.5, z)) for z in (1.5, 2.0)]
+    pressed = LoadCase.surface_load(block, 1, 5.0, facing=(0, 0, 1))
+    assert len(asked) == 1
+    total = LoadCase.combine([(1.0, one) for one in (*lines, *points, pressed, pressed)])
+    said = "the point {}, 9, 2 is 8 m off block 'block-1'"
+    assert total.notes == (said.format(0), said.format(1))
+    assert total.wrench[1, 2] == pytest.approx(-2 * 8.5 - 2 - 2 * 5.0)
+    assert total.surface is not None
+    assert len(total.surface.block) == 2 * len(pressed.surface.block)  # type: ignore[union-attr]

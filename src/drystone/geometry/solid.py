@@ -52,7 +52,7 @@ def winding_number(points: Floats, triangles: Floats) -> Floats:
     return turns / (4.0 * np.pi)
 
 
-def outside_distance(points: Floats, triangles: Floats) -> Floats:
+def outside_distance(points: Floats, triangles: Floats, least: float = 0.0) -> Floats:
     """Distance (p,) [m] of points (p, 3) from a closed solid; zero inside it and on its surface.
 
     Parameters
@@ -60,9 +60,13 @@ def outside_distance(points: Floats, triangles: Floats) -> Floats:
     points : (p, 3) [m]
     triangles : (t, 3, 3) [m]
         Oriented outwards. None may lie outside its face, as triangles of a fan can.
+    least : [m]
+        Up to it a point is on the surface.
     """
     away: Floats = distance(points, triangles)
-    return np.where(winding_number(points, triangles) > 0.5, 0.0, away)
+    off = away > least
+    off[off] = winding_number(points[off], triangles) <= 0.5
+    return np.where(off, away, 0.0)
 
 
 def distance(points: Floats, triangles: Floats) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any, SupportsFloat
 
 import numpy as np
@@ -201,7 +202,7 @@ class LoadCase(OneLine):
         return cls(
             wrench_at(assembly, i, vector[None], point[None]),
             f"{_listed(vector)} N on '{assembly.names[i]}'{place}",
-            () if at is None else off_block(assembly.blocks[i], point),
+            () if at is None else off_block(assembly.blocks[i], point[None]),
         )
 
     @classmethod
@@ -215,10 +216,9 @@ class LoadCase(OneLine):
         if length == 0.0:
             raise InputError("the line has no length", remedy="give two different points")
         total = length * frozen_floats(force_per_length, (3,), "force per length")
-        notes = [note for point in ends for note in off_block(assembly.blocks[i], point)]
         wrench = wrench_at(assembly, i, total[None], ends.mean(axis=0)[None])
         name = f"{_listed(total)} N along a line of '{assembly.names[i]}'"
-        return cls(wrench, name, tuple(notes))
+        return cls(wrench, name, off_block(assembly.blocks[i], ends))
 
     @classmethod
     def surface_load(
@@ -340,23 +340,30 @@ class LoadCase(OneLine):
             raise InputError("load cases are combined as pairs", remedy=remedy) from error
         if not cases:
             raise InputError("there is nothing to combine", remedy="give a load case")
-        return replace(sum(cases[1:], cases[0]), name=name)
+        return replace(cls._of_all(cases), name=name)
 
     def __add__(self, other: LoadCase) -> LoadCase:
         if not isinstance(other, LoadCase):
             return NotImplemented
-        if self.wrench.shape != other.wrench.shape:
+        return LoadCase._of_all([self, other])
+
+    @classmethod
+    def _of_all(cls, cases: Sequence[LoadCase]) -> LoadCase:
+        """The sum of some load cases."""
+        wrench, names, notes, motion, acceleration, surface = zip(
+            *((x.wrench, x.name, x.notes, x.motion, x.acceleration, x.surface) for x in cases),
+            strict=True,
+        )
+        if len({one.shape for one in wrench}) > 1:
             raise InputError("load cases of different assemblies cannot be added")
-        notes = dict.fromkeys((*self.notes, *other.notes))
-        motions = [one.motion for one in (self, other) if one.motion is not None]
-        surfaces = [one.surface for one in (self, other) if one.surface is not None]
-        return LoadCase(
-            self.wrench + other.wrench,
-            name_of_sum([self.name, other.name]),
-            tuple(notes),
-            sum(motions[1:], motions[0]) if motions else None,
-            self.acceleration + other.acceleration,
-            sum(surfaces[1:], surfaces[0]) if surfaces else None,
+        surfaces = [one for one in surface if one is not None]
+        return cls(
+            _added(wrench),
+            name_of_sum(names),
+            tuple(dict.fromkeys(chain.from_iterable(notes))),
+            _added(motion),
+            _added(acceleration),
+            SurfaceLoad.of_all(surfaces) if surfaces else None,
         )
 
     def __mul__(self, factor: float) -> LoadCase:
@@ -371,6 +378,12 @@ class LoadCase(OneLine):
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case
+
+
+def _added(values: Sequence[Any]) -> Any:
+    """The sum of those that are not None."""
+    known = [one for one in values if one is not None]
+    return sum(known[1:], known[0]) if known else None
 
 
 def name_of_sum(names: Iterable[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, frozen_floats, lengths, number, whole
+from drystone.base.arrays import Floats, Ints, frozen, frozen_floats, lengths, number, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import unit
@@ -71,16 +72,20 @@ def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
     return wrench
 
 
-def off_block(block: Block, point: Floats) -> tuple[str, ...]:
-    """A note if a point (3,) lies outside a block."""
+def off_block(block: Block, points: Floats) -> tuple[str, ...]:
+    """A note on each of the points (p, 3) that lies outside a block."""
+    _, triangles = _surface(block)
+    away = outside_distance(points, triangles, _OFF_BLOCK * block.size)
+    told = [(", ".join(f"{x:g}" for x in points[i]), away[i]) for i in np.flatnonzero(away)]
+    return tuple(f"the point {at} is {far:.3g} m off block '{block.name}'" for at, far in told)
+
+
+@functools.lru_cache(maxsize=64)
+def _surface(block: Block) -> tuple[Faces, Floats]:
+    """The faces of a block, and triangles (t, 3, 3) that cover them; kept for its next load."""
     faces = stack_faces([block.vertices], [block.faces])
     corner = faces.point[faces.loop]
-    triangles = corner[triangulate(corner, faces.start)[0]]
-    distance = float(outside_distance(point[None], triangles)[0])
-    if distance <= _OFF_BLOCK * block.size:
-        return ()
-    where = ", ".join(f"{x:g}" for x in point)
-    return (f"the point {where} is {distance:.3g} m off block '{block.name}'",)
+    return faces, frozen(corner[triangulate(corner, faces.start)[0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +111,14 @@ class SurfaceLoad(OneLine):
     def _summary(self) -> str:
         return counted(len(self.block), "line")
 
-    def __add__(self, other: SurfaceLoad) -> SurfaceLoad:
-        return SurfaceLoad(
-            np.concatenate([self.block, other.block]),
-            np.concatenate([self.point, other.point]),
-            np.concatenate([self.traction, other.traction]),
-            self.wrench + other.wrench,
+    @classmethod
+    def of_all(cls, several: Sequence[SurfaceLoad]) -> SurfaceLoad:
+        """The sum of some."""
+        block, point, traction = (
+            np.concatenate([getattr(one, name) for one in several])
+            for name in ("block", "point", "traction")
         )
+        return cls(block, point, traction, sum(one.wrench for one in several))  # type: ignore[arg-type]
 
     def by(self, factor: float) -> SurfaceLoad:
         """With its tractions multiplied."""
@@ -146,7 +152,7 @@ def surface_forces(
     traction, faces, facing
         See :meth:`LoadCase.surface_load`.
     """
-    part = stack_faces([block.vertices], [block.faces])
+    part, _ = _surface(block)
     chosen = _chosen_faces(part, faces, facing, block.name)
     triangles, face = fan_triangles(part)
     triangles = triangles[np.isin(face, chosen)]
