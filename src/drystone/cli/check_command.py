@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
@@ -88,16 +88,11 @@ def check(
     wanted.require_through(model.assembly)
     result = solve(model, waiting, time_limit, strict)
     if result.stable and not result.stopped:
-        from drystone.limits.bounds import tilt_margin
-        from drystone.stability.strength import crushing_factor
+        from drystone.limits.bounds import with_margins
 
         waiting.stage("margin", "looking for the margin of tilt and strength")
         with waiting.stoppable() as stop:
-            result = replace(
-                result,
-                tilt_margin=tilt_margin(result.model, stop=stop),
-                crushing_factor=crushing_factor(result.model, stop=stop),
-            )
+            result = with_margins(result, stop)
     why = mend_command.short(result, waiting)
     then = "mend" if why else "limit tilt" if result.stable and result.tilt_margin is None else ""
     return Told(

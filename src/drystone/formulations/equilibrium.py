@@ -257,13 +257,10 @@ class LoadFactors:
                 solver = program.solver()
                 self._place, self._kept = place, (program, solver)
             state = _state(program, solution(solver, stop))
-        factor = {
-            ConicStatus.SOLVED: float(state.raw.x[0]),
-            ConicStatus.UNBOUNDED: float("inf"),
-            ConicStatus.INFEASIBLE: float("-inf"),
-            ConicStatus.FAILED: float("nan"),
-        }[state.raw.status]
-        return FactorSolution(factor, state, state.raw.x[1 : 1 + self._reserve.shape[1]].copy())
+        x, known = state.raw.x, {ConicStatus.UNBOUNDED: np.inf, ConicStatus.INFEASIBLE: -np.inf}
+        known[ConicStatus.SOLVED] = float(x[0])
+        factor = known.get(state.raw.status, np.nan)
+        return FactorSolution(factor, state, x[1 : 1 + self._reserve.shape[1]].copy())
 
     def _program(self, column: sparse.csc_matrix, statics: Statics) -> ConicProgram:
         builder = ProgramBuilder()

@@ -28,6 +28,7 @@ from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicSolution
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
+from drystone.stability.strength import crushing_factor
 from drystone.stability.touching_edges import unless_edges_hold
 
 _WIDEST = 3e-3
@@ -179,19 +180,32 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
     """
     if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
         return None
-    least = 90.0
+    least, statics = 90.0, _statics(model)
+    largest = LoadFactors(statics, FrictionCone.exact())
     for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
         family = Tilt(model, np.array(axis))
         if not family.is_planar():
             return None
-        found = _largest(model, family.turned(90.0), FrictionCone.exact(), stop)
-        least = min(least, float(np.rad2deg(np.arctan(found.factor))))
+        factor = largest(scaled_wrench(statics, family.turned(90.0)), stop).factor
+        least = min(least, float(np.rad2deg(np.arctan(factor))))
     return least if 0.0 < least < 90.0 else None
 
 
+def with_margins(result: Result, stop: Stop | None = None) -> Result:
+    """A result with the margins of what stands, where they are asked and not known yet."""
+    if not result.stable or result.stopped or result.tilt_margin is not None:
+        return result
+    margin, factor = tilt_margin(result.model, stop=stop), crushing_factor(result.model, stop=stop)
+    return replace(result, tilt_margin=margin, crushing_factor=factor)
+
+
+def _statics(model: Model) -> Statics:
+    """The scales are those of the model without a live load."""
+    return build_statics(model.with_contacts(model.contacts.select(model.active)))
+
+
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
-    """The largest factor of a live load; the scales are those of the model without it."""
-    statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
+    statics = _statics(model)
     return LoadFactors(statics, cone)(scaled_wrench(statics, live), stop)
 
 

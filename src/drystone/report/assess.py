@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, Unpack
 
 from drystone.answer import Answer
@@ -12,7 +11,7 @@ from drystone.base.progress import Clock, Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
-from drystone.limits.bounds import tilt_margin
+from drystone.limits.bounds import with_margins
 from drystone.stability import CheckOptions, check
 from drystone.studies import combinations, read_combinations
 from drystone.studies.limit_words import limit_of_words
@@ -68,9 +67,7 @@ def assess(
     clock = Clock(time_limit_s, stop)
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
     result = check(model, options=options, **late)
-    if result.stable:
-        result = replace(result, tilt_margin=tilt_margin(model, stop=clock.late))
-    answers: list[Answer] = [result]
+    answers: list[Answer] = [with_margins(result, clock.late)]
     if result.falls:
         few = DiagnosisOptions(needs=False, regions=3)
         answers.append(diagnose(model, result=result, options=few, stop=clock.late))

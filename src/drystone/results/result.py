@@ -82,11 +82,9 @@ class Result(Solution, Answer):
     @property
     def _safety(self) -> str:
         margin = self.tilt_margin
-        return (
-            ""
-            if margin is None
-            else f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
-        )
+        if margin is None:
+            return ""
+        return f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.

@@ -11,6 +11,7 @@ from drystone.answer.scene import Scene
 from drystone.base.files import write_text
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
+from drystone.results import Result
 from drystone.view.encode import encode, to_text
 from drystone.view.panels import panel
 from drystone.view.section import cut_at
@@ -63,6 +64,10 @@ def save_page(
     >>> (folder / "tower.html").read_text(encoding="utf-8")[:15]
     '<!doctype html>'
     """
+    if isinstance(subject, Result):
+        from drystone.limits.bounds import with_margins  # only a page needs them
+
+        subject = with_margins(subject)
     scene = scene_of(subject, contacts)
     scene = scene if section is None else cut_at(scene, section)
     write_text(path, page_text(scene))

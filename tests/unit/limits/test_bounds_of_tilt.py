@@ -1,10 +1,12 @@
 """The margin of tilt that a check tells."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 import drystone
+from drystone.cli import main
 from drystone.limits.bounds import tilt_margin
 from drystone.models import dovetail, tower
 
@@ -27,3 +29,15 @@ def test_it_is_not_asked_where_it_takes_long_or_has_no_meaning() -> None:
 
 def test_wedged_blocks_that_forces_balance_at_every_tilt_have_no_margin() -> None:
     assert tilt_margin(drystone.Model.of(dovetail(), friction=0.6)) is None
+
+
+def test_the_page_of_a_check_has_the_margin_that_the_command_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    drystone.write(tower(3), "tower.json")
+    drystone.save_page(drystone.check("tower.json", friction=0.6), "python.html")
+    assert main(["check", "tower.json", "--friction", "0.6", "--html", "command.html"]) == 0
+    for page in ("python.html", "command.html"):
+        told = "forces balance it up to a tilt of 26.5 degrees"
+        assert told in Path(page).read_text("utf-8"), page
