@@ -23,6 +23,7 @@ from scipy.spatial.transform import Rotation
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
+from drystone.assembly.sound import require_sound
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import checked_call
@@ -180,6 +181,7 @@ def find_poses(
 
 
 def _found(block: Block, origin: Origin) -> Poses:
+    require_sound([block])
     point = block.vertices - block.centroid
     facets = _Facets.of(point)
     share, stands, foot = facets.shares()

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, Contacts, InputError, check, find_contacts
+from drystone import Assembly, Block, Contacts, InputError, Model, check, find_contacts
 from drystone.models import box, tower
+from drystone.poses import find_poses
 from drystone.repair import mended_block
 
 CUBE = box((1.0, 1.0, 1.0))
@@ -53,6 +54,10 @@ def test_a_block_made_in_python_is_refused_where_it_crosses_itself_as_one_from_a
         check(Assembly((tongue(),)).with_fixed([0]))
     with pytest.raises(InputError, match="its surface"):
         check(Assembly((tongue().renamed("other").transformed(),)).with_fixed([0]))
+    with pytest.raises(InputError, match="its surface"):
+        check(Model(Assembly((tongue(),)).with_fixed([0]), Contacts.empty()))
+    with pytest.raises(InputError, match="its surface"):
+        find_poses(tongue())
 
 
 def test_a_block_that_is_told_to_be_unchecked_is_taken_as_it_is() -> None:

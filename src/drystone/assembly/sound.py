@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from weakref import WeakSet
 
+import numpy as np
+
 from drystone.assembly.block import Block
+from drystone.base.arrays import Bools
 from drystone.base.errors import DefectKind, InputError
 from drystone.geometry.selfcontact import self_contacts
 
@@ -37,7 +40,12 @@ def self_touching(blocks: Sequence[Block]) -> list[tuple[int, InputError]]:
     ]
 
 
-def require_sound(blocks: Sequence[Block]) -> None:
-    """Raise InputError where a block touches or crosses itself."""
+def require_sound(blocks: Sequence[Block], simple: Bools | None = None) -> None:
+    """Raise InputError where a block touches or crosses itself; not where (n,) it is known not to.
+
+    What is known once is not looked at again.
+    """
+    if simple is not None:
+        _SOUND.update(blocks[i] for i in np.flatnonzero(simple).tolist())
     for _, error in self_touching(blocks):
         raise error

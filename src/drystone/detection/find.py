@@ -104,8 +104,7 @@ def find_contacts(
     options = DetectionOptions.of(options)
     check_friction(friction, 1)
     patches = patches_of(assembly)
-    plain = patches.block_convex & patches.one_surface  # such a surface is simple
-    require_sound([assembly.blocks[i] for i in np.flatnonzero(~plain).tolist()])
+    require_sound(assembly.blocks, patches.block_convex & patches.one_surface)
     pairs = near_blocks(patches, options)
     found, missed, compared = face_contacts(patches, pairs, options)
     near = _pairs_for_edges(patches, pairs, found, options)

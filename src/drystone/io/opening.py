@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.assembly.sound import require_sound
 from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted
@@ -519,6 +520,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
         found = tolerances(how.get("detection"), how.get("gap"), how.get("angle"), how.get("edges"))
         return _model_of(Contents(assembly_of(given)), loads, found, how)
     _refuse(how, (*_OF_FILES, *_OF_THE_SEARCH), "a model")
+    require_sound(given.assembly.blocks)
     return _changed(given, loads, how)
 
 
