@@ -62,8 +62,8 @@ html_title = f"drystone {version}"
 html_favicon = "images/favicon.svg"
 html_static_path = ["site/site.css", "images/vault.png", "images/film.mp4"]
 html_css_files = ["site.css"]
-html_baseurl = os.environ.get("DRYSTONE_SITE", "")
-"""The address of the site, with a slash at its end: pictures of links need it."""
+html_baseurl = os.environ.get("DRYSTONE_SITE") or os.environ.get("READTHEDOCS_CANONICAL_URL", "")
+"""The address of the site: pictures of links need it."""
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = False
 
@@ -86,15 +86,15 @@ def social(*event):
     """What a link to a page shows elsewhere: its title, and the picture of a vault."""
     context = event[3]
     title = re.sub("<[^>]*>", "", context.get("title") or project)
-    here = context["pathto"]("_static/vault.png", 1)
     tags = {
         "title": f"{title} - {project}",
         "type": "website",
         "site_name": project,
         "description": "Does a structure of loose blocks stand by contact and friction alone?",
-        "image": html_baseurl + "_static/vault.png" if html_baseurl else here,
-        "image:alt": "A vault of 97 blocks that stands, with the force in every joint",
     }
+    if html_baseurl:  # nobody follows the address of a picture that is not whole
+        tags["image"] = html_baseurl.rstrip("/") + "/_static/vault.png"
+        tags["image:alt"] = "A vault of 97 blocks that stands, with the force in every joint"
     context["metatags"] = context.get("metatags", "") + "".join(
         f'<meta property="og:{key}" content="{html.escape(value)}" />\n'
         for key, value in tags.items()

@@ -27,6 +27,7 @@ class Page(HTMLParser):
         super().__init__()
         self.places: set[str] = {"", "top"}
         self.links: list[str] = []
+        self.shown: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Keep ids, and what a link or a picture leads to."""
@@ -35,6 +36,8 @@ class Page(HTMLParser):
                 self.places.add(value or "")
             elif key == "href" or (key == "src" and tag != "iframe"):
                 self.links.append(value or "")
+        if ("property", "og:image") in attrs:
+            self.shown.append(dict(attrs).get("content") or "")
 
 
 def read(path: Path) -> Page:
@@ -63,6 +66,8 @@ def broken(site: Path, pages: dict[Path, Page]) -> tuple[list[str], dict[str, se
     found, external, count = [], defaultdict(set), 0
     for path, page in pages.items():
         here = path.relative_to(site).as_posix()
+        others = "others load this picture: its address is whole, or left out"
+        found += [f"{here}: {one}: {others}" for one in page.shown if wrong_form(one)]
         for link in page.links:
             count += 1
             parts = urlsplit(link)

@@ -261,12 +261,14 @@ def test_the_check_of_the_sites_links_finds_a_lost_page_a_lost_place_and_a_bad_a
     monkeypatch.setattr(sys, "argv", ["check_links", str(tmp_path), "--external"])
     assert check() == 0
     assert capsys.readouterr().out == "https://x.org/\n2 pages, 3 links, 1 other sites, 0 broken\n"
-    (tmp_path / "b.html").write_text('<a href="c.html">c</a><a href="http://x.org">x</a>')
+    shown = '<meta property="og:image" content="vault.png"><a href="c.html">c</a>'
+    (tmp_path / "b.html").write_text(f'{shown}<a href="http://x.org">x</a>')
     assert check() == 1
     printed = capsys.readouterr().out
     assert "a.html: b.html#here: no such place in the page" in printed
     assert "b.html: c.html: no such file" in printed
     assert "http://x.org: not https" in printed
+    assert "b.html: vault.png: others load this picture" in printed
 
 
 def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exist() -> None:
