@@ -63,13 +63,19 @@ def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
 
 def mended(order: Trimmed, search: OrderSearch) -> Trimmed:
     """An order with further props where scaffolding does not carry those that it has."""
-    needed: list[int] = []
-    more = 0
-    for number, (node, props) in enumerate(zip(order.path, order.props, strict=True)):
-        placed = order.path[number - 1].group if number else ()
-        needed.append(_carried(replace(node, props=props), placed, more, search))
-        more |= needed[-1] & ~props
-    return _finished(order.path, needed, proved=False, search=search)
+    best = _finished(order.path, order.props, order.proved, search)
+    while any(best.failures):
+        needed: list[int] = []
+        more = 0
+        for number, (node, props) in enumerate(zip(best.path, best.props, strict=True)):
+            placed = best.path[number - 1].group if number else ()
+            needed.append(_carried(replace(node, props=props), placed, more, search))
+            more |= needed[-1] & ~props
+        found = _finished(best.path, needed, proved=False, search=search)
+        if found.rank >= best.rank:
+            break
+        best = found
+    return best
 
 
 def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) -> int:
@@ -84,14 +90,16 @@ def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) ->
         after those that were propped at other stages for the same reason.
     search
     """
-    props, scaffold = node.props, search.scaffold
-    if scaffold is None or not props or scaffold.answer(node.placed, props, followed=True).stands:
+    props, placed = node.props, node.placed
+    if search.failure(placed, props, followed=True) is None:
         return props
     newest = mask_of(last)
-    near = search.widened(props | newest) & node.placed & ~props & search.proppable
+    near = search.widened(props | newest) & placed & ~props & search.proppable
     for block in sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1)):
-        if _stands(replace(node, props=props | 1 << block), search, full=False):
-            return props | 1 << block
+        wider = props | 1 << block
+        stands = _stands(replace(node, props=wider), search, full=False)
+        if stands and search.failure(placed, wider, followed=True) is None:
+            return wider
     return props
 
 
@@ -101,14 +109,15 @@ def _finished(
     """An order with the props that its stages need, each in place from its first to its last."""
     props = _props_in_time(path, needed, search)
     cost = _cost(path, props)
-    failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
+    failures = [search.failure(node.placed, held, followed=True)
+                for node, held in zip(path, props, strict=True)]  # fmt: skip
     denied = 0
     if search.quick and search.model.small:
         stages = [search.stage(replace(node, props=held), quick=False)
                   for node, held in zip(path, props, strict=True)]  # fmt: skip
         answers = search.evaluator.answers(stages, checked=True)
         denied = sum(not answer.stands for answer in answers)
-    return Trimmed(path, props, cost, proved, failures, denied)
+    return Trimmed(path, props, cost, proved and not any(failures), failures, denied)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:

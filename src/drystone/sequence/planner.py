@@ -220,10 +220,11 @@ class _Planner:
         ideal = self.searched(complete, bound, carried=False)
         known = mended(ideal, self.new_search(bound))
         if self.cut or known.rank == (0, 0, ideal.cost):
-            return replace(known, proved=ideal.proved and known.cost == ideal.cost)
+            return known
         limit = None if any(known.failures) else 2 * known.cost[0]
         try:
             other = self.searched(complete, bound, limit=limit)
+            other = min(mended(other, self.new_search(bound)), other, key=lambda one: one.rank)
         except Costly:
             return known
         except Stopped:
@@ -343,9 +344,6 @@ class _Planner:
             step = self.step(path[number - 1], there, *props, near)
             near = step.placed, props[1]
             fails = order.failures[number]
-            if self.scaffold is not None and fails is not None:
-                fails = self.scaffold.answer(step.placed, props[1], followed=True)
-                fails = None if fails.stands else fails
             if step.answer.stands and fails is not None:
                 answer = replace(
                     step.answer,

@@ -13,9 +13,11 @@ from drystone.results import Result, Verdict
 from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, Strut, with_items
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support, items_of
 from drystone.sequence.scaffold_seats import surface_triangles
+from drystone.sequence.staged_model import CHECKED
 from drystone.sequence.stages import (
     Check,
     StageAnswer,
+    check_both,
     check_once,
     check_thoroughly,
     mask_of,
@@ -66,6 +68,7 @@ class ScaffoldedStages:
         self._fixed = mask_of(np.flatnonzero(model.assembly.fixed).tolist())
         self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
         self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
+        self._followed: set[tuple[int, int]] = set()
 
     @cached_property
     def takes(self) -> int:
@@ -97,7 +100,8 @@ class ScaffoldedStages:
         placed, held
             Free blocks in place, and those of them that are held, as bits.
         followed
-            Whether a stage for which no rest state was found is followed while it settles.
+            Whether a stage is checked from nothing, as those of a plan are, where a look that began
+            at the stage before found that it stands; and is followed while it settles.
 
         Raises
         ------
@@ -120,9 +124,9 @@ class ScaffoldedStages:
                 self._rest[here] = result.displacement[: len(here)]
             self._known[placed, held] = whole, result
         whole, result = self._known[placed, held]
-        if followed and result.verdict is Verdict.UNDECIDED:
-            result = check_thoroughly(whole.model)
-            self._known[placed, held] = whole, result
+        if followed and self.check is check_once and (placed, held) not in self._followed:
+            self._followed.add((placed, held))
+            self._known[placed, held] = whole, result = whole, _followed(whole.model, result)
         return whole, result
 
     def _here(self, placed: int) -> list[int]:
@@ -192,3 +196,12 @@ class ScaffoldedStages:
             first.setdefault(error.remedy, error)
         why = "; ".join(str(error) for error in first.values())
         return f"{counted(count, 'block')} can have no {self.support.value}: {why}"
+
+
+def _followed(stage: Model, seen: Result) -> Result:
+    """What a check says of a stage, from nothing: what was seen where it agrees."""
+    few = stage.contacts.corner_count <= CHECKED
+    found = check_both(stage) if seen.stable and few else seen
+    if found.verdict is Verdict.UNDECIDED:
+        return check_thoroughly(stage)
+    return seen if found.stable else found

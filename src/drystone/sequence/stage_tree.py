@@ -231,8 +231,10 @@ class StageTree:
         fails = self.failure(node.placed, node.props) if found.stands else None
         return found if fails is None else fails
 
-    def failure(self, placed: int, props: int) -> StageAnswer | None:
+    def failure(self, placed: int, props: int, *, followed: bool = False) -> StageAnswer | None:
         """The answer of a stage that the scaffolding does not carry; else None.
+
+        ``followed`` as in :meth:`drystone.sequence.scaffold_stages.ScaffoldedStages.result`.
 
         Raises
         ------
@@ -243,7 +245,7 @@ class StageTree:
             return None
         if self.evaluator.late():
             raise Stopped
-        answer = self.scaffold.answer(placed, props)
+        answer = self.scaffold.answer(placed, props, followed=followed)
         return None if answer.stands else answer
 
     def nearby(self, node: Node) -> StageAnswer | None:

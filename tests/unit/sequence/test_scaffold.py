@@ -26,7 +26,7 @@ from drystone.sequence import (
 from drystone.sequence.scaffold_places import Support
 from drystone.sequence.scaffold_seats import surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
-from drystone.sequence.stages import members
+from drystone.sequence.stages import mask_of, members
 from drystone.shells.shell_by_name import shell_by_name
 
 PIER = box((1.0, 1.0, 1.0), name="pier")
@@ -263,6 +263,23 @@ def test_where_no_prop_carries_no_more_blocks_are_propped_than_with_ideal_props(
     ideal, found = plan(model, options=options), plan(model, options=weak)
     assert found.counts["propped"] == ideal.counts["propped"] == 1
     assert "could not be shown to stand" in found.message
+
+
+def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_props_is():
+    """A look at a ring that is begun finds a rest state with uniform stiffness; it may fall."""
+    sizes = {"courses": 5, "blocks": 12, "thickness": 0.4, "ground": "springers"}
+    model = shell_by_name("dome", **sizes).model(friction=0.6)
+    below = [name for name in model.assembly.names if "c01" <= name < "c03" and name != "c02-b05"]
+    begun = [f"c03-b{number:02d}" for number in range(4)]
+    placed, held = (
+        mask_of(model.assembly.indices(names).tolist())
+        for names in ([*below, *begun], ["c02-b04", "c03-b03"])
+    )
+    stages = ScaffoldedStages(model, "strut")
+    assert stages.answer(placed, held).stands
+    answer = stages.answer(placed, held, followed=True)
+    assert answer.verdict is Verdict.UNSTABLE
+    assert "1 of 2 contact stiffnesses tried would hold it in place" in answer.message
 
 
 @pytest.mark.parametrize(
