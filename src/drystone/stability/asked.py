@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.base.progress import Clock, Progress
 from drystone.base.workers import WorkerPool
+from drystone.checks import unbalanced_wrench
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import ANY_FORCES, solve_equilibrium
 from drystone.formulations.nearest_mechanism import (
@@ -38,6 +39,9 @@ from drystone.stability.proofs import (
     moving_blocks,
     sound_mechanism,
 )
+
+LOST = 1e-4
+"""Unbalanced share of what a block feels from which on its load is lost beside heavier ones."""
 
 
 @dataclass(eq=False)
@@ -180,7 +184,32 @@ class Asked:
         )
         self.steps += balance.raw.iterations
         self.balances = balance.raw.status is ConicStatus.SOLVED
-        return None if self.balances else found_mechanism(problem, balance, late)
+        motion = None if self.balances else found_mechanism(problem, balance, late)
+        return motion if motion is not None else self._of_light_blocks(balance.force)
+
+    def _of_light_blocks(self, force: Floats) -> Floats | None:
+        """The mechanism (n, 6) of blocks whose loads are lost in the rounding of heavier ones.
+
+        What scaled forces (k, 3) balance is held still. A motion of the rest is one of all blocks.
+        """
+        problem, late = self.problem, self.clock.late
+        model = problem.model
+        wrench, scale = unbalanced_wrench(model, problem.force(force))
+        lost = (lengths(wrench) > LOST * scale) & ~model.assembly.fixed
+        if not lost.any() or lost[~model.assembly.fixed].all() or late():
+            return None
+        part = problem.with_others_fixed(lost)
+        found = solve_equilibrium(
+            part.statics, cone=FrictionCone.exact(), options=ConicOptions(gap=ANY_FORCES), stop=late
+        )
+        self.steps += found.raw.iterations
+        if found.raw.status is ConicStatus.SOLVED:
+            return None
+        motion = found_mechanism(part, found, late)
+        if motion is None:
+            return None
+        self.balances = False
+        return motion
 
     def first_motions(self) -> Iterator[Floats]:
         """First motions (n, 6) of states on ground springs, then of that on weaker springs."""

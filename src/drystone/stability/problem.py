@@ -133,6 +133,11 @@ class Problem:
             return None
         return Problem.build(self.model.without(np.flatnonzero(falling).tolist()))
 
+    def with_others_fixed(self, free: Bools) -> Problem:
+        """The same model with all blocks but some (n,) fixed."""
+        fixed = np.flatnonzero(~free).tolist()
+        return Problem.build(replace(self.model, assembly=self.model.assembly.with_fixed(fixed)))
+
     def with_felt(self, force: Floats) -> Problem | None:
         """The same for blocks that feel some forces (k, 3) [N].
 

@@ -313,6 +313,25 @@ def test_light_blocks_that_fall_on_much_softer_joints_only_are_decided() -> None
     assert check(tilted(model, axis, 28.0, 0.6)).falls
 
 
+@pytest.mark.parametrize("margin", [0.03, -0.03])
+def test_light_blocks_that_topple_on_a_heavy_one_fall_by_a_mechanism(margin: float) -> None:
+    """Four blocks lean out over the edge of one that is 1e8 times heavier, which stands."""
+    steps = [0.0, 0.05, *(np.array([0.25, 0.45, 0.65, 0.85]) - margin)]
+    density = [2400.0, 2.4e11, *[2400.0] * 4]
+    blocks = [
+        box((1.0, 1.0, 0.2), (x, 0.0, 0.2 * i), f"b{i}", rho)
+        for i, (x, rho) in enumerate(zip(steps, density, strict=True))
+    ]
+    ground = box((6.0, 6.0, 1.0), (-3.0, -3.0, -1.0), "ground")
+    found = check(Assembly((ground, *blocks)).with_fixed([0]), friction=0.6)
+    assert found.stable == (margin > 0.0)
+    if margin < 0.0:
+        assert found.message == "no contact forces can balance the loads"
+        assert found.mechanism is not None
+        assert not found.mechanism[:3].any()
+        assert found.falling == (3, 4, 5, 6)
+
+
 @pytest.mark.parametrize("seed", [0, 5, 9, 13])
 def test_blocks_whose_weights_span_eight_decades_are_decided(seed: int) -> None:
     """What is left of the load of a light block counts by what it feels, not by the whole load."""
