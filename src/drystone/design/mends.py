@@ -215,6 +215,7 @@ class Mends(Answer):
         verdict, *reasons = self.diagnosis.sentences()
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         mends = [Sentence(text) for text in self._listed()]
+        reasons = [one for one in reasons if one.text != self.message]
         said = [verdict, Sentence(self.message), *mends, *failed, *reasons]
         return [one for one in said if one.text]
 

@@ -1,13 +1,14 @@
 """Changes that make structures stand: found by themselves, checked again from their files."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, Block, InputError, LoadCase, Model
+from drystone import Assembly, Block, InputError, LoadCase, Model, Verdict, check
 from drystone.cli import main
 from drystone.design import (
     DesignMargin,
@@ -443,3 +444,10 @@ def test_the_command_refuses_what_contradicts_itself(
 ) -> None:
     assert main(["mend", overhang, *arguments]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_why_there_is_nothing_to_mend_is_said_once() -> None:
+    model = Model.of(tower(2))
+    undecided = replace(check(model), verdict=Verdict.UNDECIDED)
+    said = [one.text for one in find_mends(model, result=undecided).sentences()]
+    assert sum("no block needs help" in one for one in said) == 1
