@@ -108,7 +108,7 @@ def build(
         first = built.defects[0]
         more = len(built.defects) - 1
         tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
-        tail += "; 'drystone check --skip-defects' leaves out such blocks" if built.usable else ""
+        tail += "; 'drystone check --skip-defects' leaves out such blocks" * bool(built.usable)
         raise first.located(first.where, first.remedy + tail) from first
     contacts, loads, results = (
         draft.finish(assembly, scale_of(unit)) if draft.finish else (None, (), ())
