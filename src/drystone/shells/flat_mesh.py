@@ -20,7 +20,7 @@ repeat them."""
 
 
 def welded(
-    points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None
+    points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None, name: str
 ) -> tuple[Floats, list[list[int]], list[int] | None]:
     """Used vertices, coincident ones merged; the faces and the named corners among them."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -32,8 +32,11 @@ def welded(
     named = None
     if corners is not None:
         unknown = [c for c in corners if not 0 <= int(c) < len(points) or first[c] not in new]
-        if unknown or len(set(corners)) != len(corners):
-            raise InputError("corners must be vertices of the mesh", where=str(list(corners)))
+        wrong = [f"{c} is no vertex of its faces" for c in unknown]
+        wrong += [f"{c} is named twice" for c in corners if list(corners).count(c) > 1]
+        if wrong:
+            remedy = f"give different numbers of vertices, from 0 to {len(points) - 1}"
+            raise InputError(wrong[0], where=f"corners of mesh '{name}'", remedy=remedy)
         named = [new[int(first[c])] for c in corners]
     return points[used], [[new[i] for i in loop] for loop in loops], named
 
@@ -100,12 +103,20 @@ def mapped(
     Every inner vertex lies at the mean of its neighbours, weighted by inverse length. Source:
     Floater 1997.
     """
-    if any(c not in border for c in corners):
-        raise InputError("a corner is not on the border", where=f"mesh '{name}'")
+    where = f"corners of mesh '{name}'"
+    inside = [k for k, corner in enumerate(corners, 1) if corner not in border]
+    if inside:
+        raise InputError(
+            f"number {inside[0]} of {len(corners)} is not on the border", where=where,
+            remedy="name vertices of the border",
+        )  # fmt: skip
     if not _cyclic([border.index(c) for c in corners]):  # given in the opposite direction
         corners, polygon = [corners[0], *corners[:0:-1]], np.roll(polygon[::-1], 1, axis=0)
         if not _cyclic([border.index(c) for c in corners]):
-            raise InputError("the corners do not follow each other", where=f"mesh '{name}'")
+            raise InputError(
+                "they do not follow each other", where=where,
+                remedy="name them in their order along the border",
+            )  # fmt: skip
     place = np.full((len(points), 2), np.nan)
     for k in range(len(corners)):
         after = (k + 1) % len(corners)

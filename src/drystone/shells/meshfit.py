@@ -63,7 +63,7 @@ def vaults_from_mesh(
     Floater 1997). Between the vertices the surface is a smooth interpolation.
     """
     points = frozen_points(vertices, (None, 3), "vertices")
-    points, loops, named = welded(points, faces, corners)
+    points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
     chosen = named if named is not None else _support_ends(points, border)
     if len(chosen) < 6 or len(chosen) % 2:
@@ -98,7 +98,7 @@ def several_supports(vertices: object, faces: Sequence[Sequence[int]]) -> bool:
     InputError
         The mesh is closed or has several borders.
     """
-    points, loops, _ = welded(frozen_points(vertices, (None, 3), "vertices"), faces, None)
+    points, loops, _ = welded(frozen_points(vertices, (None, 3), "vertices"), faces, None, "mesh")
     return bool(_support_ends(points, border_of(loops, "surface")))
 
 
@@ -194,13 +194,14 @@ def patch_from_mesh(
     through it.
     """
     points = frozen_points(vertices, (None, 3), "vertices")
-    points, loops, named = welded(points, faces, corners)
+    points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
     chosen = named if named is not None else _sharpest(points, border, name)
     if len(chosen) != 4:
         raise InputError(
-            f"{len(chosen)} corners are named, a patch has four", where=f"mesh '{name}'"
-        )
+            f"{len(chosen)} corners are named, a patch has four", where=f"mesh '{name}'",
+            remedy="name four, or the two ends of each of three or more supports",
+        )  # fmt: skip
     square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # u, v of the corners
     u, v = np.clip(mapped(points, loops, border, chosen, square, name), 0.0, 1.0).T
     rows, columns = (max(_DEGREE + 1, int(c)) for c in control)

@@ -145,14 +145,19 @@ def test_a_round_mesh_needs_its_corners_named():
         patch_from_mesh(points, faces)
 
 
-def test_corners_must_be_vertices_of_the_border():
-    points, faces = net()
-    with pytest.raises(InputError, match="corners must be vertices of the mesh"):
-        patch_from_mesh(points, faces, corners=[0, 12, 168, 999])
-    with pytest.raises(InputError, match="not on the border"):
-        patch_from_mesh(points, faces, corners=[0, 12, 168, 84])
-    with pytest.raises(InputError, match="do not follow each other"):
-        patch_from_mesh(points, faces, corners=[0, 168, 12, 156])
+@pytest.mark.parametrize(
+    ("corners", "words"),
+    [
+        ([0, 12, 168, 999], "999 is no vertex of its faces; give different numbers .* 0 to 168"),
+        ([0, 12, 12, 156], "12 is named twice"),
+        ([0, 12, 168, 84], "number 4 of 4 is not on the border; name vertices of the border"),
+        ([0, 168, 12, 156], "do not follow each other; name them in their order along the border"),
+        ([0, 12, 168], "a patch has four; name four, or the two ends of each of three or more"),
+    ],
+)
+def test_corners_that_cannot_be_used_are_told_with_what_to_do(corners, words):
+    with pytest.raises(InputError, match=words):
+        patch_from_mesh(*net(), corners=corners)
 
 
 def test_a_file_without_faces_is_refused(tmp_path):
