@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -153,3 +154,22 @@ def test_the_package_for_arrow_is_named_where_it_is_missing(
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(drystone.MissingDependency, match=r"drystone\[arrow\]"):
         SMALL.__arrow_c_stream__()
+
+
+def test_bounds_are_rounded_to_their_safe_side_for_people_and_kept_whole_for_programs() -> None:
+    columns = {
+        "carries": [1.44189, np.inf, np.nan],
+        "needs": [0.56211, 0.1, 0.0],
+        "push": [1239.0] * 3,
+    }
+    table = Table("limits", columns, {"needs": "1", "push": "N"},
+                  {"carries": False, "needs": True, "push": False})  # fmt: skip
+    shown = [
+        ["1.441", "56.3%", "1.23 kN"],
+        ["unlimited", "10.0%", "1.23 kN"],
+        ["-", "0.0%", "1.23 kN"],
+    ]
+    for one in (table, table.take([0, 1, 2]), pickle.loads(pickle.dumps(table))):
+        assert one.cells()[1] == shown
+        assert one["carries"][0] == 1.44189
+    assert Table("limits", columns).cells()[1][0] == ["1.442", "0.5621", "1239"]

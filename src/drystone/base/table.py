@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
-from drystone.base.display import OneLine, name_text
+from drystone.base.display import OneLine, name_text, rounded_down, rounded_up
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -41,6 +41,9 @@ class Table(OneLine):
         Per name one value for each row, or a vector (3,); kept as read-only arrays.
     units
         Of the columns that have one; ``1`` of shares, which are shown in percent.
+    bounds
+        Of the columns that are bounds, whether they are rounded up for people: True where more is
+        enough as well, False where less is.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class Table(OneLine):
     title: str
     columns: Mapping[str, Any]
     units: Mapping[str, str] = field(default_factory=dict)
+    bounds: Mapping[str, bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         columns = {name: frozen(_column(values)) for name, values in self.columns.items()}
@@ -70,7 +74,7 @@ class Table(OneLine):
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Table, (self.title, dict(self.columns), dict(self.units))
+        return Table, (self.title, dict(self.columns), dict(self.units), self.bounds)
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self), 'row')}: {', '.join(self.headings())}"
@@ -111,6 +115,8 @@ class Table(OneLine):
             unit = self.units.get(name, "")
             alone = unit in ("", "1") or (unit in _PREFIXED and values.dtype.kind == "f")
             heads.append(name.replace("_", " ") + ("" if alone else f" [{unit}]"))
+            if name in self.bounds:
+                values = _rounded(values, unit, self.bounds[name])
             columns.append(_shown(values, unit))
         return heads, [list(row) for row in zip(*columns, strict=True)]
 
@@ -130,7 +136,7 @@ class Table(OneLine):
         """Some of the rows, in the given order."""
         chosen = np.array([whole(row, "a row") for row in rows], dtype=np.intp)
         columns = {name: values[chosen] for name, values in self.columns.items()}
-        return Table(self.title, columns, self.units)
+        return Table(self.title, columns, self.units, self.bounds)
 
     def to_dict(self) -> dict[str, Any]:
         """Title, units and rows as plain values for JSON; NaN and infinity become None."""
@@ -217,6 +223,14 @@ def _known(name: str, columns: Mapping[str, Any]) -> str:
     if name not in columns:
         raise InputError(f"there is no column '{name}'", remedy=f"there are {', '.join(columns)}")
     return name
+
+
+def _rounded(values: np.ndarray, unit: str, up: bool) -> np.ndarray:
+    """Bounds (n,) with as many digits as are shown, on their safe side."""
+    if unit == "1":
+        return (np.ceil(1e3 * values - 1e-9) if up else np.floor(1e3 * values + 1e-9)) / 1e3
+    side, digits = rounded_up if up else rounded_down, 3 if unit in _PREFIXED else 4
+    return np.array([side(one, digits) if math.isfinite(one) else one for one in values.tolist()])
 
 
 def _shown(values: np.ndarray, unit: str) -> list[str]:

@@ -92,7 +92,7 @@ def study(
         jobs.append((html, partial(save_study, found)))
     text = f"{counted(len(found), 'row')}, {refused} refused"
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
-    shown = Table(found.title, columns, found.units)
+    shown = Table(found.title, columns, found.units, found.bounds)
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
     return Told(told, subject=subject, files=lambda: (jobs, []))
 

@@ -144,7 +144,8 @@ class TiltSweep(Answer):
         units = dict.fromkeys(columns, "deg")
         remarks = ["; ".join(limit.remarks) for limit in self.limits]
         more = {"joints_decide": remarks} if any(remarks) else {}
-        return Table("tilt by direction", {**columns, **more}, units)
+        bounds = {"equilibrium": False, "rest": False}
+        return Table("tilt by direction", {**columns, **more}, units, bounds)
 
     def numbers(self) -> Mapping[str, Any]:
         """The limit in each direction."""

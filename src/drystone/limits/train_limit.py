@@ -286,7 +286,8 @@ class TrainEnvelope(Answer):
             "load_factor": self.factors,
             "carries": list(self.carries),
         }
-        return Table(f"load factor by place{self._ductile}", columns, {"place": "m"})
+        return Table(f"load factor by place{self._ductile}", columns, {"place": "m"},
+                     {"load_factor": False})  # fmt: skip
 
     def numbers(self) -> Mapping[str, Any]:
         """Places, factors, the worst one, the train and the fill."""

@@ -100,7 +100,8 @@ class Margins(Answer):
             "least_friction": [one.least_friction for one in self.stages],
             "tilt_deg": [one.tilt for one in self.stages],
         }
-        return [Table("stages", columns, {"tilt_deg": "deg"})]
+        bounds = {"least_friction": True, "tilt_deg": False}
+        return [Table("stages", columns, {"tilt_deg": "deg"}, bounds)]
 
     def numbers(self) -> Mapping[str, Any]:
         """The weakest stage, the least friction."""
@@ -123,7 +124,8 @@ class Margins(Answer):
             "least_friction": np.array([one.least_friction for one in self.stages])[stage],
             "tilt": np.array([one.tilt for one in self.stages])[stage],
         }
-        return Table(plan.title, {**plan.columns, **columns}, {**plan.units, "tilt": "deg"})
+        return Table(plan.title, {**plan.columns, **columns}, {**plan.units, "tilt": "deg"},
+                     {"tilt": False, "least_friction": True})  # fmt: skip
 
 
 @checked_call

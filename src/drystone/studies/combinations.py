@@ -101,8 +101,8 @@ class Combinations(Answer):
         if np.isfinite(share) and share > 0.0:
             what = "size of the joints" if self.needed_of == "size" else "friction"
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
-            safety = rounded_down(1.0 / share, 4)
-            said.append(Sentence(f"it needs {share:.1%} of the {what}{cracked}: safety {safety:g}"))
+            safety, needs = rounded_down(1.0 / share, 4), np.ceil(1e3 * share - 1e-9) / 1e3
+            said.append(Sentence(f"it needs {needs:.1%} of the {what}{cracked}: safety {safety:g}"))
         elif self.needed_of != "none" and self.governing.stable and self.governing.contacts.brittle:
             said.append(
                 Sentence("what it needs is not known: it falls when its brittle joints crack")
@@ -124,7 +124,7 @@ class Combinations(Answer):
             "verdict": [self.results[i].verdict.value for i in order],
             "needs": np.array(self.needed)[order],
         }
-        return [Table("combinations", columns, {"needs": "1"})]
+        return [Table("combinations", columns, {"needs": "1"}, {"needs": True})]
 
     def layers(self) -> Scene:
         """The combination that governs."""

@@ -150,7 +150,11 @@ def study(
         known = [np.nan if one is None else one for one in columns[name]]
         columns[name] = np.array(known, dtype=float)  # type: ignore[assignment]
     units = {name: unit for name, unit in _columns(limit).items() if unit}
-    return Table(limit or "verdicts", columns, {"time_s": "s", **units})
+    bounds = dict.fromkeys({"tilt_margin", "factor"} & set(_columns(limit)), False)
+    if "stands" in _columns(limit):
+        falls_below = bool((np.array(columns["falls"]) < np.array(columns["stands"])).any())
+        bounds |= {"stands": falls_below, "falls": not falls_below}
+    return Table(limit or "verdicts", columns, {"time_s": "s", **units}, bounds)
 
 
 def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> Chart:

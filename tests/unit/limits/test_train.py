@@ -43,6 +43,8 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     rest = replace(found.limit.rest, stands=1.44189)
     near = replace(found, limit=replace(found.limit, rest=rest))
     assert "up to load factor 1.441, least" in near.title
+    least = replace(found, factors=np.full(len(found.places), 1.44189))
+    assert {row[1] for row in least.table().cells()[1]} == {"1.441"}
     live = found.live(float(found.places[found.worst]))
     for factor, stands in ((found.limit.stands, True), (found.limit.falls, False)):
         assert factor is not None

@@ -45,6 +45,7 @@ def test_a_limit_of_strength_takes_the_strength_of_all_rows() -> None:
     found = study(pier, {"width": [0.5]}, limit="strength --strength 1MPa")
     stress = 9.81 * float(pier(0.5).mass[1]) / 0.5
     assert found["stands"] == pytest.approx([stress / 1e6], abs=1e-3)
+    assert found.bounds == {"stands": True, "falls": False}
 
 
 def test_rows_are_checked_and_what_is_refused_has_its_reason() -> None:
@@ -63,6 +64,7 @@ def test_a_study_goes_on_where_it_was_ended_and_does_not_depend_on_workers(tmp_p
     with ThreadPoolExecutor(1) as executor:
         found = study(pier, all_of_it, limit="tilt", out=path, executor=executor)
     assert found["time_s"][:2].tolist() == first["time_s"].tolist()
+    assert found.bounds == {"stands": False, "falls": True}
     assert found["stands"].tolist() == study(pier, all_of_it, limit="tilt")["stands"].tolist()
     for other, message in (
         ({"parameters": {"width": [0.3]}, "limit": "tilt"}, "row 0 has other inputs"),
