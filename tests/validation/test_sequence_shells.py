@@ -1,13 +1,15 @@
 """A dome and a vault, planned course by course, and an arch on props."""
 
+from itertools import combinations
+
 import pytest
 
 from benchmarks.niche import niche
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
-from drystone import Assembly, Model, find_contacts, plan
+from drystone import Assembly, Model, Verdict, find_contacts, plan
 from drystone.models import arch
-from drystone.reproduce.assembly_cases import ring_dome
-from drystone.sequence import Evaluator, Plan, PlanOptions, Rules, Stage, Status
+from drystone.reproduce.assembly_cases import ring_dome, tri_dome
+from drystone.sequence import Evaluator, Plan, PlanOptions, Rules, Stage, Status, Structure
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
@@ -46,6 +48,15 @@ def test_the_first_blocks_of_the_steep_rings_are_the_held_ones(round_plan):
     for ring in steep:
         first = [name for name in round_plan.order if course(name) == ring][:2]
         assert set(first) == {name for name in held if course(name) == ring}
+
+
+def test_on_a_foot_of_the_tri_dome_one_block_is_held_while_two_are_placed():
+    """So two robots without a prop need one hold there that lasts longer than a placement."""
+    feet = Structure(tri_dome().model(friction=0.66))
+    foot = [f"p0-c01-b{number:02d}" for number in range(3)]
+    some = [blocks for count in (1, 2) for blocks in combinations(foot, count)]
+    assert {feet.stands(blocks).verdict for blocks in some} == {Verdict.UNSTABLE}
+    assert feet.stands(foot).verdict is Verdict.STABLE
 
 
 def test_deeper_wedges_need_less_help():
