@@ -1,7 +1,5 @@
 """Margins of stages, sweeps over friction, and the table."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -46,15 +44,11 @@ def test_the_table_has_a_row_per_block_with_its_margins(stack):
 
 def test_a_leaning_column_is_built_above_the_tangent_of_its_lean_only():
     assembly = leaning_column(3, 10.0)
-    contacts = find_contacts(assembly, friction=0.6).contacts
+    model = Model(assembly, find_contacts(assembly, friction=0.6).contacts)
     least = np.tan(np.deg2rad(10.0))
-    sweep = sweep_friction(contacts, [least + 0.01, least - 0.01], partial(_plan_of, assembly))
+    sweep = sweep_friction(model, [least + 0.01, least - 0.01], plan)
     assert sweep.table()["stands"].tolist() == [False, True]
     assert sweep.table()["free"].tolist() == [None, 3]
-
-
-def _plan_of(assembly, contacts):  # type: ignore[no-untyped-def]
-    return plan(Model(assembly, contacts))
 
 
 def test_what_cannot_be_put_in_is_built_at_no_friction():
