@@ -271,11 +271,12 @@ def _strengths(values: Any, count: int) -> Floats:
 
 def _capacities(values: Any, count: int, name: str) -> Floats:
     out = one_or_each(values, count, name)
-    bad = ~(out >= 0.0)
+    least = 1e-100  # that of loads: what is divided by it is still a number
+    bad = ~((out == 0.0) | (out >= least))
     if bad.any():
         raise InputError(
             f"the {name} of interface {int(np.argmax(bad))} is {out[np.argmax(bad)]}",
-            remedy="give newtons, zero or more",
+            remedy=f"give newtons: zero, or {least:g} and more",
         )
     return frozen(np.minimum(out, NO_LIMIT))
 

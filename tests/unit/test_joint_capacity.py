@@ -188,6 +188,8 @@ def test_a_limit_of_moment_is_one_of_tension(overhang):
         ("bad.csv", ["bad.csv, line 2", "names no block"]),
         ("lower.csv", ["lower.csv, line 2", "tension '-1' is no number from 0 on"]),
         ("long.csv", ["long.csv: is no table", "save it as CSV"]),
+        ("twice.csv", ["twice.csv, line 3", "names the joint of line 2 again; give it once"]),
+        ("least.csv", ["least.csv", "interface 0 is 1e-320; give newtons: zero, or 1e-100"]),
     ],
 )
 def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text, words):
@@ -195,6 +197,8 @@ def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text,
     (overhang / "bad.csv").write_text(f"{head}\na,pier,1,1,\n")
     (overhang / "crush.csv").write_text("block_a,block_b,compression\nslab,pier,0\n")
     (overhang / "lower.csv").write_text(f"{head}\nslab,pier,-1,1,\n")
+    (overhang / "twice.csv").write_text(f"{head}\nslab,pier,1,1,\npier,slab,1,1,\n")
+    (overhang / "least.csv").write_text(f"{head}\nslab,pier,1e-320,1,\n")
     (overhang / "long.csv").write_text(f"{head}\n{'a' * 200_000}")
     assert main(["check", "overhang.json", "--joint-capacity", text]) == 2
     out, err = capsys.readouterr()

@@ -359,6 +359,7 @@ def unwritable(target: Path, error: Exception) -> FormatError:
     remedies = {
         errno.ENOSPC: "free some space, or choose another disk",
         errno.ENAMETOOLONG: "choose a shorter name",
+        errno.EFBIG: "write to another disk, or raise the limit of sizes (ulimit -f)",
     }
     other = "choose a folder that exists and that you may write to"
     remedy = remedies.get(getattr(error, "errno", None) or 0, other)

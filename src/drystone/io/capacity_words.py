@@ -108,6 +108,7 @@ def _of_table(model: Model, path: str) -> JointCapacity:
         raise InputError("has another first line", where=path, remedy=f"write {','.join(expected)}")
     contacts, names = model.contacts, model.assembly.names
     place = {name: i for i, name in enumerate(names)}
+    told: dict[frozenset[int], int] = {}
     values: dict[str, Any] = {name: np.full(contacts.count, dry) for name, dry in DRY.items()}
     for number, row in enumerate(rows[1:], start=2):
         if not row:
@@ -123,6 +124,10 @@ def _of_table(model: Model, path: str) -> JointCapacity:
         )
         if not own.any():
             raise InputError("names two blocks that do not touch", where=where)
+        if (first := told.setdefault(frozenset(ends), number)) < number:
+            raise InputError(
+                f"names the joint of line {first} again", where=where, remedy="give it once"
+            )
         area = np.where(own, contacts.area, 0.0)
         share = area / area.sum() if area.any() else own / own.sum()
         for name, text in zip(columns[2:], row[2:], strict=True):

@@ -142,11 +142,18 @@ def test_together_nothing_is_written_where_one_name_is_bad(tmp_path: Path, last:
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]
 
 
-def test_a_full_disk_is_told_as_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("number", "remedy"),
+    [
+        (errno.ENOSPC, "free some space, or choose"),
+        (errno.EFBIG, "write to another disk, or raise"),
+    ],
+)
+def test_a_full_disk_is_told_as_one(tmp_path: Path, number: int, remedy: str) -> None:
     def fill(_: BinaryIO) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
+        raise OSError(number, os.strerror(number))
 
-    with pytest.raises(FormatError, match="No space left on device; free some space, or choose"):
+    with pytest.raises(FormatError, match=f"{os.strerror(number)}; {remedy}"):
         files.write_whole(tmp_path / "a.csv", fill)
     assert list(tmp_path.iterdir()) == []
 
