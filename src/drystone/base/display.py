@@ -12,8 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from decimal import ROUND_CEILING, Context
 from typing import Any, Self
 
-from drystone.base.errors import refuse_unknown
-from drystone.base.hints import ODD, blame, hints_of
+from drystone.base.errors import ODD, refuse_unknown
 
 _LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
@@ -77,6 +76,8 @@ def _knowing(method: Callable[..., Any]) -> Callable[..., Any]:
             try:
                 method(self, *given)
             except ODD as error:
+                from drystone.base.hints import blame, hints_of
+
                 kind: Any = type(self)
                 blame(kind, (), {name: getattr(self, name) for name in hints_of(kind)}, error)
                 raise
@@ -88,6 +89,8 @@ def _knowing(method: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return method(*given, **named)
         except ODD as error:
+            from drystone.base.hints import blame  # numpy is not needed before
+
             blame(method, given, named, error)
             raise
 

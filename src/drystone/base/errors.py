@@ -23,6 +23,9 @@ from typing import Any
 _LONGEST = 300
 """Characters of one part of an error that quotes a file. Chosen: enough for a path and a name."""
 
+ODD = (TypeError, ValueError, AttributeError, LookupError, ArithmeticError)
+"""The errors in which Python ends where an argument is of another type."""
+
 
 def counted(number: int, one: str, many: str = "") -> str:
     """A number with its noun, for messages; ``many`` is the plural where it is not ``one`` + s.

@@ -19,9 +19,6 @@ from numpy.typing import NDArray
 
 from drystone.base.errors import DrystoneError, InputError, printable, refuse_unknown
 
-ODD = (TypeError, ValueError, AttributeError, LookupError, ArithmeticError)
-"""The errors in which Python ends where an argument is of another type."""
-
 _UNIONS = (types.UnionType, Union)
 _ARRAYS = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
 _SEVERAL = {tuple, list, set, frozenset, collections.abc.Set, Sequence, Collection, Iterable}

@@ -10,8 +10,8 @@ from typing import Any, ParamSpec, Self, TypeVar, get_origin
 
 from drystone.base.arrays import of_type
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted, refuse_unknown
-from drystone.base.hints import ODD, blame, hints_of, kinds_of, refuse_wrong
+from drystone.base.errors import ODD, InputError, counted, refuse_unknown
+from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
 from drystone.base.progress import with_keywords
 
 P = ParamSpec("P")
