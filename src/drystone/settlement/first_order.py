@@ -24,6 +24,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
+from drystone.base.units import quantity
 from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
@@ -87,8 +88,11 @@ class SupportResponse(Answer):
         opened = counted(len(self.open_joints()), "joint")
         return f"{self.result.verdict.value}, {opened} open, supports move {self.size:.3g} m"
 
-    def open_joints(self, share: float = 0.05) -> Ints:
+    def open_joints(self, share: float = 0.005) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
+
+        A tenth of the default counts no joint more of ten arches and bridges; ten times it missed
+        all four of one whose pier goes down.
 
         Joints between two supports carry nothing and are omitted, here and in ``sliding_joints``.
         """
@@ -127,7 +131,12 @@ class SupportResponse(Answer):
     def title(self) -> str:
         """How many joints open."""
         count = len(self.open_joints())
-        return f"Settled: {count} joint{'' if count == 1 else 's'} open{'s' if count == 1 else ''}"
+        by = f", by up to {quantity(self._widest, 'm')}" if count else ""
+        return f"Settled: {counted(count, 'joint')} open{'s' if count == 1 else ''}{by}"
+
+    @property
+    def _widest(self) -> float:
+        return float(self.opening[self._between_blocks()].max(initial=0.0))
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether it stands with its supports moved, what moved, and what opens and slides."""
@@ -140,8 +149,13 @@ class SupportResponse(Answer):
             told += f", turned by {_listed(np.rad2deg(turn))} degrees" if turn.any() else ""
             said.append(Sentence(told))
         if self._known:
-            for what, joints in (("open", self.open_joints()), ("slide", self.sliding_joints())):
-                said.append(Sentence(f"joints that {what}: {len(joints) or 'none'}"))
+            opened, slid = len(self.open_joints()), len(self.sliding_joints())
+            least, widest = (quantity(x, "m") for x in (0.005 * self.size, self._widest))
+            told = f"joints that open: {opened or 'none'} by more than {least}, 0.5 % of the motion"
+            said.append(Sentence(f"{told}; the widest by {widest}"))
+            said.append(Sentence(f"joints that slide: {slid or 'none'} by more than 5 % of it"))
+            why = "to first order openings grow as the motion does; --to LENGTH follows a large one"
+            said.append(Sentence(why, Role.REMARK))
         return said
 
     @property

@@ -16,7 +16,7 @@ from drystone import (
 )
 from drystone.limits import thrust_bounds
 from drystone.model import Model
-from drystone.models import arch, box, tower, wall
+from drystone.models import arch, box, segmental_bridge, tower, wall
 from drystone.settlement import (
     SupportResponse,
     SupportResponseOptions,
@@ -147,10 +147,27 @@ def test_joints_between_supports_neither_open_nor_slide() -> None:
     assert len(answer.sliding_joints()) == 0
 
 
+def test_a_joint_that_opens_little_by_the_motion_is_told() -> None:
+    """A pier of a bridge goes down by 20 mm: four of six joints open by less than 5 % of that."""
+    held = "springer-left-*,springer-right-*,pier-*-ground"
+    bridge = segmental_bridge(spans=2, pier=1.2, height=4.0, voussoirs=6)
+    answer = support_response(bridge, {"pier-1-ground": (0.0, 0.0, -0.02)}, supports=held)
+    assert len(answer.open_joints(0.05)) == 2
+    assert len(answer.open_joints()) == len(answer.open_joints(1e-4)) == 6
+    told = " ".join(one.text for one in answer.sentences())
+    for words in (
+        "open: 6 by more than 100 µm",
+        "widest by 1.4 mm",
+        "to first order",
+        "--to LENGTH",
+    ):
+        assert words in told
+
+
 def test_a_settlement_is_drawn_with_its_joints_open() -> None:
     answer = settled(beam(), "b", (0.0, 0.0, -0.01))
     scene = answer.layers()
-    assert scene.stages[0].headline == "Settled: 1 joint opens"
+    assert scene.stages[0].headline == "Settled: 1 joint opens, by up to 10 mm"
     assert scene.stages[0].layers[-1].key == "opening"
     moved = answer.figure().assembly
     fall = moved.centroid[:, 2] - beam().centroid[:, 2]
