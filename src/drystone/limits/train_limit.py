@@ -393,7 +393,8 @@ def limit_train(
         Of the library: ``axle`` (1 kN), ``lm1``, ``lm1-axle``, ``lm2``, ``lm71``, ``bogie``; or a
         TOML file (axle).
     fill
-        Such as ``cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3,passive=1``; none when left out.
+        Such as ``cover=0.3m,weight=20kN/m3,spread=2:1,k=0.3,passive=1``; that of the load, or
+        none, when left out.
     steps
         Places of its middle, from where its first axle comes to where its last one leaves. Each is
         a conic program: more take longer, and may find a worse place.
@@ -416,8 +417,11 @@ def limit_train(
     """
     model = supported_model(given, **how)
     carried = Train.named("axle") if train is None else train
-    if "fill to " in model.load.name:
-        raise InputError("the load has fill already", where="load", remedy="give --fill alone")
+    known = model.load.fills
+    if len(known) + (fill is not None) > 1 or (not known and "fill to " in model.load.name):
+        why = "the load has fill already, twice or multiplied"
+        raise InputError(why, where="load", remedy="give one fill, with --load or --fill")
+    added, fill = fill is not None, known[0] if known else fill
     if steps < 1:
         raise InputError(f"{steps} places", where="steps", remedy="give one or more")
     tops = Tops.of(model.assembly, Fill(0.0, 0.0) if fill is None else fill)
@@ -428,7 +432,7 @@ def limit_train(
             where="train",
             remedy="take a shorter one, or the axles of it that fit; turn what lies along y",
         )
-    if fill is not None:
+    if added:
         model = model.with_load(model.load + tops.fill.on(model.assembly))
     chosen = LimitOptions.of(options)
     crossing = Crossing(Problem.build(model), tops, carried, chosen)

@@ -48,6 +48,8 @@ class LoadCase(OneLine):
         Of all masses, as far as it is known: a part of the wrenches, for tables and pictures.
     surface
         The tractions on faces among the wrenches, for pictures.
+    fills
+        The fill among the wrenches, through which a train presses.
 
     Examples
     --------
@@ -65,6 +67,7 @@ class LoadCase(OneLine):
     motion: Floats | None = None
     acceleration: Floats = field(default_factory=lambda: np.zeros(3))
     surface: SurfaceLoad | None = None
+    fills: tuple[Any, ...] = ()
 
     def __post_init__(self) -> None:
         given = frozen_floats(self.acceleration, (3,), "acceleration")
@@ -364,6 +367,7 @@ class LoadCase(OneLine):
             _added(motion),
             _added(acceleration),
             SurfaceLoad.of_all(surfaces) if surfaces else None,
+            tuple(chain.from_iterable(x.fills for x in cases)),
         )
 
     def __mul__(self, factor: float) -> LoadCase:
@@ -374,7 +378,8 @@ class LoadCase(OneLine):
         name = f"({self.name})" if " + " in self.name else self.name
         known = self.acceleration * by
         surface = None if self.surface is None else self.surface.by(by)
-        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known, surface)
+        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known, surface,
+                        self.fills if by == 1.0 else ())  # fmt: skip
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

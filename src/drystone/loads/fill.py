@@ -127,7 +127,7 @@ class Fill(Options):
         name = f"fill to {self._level} with K {self.k:.3g}"
         said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
         surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
-        return LoadCase(top.pressed(1.0, self.k), name, said, surface=surface)
+        return LoadCase(top.pressed(1.0, self.k), name, said, surface=surface, fills=(self,))
 
 
 @dataclass(frozen=True, eq=False)

@@ -129,6 +129,10 @@ def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
         for sentence in one.sentences()[1:]:
             if sentence.role is Role.REMARK:
                 yield f"Note: {sentence.text}."
+    if any(
+        isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
+    ):
+        yield "Only the train has fill: give that with --load, to have it in all parts."
 
 
 def _signatures(about: TitleBlock) -> Mapping[str, str]:

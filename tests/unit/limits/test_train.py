@@ -51,6 +51,17 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
         assert check(found.model.with_load(found.model.load + factor * live)).stable is stands
 
 
+def test_fill_of_the_load_is_that_of_the_train(bridge: Model) -> None:
+    quick = LimitOptions(equilibrium_only=True)
+    loaded = bridge.with_load(bridge.load + 1.0 * FILL.on(bridge.assembly))
+    found = limit_train(loaded, steps=2, options=quick)
+    assert found.fill == FILL
+    added = limit_train(bridge, fill=FILL, steps=2, options=quick)
+    assert found.factors == pytest.approx(added.factors)
+    with pytest.raises(InputError, match="multiplied"):
+        limit_train(bridge.with_load(bridge.load + 2.0 * FILL.on(bridge.assembly)))
+
+
 def test_what_fill_resists_helps_and_is_bounded(bridge: Model) -> None:
     quick = LimitOptions(equilibrium_only=True)
     factors = []
@@ -249,7 +260,7 @@ def test_the_command_draws_the_envelope(
     [
         ({"train": Train("long", (0.0, 9.0), (1e3, 1e3))}, "'long' is 9 m long, the bridge 6.72 m"),
         ({"steps": 0}, "0 places"),
-        ({"load": "fill:cover=0.1m,weight=20kN/m3"}, "has fill already"),
+        ({"load": "fill:cover=0.1m,weight=20kN/m3", "fill": FILL}, "has fill already"),
     ],
 )
 def test_what_cannot_cross_is_told(bridge: Model, given: dict[str, object], told: str) -> None:

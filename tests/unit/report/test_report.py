@@ -261,6 +261,8 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
             ):  # fmt: skip
         assert expected in page, expected
     assert html_of(document_of([found], TitleBlock())) == page
+    both = document_of([drystone.solve_rbe(model), found], TitleBlock())
+    assert "Only the train has fill: give that with --load" in html_of(both)
     axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
     axes.apply_aspect()
     assert axes.get_position().y0 > 0.2  # room for three rows of the legend
