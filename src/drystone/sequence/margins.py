@@ -90,6 +90,8 @@ class Margins(Answer):
         """The weakest stage, and the friction down to which this order works."""
         role = Role.UNSURE if self.stopped or not self.stages else Role.GOOD
         down = f"this order works down to friction {self.least_friction:.3g}"
+        if down.endswith("inf"):
+            down = "a stage of this order stands at no friction"
         return [Sentence(self.title, role), Sentence(down)]
 
     def tables(self) -> Sequence[Table]:
@@ -193,6 +195,8 @@ def _margin_of(
     if some.assembly.fixed.all():
         return Margin(0.0, upper)
     some = some.with_contacts(some.contacts.select(some.active))
+    if not some.contacts.count:  # it floats: what it would rest on cannot be placed
+        return Margin(math.inf, 0.0)
     check = structure.check
     least = limit_friction(some, check=check, options=widths[0]).best
     sweep = tilt_sweep(some, directions, upper=upper, check=check, options=widths[1])

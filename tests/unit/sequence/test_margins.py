@@ -10,6 +10,7 @@ from drystone.models import arch, box, leaning_column, tower
 from drystone.sequence import (
     Plan,
     PlanOptions,
+    Robot,
     Rules,
     margins,
     plan,
@@ -31,6 +32,20 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     np.testing.assert_allclose([one.tilt for one in found.stages], expected, atol=0.3)
     assert found.weakest == 2
     assert found.least_friction < 0.02
+
+
+def test_a_stage_that_floats_stands_at_no_friction_and_no_tilt():
+    """The lowest free block is too heavy, so nothing carries the next one."""
+    base = box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), "base", 9000.0)
+    ground = box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "ground")
+    blocks = (ground, base, box((1.0, 1.0, 1.0), (0.0, 0.0, 1.0), "top"))
+    stacked = Assembly(blocks, np.arange(3) < 1)
+    found = margins(
+        plan(stacked, options=PlanOptions(rules=Rules(robots=[Robot("arm", payload=5000.0)])))
+    )
+    assert found.plan.order == ("top",)
+    assert [(one.least_friction, one.tilt) for one in found.stages] == [(np.inf, 0.0)]
+    assert found.sentences()[-1].text == "a stage of this order stands at no friction"
 
 
 def test_the_table_has_a_row_per_block_with_its_margins(stack):
