@@ -205,7 +205,11 @@ class TrainEnvelope(Answer):
         place = f"least{self._ductile} at x = {at:.4g} m"
         if self.limit is not None and self.limit.rest and self.limit.stands is not None:
             factor = rounded_down(self.limit.stands, 4)
+            if factor < 1.0:
+                return f"Does not carry '{train}', only {factor:g} of it, {place}"
             return f"Stands under '{train}' up to load factor {factor:g}, {place}"
+        if factor < 1.0:
+            return f"Forces balance '{train}' up to {rounded_down(factor, 4):g} of it only, {place}"
         told = "any load factor" if np.isinf(factor) else f"load factor {rounded_down(factor, 4):g}"
         return f"Forces balance '{train}' up to {told}, {place}"
 
@@ -223,7 +227,8 @@ class TrainEnvelope(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
         falls = self.limit is not None and self.limit.stands is None
-        good = bool(len(self.places)) and self.factors[self.worst] > 0.0 and not falls
+        good = bool(len(self.places)) and self.factors[self.worst] >= 1.0 and not falls
+        good = good and (self.limit is None or float(self.limit.stands or 0.0) >= 1.0)
         role = Role.BAD if not good else Role.UNSURE if self._turned else Role.GOOD
         said = [Sentence(self.title, role)]
         if self._turned:
@@ -354,8 +359,11 @@ class TrainEnvelope(Answer):
             at = self.worst
             spot = self.places[at : at + 1], factor[at : at + 1]
             marks.append(Marks(MarkKind.DIAMOND, *spot, "bad", "the worst place"))
+            if spot[1][0] < 4.0:
+                whole = self.places[[0, -1]]
+                marks.append(Marks(MarkKind.LINE, whole, np.ones(2), "bad", "the train: 1"))
             told = f"least at x = {spot[0][0]:.4g} m: {rounded_down(spot[1][0], 4):g}; "
-            told += "shown up to four times that"
+            told += "higher where none is drawn"
         name = self.train.name
         return Chart(
             f"Largest load factor of '{name}' by its place{self._ductile}", tuple(marks),

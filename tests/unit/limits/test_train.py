@@ -45,6 +45,13 @@ def test_the_worst_place_stands_just_below_its_limit_and_falls_just_above(bridge
     assert "up to load factor 1.441, least" in near.title
     least = replace(found, factors=np.full(len(found.places), 1.44189))
     assert {row[1] for row in least.table().cells()[1]} == {"1.441"}
+    assert near.code == 0
+    rest = replace(rest, stands=0.93318)
+    under = replace(near, limit=replace(found.limit, rest=rest))
+    assert under.title.startswith("Does not carry 'axle', only 0.9331 of it, least at x")
+    assert under.code == 1
+    drawn = replace(least, factors=0.7 * least.factors).figure().marks
+    assert [one.y.tolist() for one in drawn if one.label == "the train: 1"] == [[1.0, 1.0]]
     live = found.live(float(found.places[found.worst]))
     for factor, stands in ((found.limit.stands, True), (found.limit.falls, False)):
         assert factor is not None
