@@ -15,6 +15,7 @@ from drystone.base.units import quantity
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.surface import worth_drawing
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
@@ -37,7 +38,7 @@ def bare_scene(
     count = counted(len(assembly), "block")
     if contacts is not None:
         count += f", {counted(contacts.count, 'interface')}"
-    notes = "" if model is None else "; ".join(model.notes)
+    notes = "" if model is None else "; ".join(worth_drawing(model.notes))
     drawn = interface_layers(found)
     if model is not None:
         drawn += load_layers(assembly, model.load)

@@ -22,6 +22,7 @@ from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
+from drystone.ties import ties_of
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """The vertical axis of a picture, unless gravity is turned."""
@@ -134,6 +135,7 @@ class Question(OneLine):
         density = np.array([block.density for block in assembly.blocks])
         bounds = assembly.bounds
         common, others = ((), ()) if load is None else _loads(assembly, load)
+        rubs = contacts.friction[~ties_of(assembly, contacts)]
         capacity, stress = {}, {}
         if contacts.capacity is not None:
             capacity = {name: _ends(getattr(contacts.capacity, name)) for name in DRY}
@@ -146,7 +148,7 @@ class Question(OneLine):
             free_mass=float(assembly.mass[free].sum()),
             supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
             density=_ends(density),
-            friction=_ends(contacts.friction) if contacts.count else None,
+            friction=_ends(rubs) if len(rubs) else None,
             load="" if load is None else load.name,
             acceleration=common,
             loads=others,

@@ -111,7 +111,7 @@ def convert(
     if joint_allowance is not None:
         said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
         told.append(Sentence(said, Role.REMARK))
-    told += [Sentence(said, Role.REMARK) for said in left_out(chosen, read.units)]
+    told += [Sentence(said, Role.REMARK) for said in left_out(chosen, read.units, read)]
     found = Statement(tuple(told), values=values)
     return Told(found, subject=source.name, notes=notes, written=[target])
 

@@ -139,7 +139,9 @@ class Subject:
         for doubt in doubts(model, self.place, how):
             if waiting.ask(f"{doubt.text} Use {doubt.option}?"):
                 changed |= doubt.how
-            elif doubt.text not in model.notes:
+                continue
+            waiting.warn(doubt.text)
+            if doubt.text not in model.notes:
                 told.append(f"{doubt.text} ({doubt.option})")
         if changed:
             how |= changed

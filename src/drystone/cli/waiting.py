@@ -174,7 +174,7 @@ class Waiting:
 
     def ask(self, question: str) -> bool:
         """The answer of whoever sits at the terminal; no where nobody does."""
-        if not self.asks or not (sys.stdin and sys.stdin.isatty() and self._console.is_terminal):
+        if not (self.asks and self._at_terminal):
             return False
         with self._lock:  # the bar would be drawn over the question
             if self._bar is not None:
@@ -184,6 +184,16 @@ class Waiting:
             if self._bar is not None:
                 self._bar.start()
         return answer.strip().lower() in ("y", "yes")
+
+    @property
+    def _at_terminal(self) -> bool:
+        return bool(sys.stdin and sys.stdin.isatty() and self._console.is_terminal)
+
+    def warn(self, text: str) -> None:
+        """Say on stderr, before the work, what nobody can be asked."""
+        with self._lock, suppress(OSError, ValueError):  # closed or full: nobody reads it
+            if self.asks and not self._at_terminal and sys.stderr is not None:
+                print(f"drystone: {clean(text)}", file=sys.stderr, flush=True)
 
     def end_stage(self) -> None:
         """Add the time of the running stage."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.base.table import Table
     from drystone.cli.told import Files
+    from drystone.io.draft import Contents
     from drystone.io.registry import Format
     from drystone.report import TitleBlock
     from drystone.results import Result
@@ -190,27 +191,37 @@ class WithModel(Pictures):
         if self.out is None:
             return jobs, said
         from drystone import io
-        from drystone.ties import ties_of
+        from drystone.io.registry import contents_of
 
         origin = getattr(answer.before, "origin", answer.model.origin)
         units = origin.units
         write = partial(io.write, answer.model, units=units)
-        chosen, contacts = io.format_of(self.out, writing=True), answer.model.contacts
-        said = [*said, *left_out(chosen, units)]
-        ties = "contacts," in chosen.loses and ties_of(answer.model.assembly, contacts).any()
-        if ties or (chosen.name != "json" and not contacts.plain.all()):
-            said.append("ties and glue are not in this file, what they hold falls: write .json")
+        chosen = io.format_of(self.out, writing=True)
+        said = [*said, *left_out(chosen, units, contents_of(answer.model))]
         if "up" in origin.reading:
             said.append(f"z is up in {self.out.name}")
         return [(self.out, write), *jobs], said
 
 
-def left_out(chosen: Format, units: str) -> list[str]:
-    """What a format does not store, and a unit that it does not name."""
+def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
+    """What a format does not store, what of it this model has, and a unit that it does not name."""
     said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
+    if chosen.loses and _loses_a_pull(chosen, contents):
+        said.append("ties and glue are not in this file, what they hold falls: write .json")
     if chosen.any_unit and chosen.name != "3dm" and units != "m":
         said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
     return said
+
+
+def _loses_a_pull(chosen: Format, contents: Contents) -> bool:
+    """Whether the model has joints that are strong, or ties, that a format does not store."""
+    from drystone.ties import ties_of
+
+    contacts, lost = contents.contacts, ", ties," in chosen.loses
+    if contacts is None:
+        return lost and len(contents.ties) > 0
+    tied = lost and ties_of(contents.assembly, contacts).any()
+    return bool(tied or not contacts.plain.all())
 
 
 def apart(paths: Sequence[Any]) -> None:

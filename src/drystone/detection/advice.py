@@ -10,7 +10,7 @@ from drystone.base.display import named, rounded_up
 from drystone.base.errors import counted
 from drystone.detection.block_overlaps import Overlap
 from drystone.detection.detection_options import LARGEST, DetectionOptions
-from drystone.detection.reasons import SHOWN, Missed, Reason
+from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres
 from drystone.detection.shortfall import Shortfall
 
 Pair = tuple[int, int]
@@ -28,6 +28,7 @@ def suggestions(
     parts: Sequence[Pair],
     undirected: Sequence[Pair],
     isolated: Sequence[int],
+    farther: Sequence[Missed],
 ) -> tuple[str, ...]:
     """Sentences that say which options would join more pairs of blocks.
 
@@ -55,10 +56,26 @@ def suggestions(
     explained = {i for pair in undirected for i in pair}
     explained |= {i for p in overlaps for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
+    alone = {*isolated} - explained
+    wide = [m for m in farther if {m.block_a, m.block_b} & alone and m.needed <= LARGEST["gap"]]
+    said += _for_wide_gaps(names, wide)
+    explained |= {i for miss in wide for i in (miss.block_a, miss.block_b)}
     lost = [names[i] for i in isolated if i not in explained]
     if lost and len(names) > 1:
         said.append(f"nothing is near {named(lost, SHOWN)}: is a block missing, or in other units?")
     return tuple(said)
+
+
+def _for_wide_gaps(names: Sequence[str], wide: Sequence[Missed]) -> list[str]:
+    """The gap that joins blocks which touch nothing, and are farther apart than near misses."""
+    if not wide:
+        return []
+    first, most = min(wide, key=lambda miss: miss.gap), max(miss.needed for miss in wide)
+    pairs = counted(len({(miss.block_a, miss.block_b) for miss in wide}), "pair")
+    return [
+        f"'{names[first.block_a]}' and '{names[first.block_b]}' are {millimetres(first.gap)} mm"
+        f" apart: --gap {option_for(most):g} joins {pairs} of blocks that touch nothing"
+    ]
 
 
 def _steps(needed: dict[Pair, float], digits: int, unit: str) -> str:

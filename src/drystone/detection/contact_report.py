@@ -17,7 +17,7 @@ from drystone.detection.advice import suggestions
 from drystone.detection.block_overlaps import Overlap, overlap_lines, require_apart
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.inexact import Inexact, inexact_lines
-from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres
+from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres, repair_lines
 from drystone.detection.resample import Resampled, resampled_lines
 from drystone.detection.shortfall import Shortfall
 
@@ -64,7 +64,7 @@ class ContactReport(Card):
         Near misses, and joints that are within tolerance on a part only.
     farther
         Gaps wider than those of near misses that may be errors of the drawing all the same. They
-        are not told of, but no fall is proved by them.
+        are told of blocks that touch nothing, and no fall is proved by them.
     inexact
         Pairs that are joined although they are drawn beyond a tolerance.
     shortfalls
@@ -210,6 +210,7 @@ class ContactReport(Card):
             parts=self.parts,
             undirected=(*self.undirected, *self.near_undirected),
             isolated=self.isolated,
+            farther=self.farther,
         )
 
     def summary(self) -> list[str]:
@@ -267,7 +268,7 @@ class ContactReport(Card):
         lines += _first(
             [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts]
         )
-        lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
+        lines += repair_lines((self.names[i], what) for i, what in self.repairs)
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
 
     def require_apart(self) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import OneLine
+from drystone.base.display import OneLine, named
 
 SHOWN = 8
 """Names listed in one line."""
@@ -103,3 +104,14 @@ def millimetres(length: float) -> str:
     """
     value = round(1e3 * float(length), 6) + 0.0
     return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
+
+
+def repair_lines(repairs: Iterable[tuple[str, str]]) -> list[str]:
+    """One line per kind of repair, with the names of the first repaired blocks."""
+    names: dict[str, list[str]] = {}
+    for name, repair in repairs:
+        names.setdefault(repair, []).append(f"'{name}'")
+    return [
+        f"{'block' if len(some) == 1 else 'blocks'} {named(some)}: {repair}"
+        for repair, some in names.items()
+    ]

@@ -17,6 +17,13 @@ SHARED_FACES = 64
 body share their face list. A longer list belongs to a scan or a freeform body and does not occur
 twice."""
 _SHARED_LISTS = 1024
+TURNED = "all faces pointed inwards, and are turned"
+"""What is told of a block that is drawn inside out."""
+
+
+def worth_drawing(lines: Iterable[str]) -> list[str]:
+    """Lines for the heading of a picture: without the blocks that are turned."""
+    return [line for line in lines if not line.endswith(TURNED)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +125,7 @@ _shared = lru_cache(_SHARED_LISTS)(_surface)
 
 def _turned(surface: _SurfaceTopology) -> _SurfaceTopology:
     loops = tuple(loop[::-1] for loop in surface.loops)
-    notes = (*surface.notes, "inside out: all faces turned")
+    notes = (*surface.notes, TURNED)
     return _SurfaceTopology(loops, Fan.of(loops), surface.used, notes)
 
 

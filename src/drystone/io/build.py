@@ -11,9 +11,9 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.base.display import named
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
+from drystone.detection.reasons import repair_lines
 from drystone.geometry import coincidence
 from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.shape_blocks import SAME_PLACE, blocks_of, faces_at_holes
@@ -158,7 +158,13 @@ def try_blocks(
     defects += _name_defects(draft.shapes, path)
     doubled, twice = _duplicate_defects(good, path)
     sized = _size_notes(good, units or draft.units)
-    notes = (*draft.notes, *remarks, *said, *_repair_notes(good), *sized)
+    notes = (
+        *draft.notes,
+        *remarks,
+        *said,
+        *repair_lines((one.name, what) for one in good for what in one.repairs),
+        *sized,
+    )
     return Built(
         tuple(blocks),
         tuple(fixed),
@@ -216,19 +222,6 @@ def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError
         )
         for a, b in pairs
     ], [max(a, b) for a, b in pairs]
-
-
-def _repair_notes(blocks: list[Block]) -> list[str]:
-    """One note per kind of repair, with the names of the first repaired blocks."""
-    names: dict[str, list[str]] = defaultdict(list)
-    for block in blocks:
-        for repair in block.repairs:
-            names[repair].append(f"'{block.name}'")
-    notes = []
-    for repair, repaired in names.items():
-        many = "block" if len(repaired) == 1 else "blocks"
-        notes.append(f"{many} {named(repaired)}: {repair}")
-    return notes
 
 
 def _size_notes(blocks: list[Block], units: str | None) -> list[str]:

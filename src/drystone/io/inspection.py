@@ -31,6 +31,7 @@ from drystone.base.ragged import Ragged
 from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.geometry.surface import worth_drawing
 from drystone.io.build import Built
 from drystone.model import Model
 from drystone.supports import ground_of, select
@@ -208,11 +209,12 @@ class Inspection(Answer):
         if self.found is not None:
             report = self.found.report
             parts += missed_layers(report)
-            first, *rest = report.summary()
+            lines = worth_drawing(report.summary())
+            first, *rest = lines
             advice = [f"suggestion: {text}" for text in report.suggestions()]
             told = [first, *advice, *(line for line in rest if line not in advice)]
             message = "; ".join(told)
-            charts.append(Chart("Contact search", caption="\n".join(report.summary())))
+            charts.append(Chart("Contact search", caption="\n".join(lines)))
         bare = () if self.built is None else self.built.bare
         parts += _polygon_layer("defects", "faces at holes", "help", bare)
         stage = SceneStage("contacts", self.title, message, state_of(assembly), layers=tuple(parts))

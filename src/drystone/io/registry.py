@@ -81,11 +81,11 @@ def _function(place: str, usual: str) -> Callable[..., Any]:
 
 _LAYERED = ("layers", "hidden")
 _LOADS = "loads and results"
-_CONTACTS = f"contacts, {_LOADS}"
+_CONTACTS = f"contacts, ties, joint capacities, {_LOADS}"
 _MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
-_SIMULATED = "joint capacities, results, loads but for gravity"
+_SIMULATED = "ties, joint capacities, results, loads but for gravity"
 _SINGLE = "digits beyond single precision, polygons that are not plane"
-_COMPAS = f"friction, metadata, {_LOADS} but for forces"
+_COMPAS = f"friction, joint capacities, metadata, {_LOADS} but for forces"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), "json_file", "drystone_json_write"),
     Format(
@@ -113,7 +113,7 @@ FORMATS: tuple[Format, ...] = (
         (".3dm",),
         "rhino",
         "rhino_write",
-        f"contacts but for ties, {_LOADS}",
+        f"joint capacities, contacts but for ties, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
     ),
@@ -138,7 +138,7 @@ FORMATS: tuple[Format, ...] = (
         (".urdf",),
         "urdf_read",
         "urdf",
-        loses="friction, loads, results",
+        loses="friction, ties, joint capacities, loads, results",
     ),
     Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb_write", f"{_SINGLE}, {_CONTACTS}"),
 )

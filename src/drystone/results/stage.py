@@ -20,6 +20,7 @@ from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats, lengths
 from drystone.checks import first_motion_of, moving_joints
+from drystone.geometry.surface import worth_drawing
 from drystone.joints import (
     HINGED,
     Resultants,
@@ -54,7 +55,7 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
     layers += load_layers(assembly, result.load)
     stage = SceneStage(
-        label, headline, "; ".join([result.message, *result.model.notes]), state,
+        label, headline, "; ".join([result.message, *worth_drawing(result.model.notes)]), state,
         result.verdict, prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
     if result.verdict is Verdict.UNSTABLE:

@@ -179,6 +179,14 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 
+def test_an_improbable_size_is_told_before_anything_is_solved(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = file(tmp_path, tower(2, edge=500.0), "tower.obj")
+    main(["check", model, "--supports", "lowest"])
+    assert "is the unit right (--units mm)?" in capsys.readouterr().err
+
+
 def test_a_model_that_lies_on_its_side_is_told_to_stand_up(tmp_path: Path, capsys: Capsys) -> None:
     model = file(tmp_path, vault().transformed(Y_UP), "lying.obj")
     note = "it falls as it is, and stands with y up: does y point up in the file? (--up y)"

@@ -3,9 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from drystone import Assembly, io
+from drystone import Assembly, Model, io
 from drystone.cli import main
 from drystone.models import arch, box, tower
+from drystone.ties import tied
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -60,6 +61,16 @@ def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) 
     io.write(tower(2), tmp_path / "tower.json")
     main(["convert", str(tmp_path / "tower.json"), str(tmp_path / "tower.stl")])
     assert "does not store polygons, supports, densities" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("name", "kept"), [("t.obj", False), ("t.urdf", False), ("t.json", True)])
+def test_ties_that_a_format_loses_are_told(
+    tmp_path: Path, capsys: Capsys, name: str, kept: bool
+) -> None:
+    source = str(tmp_path / "tied.json")
+    io.write(tied(Model.of(tower(3)), 2, 0), source)
+    assert main(["convert", source, str(tmp_path / name)]) == 0
+    assert ("ties and glue are not in this file" not in capsys.readouterr().out) == kept
 
 
 @pytest.mark.parametrize(

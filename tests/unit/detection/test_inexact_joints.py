@@ -172,10 +172,13 @@ def test_a_plank_that_hangs_over_falls_if_the_next_one_is_far_below(
     assert found.verdict is Verdict(verdict)
 
 
-def test_a_wider_gap_is_kept_in_mind_and_not_reported() -> None:
+def test_a_wider_gap_is_told_of_blocks_that_touch_nothing() -> None:
     report = find_contacts(cube(-0.04)).report
     assert not report.missed
-    assert not report.suggestions() or "gap" not in report.suggestions()[0]
+    assert report.suggestions() == (
+        "'floor' and 'cube' are 40 mm apart: --gap 0.15 joins 1 pair of blocks that touch nothing",
+    )
+    assert find_contacts(cube(-0.04), options=DetectionOptions(gap=0.15)).contacts.count == 1
     assert [miss.gap for miss in report.farther] == pytest.approx([0.04])
 
 

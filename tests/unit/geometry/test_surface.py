@@ -83,7 +83,7 @@ def test_an_inside_out_body_is_turned_and_says_so():
     for _ in range(2):
         block = Block(CUBE, inside_out)
         assert block.volume == pytest.approx(1.0)
-        assert block.repairs == ("inside out: all faces turned",)
+        assert block.repairs == ("all faces pointed inwards, and are turned",)
         assert block.faces == BOX
     assert box((1.0, 1.0, 1.0)).repairs == ()
 

@@ -75,7 +75,7 @@ def test_inside_out_blocks_are_turned_and_that_is_told(tmp_path: Path) -> None:
     shape = block(faces=[list(f)[::-1] for f in CUBE.faces])
     model = io.read_file(file(tmp_path, shape, block("b", 2.0)))
     assert model.assembly.blocks[0].volume == pytest.approx(1.0)
-    assert model.notes == ("block 'a': inside out: all faces turned",)
+    assert model.notes == ("block 'a': all faces pointed inwards, and are turned",)
 
 
 def test_single_turned_faces_are_turned_back_and_that_is_told(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) ->
     faces = [list(f)[::-1] for f in CUBE.faces]
     shapes = [block(f"b{i}", 2.0 * i, faces=faces) for i in range(8)]
     (note,) = io.read_file(file(tmp_path, *shapes)).notes
-    assert note == "blocks 'b0', 'b1', 'b2' and 5 more: inside out: all faces turned"
+    assert note == "blocks 'b0', 'b1', 'b2' and 5 more: all faces pointed inwards, and are turned"
 
 
 def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import drystone
 from drystone.answer.question import asked_line
+from drystone.assembly import replace_block
 from drystone.checks import corner_motion
 from drystone.design import Changed, DiagnosisOptions
 from drystone.design.changes import ballasted, glued
@@ -32,6 +33,16 @@ def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls()
     assert scene.facts["File"] == "arch.json"
     assert "friction" in stage.message
     assert (stage.state == State.FALLING).any()
+
+
+def test_blocks_that_were_turned_and_the_pins_of_a_tie_are_not_in_the_heading():
+    one, two = tower(2).blocks
+    turned = replace_block(two, vertices=two.vertices, faces=tuple(f[::-1] for f in two.faces))
+    model = drystone.Model.of(replace(tower(2), blocks=(one, turned)), friction=0.6)
+    note = f"block 'block-1': {turned.repairs[0]}"
+    scene = scene_of(replace(tied(model, 1, 0), notes=(note, "mortar")))
+    assert scene.stages[0].message == "mortar"
+    assert (scene.facts["Notes"], scene.facts["Friction"]) == (f"{note}; mortar", "0.6")
 
 
 def test_a_mended_model_says_what_was_changed_and_shows_the_edges_of_what_it_was():
