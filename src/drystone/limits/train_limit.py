@@ -362,8 +362,8 @@ class TrainEnvelope(Answer):
             if spot[1][0] < 4.0:
                 whole = self.places[[0, -1]]
                 marks.append(Marks(MarkKind.LINE, whole, np.ones(2), "bad", "the train: 1"))
-            told = f"least at x = {spot[0][0]:.4g} m: {rounded_down(spot[1][0], 4):g}; "
-            told += "higher where none is drawn"
+            told = f"least at x = {spot[0][0]:.4g} m: {rounded_down(spot[1][0], 4):g}"
+            told += "" if known.all() else "; where none is drawn it is higher, or was not found"
         name = self.train.name
         return Chart(
             f"Largest load factor of '{name}' by its place{self._ductile}", tuple(marks),
