@@ -208,7 +208,7 @@ def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
     said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
     if chosen.loses and _loses_a_pull(chosen, contents):
         said.append("ties and glue are not in this file, what they hold falls: write .json")
-    if chosen.any_unit and chosen.name != "3dm" and units != "m":
+    if chosen.any_unit and chosen.name != "3dm":
         said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
     return said
 

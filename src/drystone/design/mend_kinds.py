@@ -185,7 +185,8 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         return thicken_blocks(model, blocks[bench.own].tolist(), share)
 
     def words(share: float) -> str:
-        return f"{names_of(bench.model, bench.region)} thicker by {100.0 * share:.0f} %"
+        names = names_of(bench.model, bench.region)
+        return f"{names} thicker by {100.0 * share:.0f} %, on both faces"
 
     why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"
     yield Tries([Change("thicker", make, words, _THICKER, 0.02)], why)
