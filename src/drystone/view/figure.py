@@ -201,11 +201,11 @@ def draw(
     sheet = Sheet(axes, scene, shown, eye, width, height, opacity, theme)
     left = chosen if sheet.plane is None else seen_behind(chosen, sheet.plane, scene.block_size)
     draw_shadow(sheet)
-    draw_blocks(sheet, [layer for layer in left if layer.kind is LayerKind.POLYGONS])
+    drawn = draw_blocks(sheet, [layer for layer in left if layer.kind is LayerKind.POLYGONS])
     draw_motion(sheet)
     for layer in left:
         draw_layer(sheet, layer, arrow_scale)
-    draw_labels(sheet, numbers=PRESETS[key].numbers, names=names)
+    draw_labels(sheet, drawn if opacity == 1.0 else None, numbers=PRESETS[key].numbers, names=names)
     axes.autoscale_view()
     axes.margins(0.03)
     if inside is not None:

@@ -31,14 +31,17 @@ _FINEST = 0.02
 """[inches], about, parts that are not divided any more. Chosen: half a millimetre."""
 
 
-def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
-    """The blocks of the stage and the polygons of layers, hidden ones under those in front."""
+def draw_blocks(sheet: Sheet, layers: list[Layer]) -> list[tuple[int, Floats]]:
+    """The blocks of the stage and the polygons of layers, hidden ones under those in front.
+
+    Returns the block and the outline on the paper of each face drawn, far ones first.
+    """
     from matplotlib.path import Path as Line
 
     scene, stage, paper = sheet.scene, sheet.stage, sheet.paper
     present = np.flatnonzero(stage.state != State.ABSENT)
     if len(present) == 0:
-        return
+        return []
     assembly = scene.assembly.subset(present)
     contacts = scene.contacts.of_blocks(present, len(scene.assembly))
     patches = ordered_patches(assembly, contacts, sheet.eye, paper)
@@ -51,6 +54,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
     wide = np.where(state == State.FALLING, 1.2, 0.5) * sheet.thin
     between = _between(sheet, layers, patches, faces.owner, present)
     paths: list[Line] = []
+    drawn: list[tuple[int, Floats]] = []
     look: list[tuple[Any, Any, float, str]] = []
     for i in range(len(patches.face)):
         for loop, colour in between.get(i, ()):
@@ -63,6 +67,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
             if len(corner) < 3:
                 continue
         closed = np.vstack([corner, corner[:1]])
+        drawn.append((int(present[faces.owner[patches.face[i]]]), corner))
         paths.append(Line(closed, closed=True))
         whole = outlined.all()
         bare = "none" if sheet.opacity < 1.0 else fills[i]
@@ -77,9 +82,9 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
         paths.append(path)
         glass_of = 1.0 if sheet.opacity == 1.0 else 0.5 * sheet.opacity
         look.append((np.r_[rgb(sheet.colours["cut"]), glass_of], sheet.colours["edge"], 0.8, ""))
-    if not paths:
-        return
-    _paint(sheet, paths, look)
+    if paths:
+        _paint(sheet, paths, look)
+    return drawn
 
 
 def _shaded(sheet: Sheet, base: Floats, normal: Floats) -> tuple[Floats, Floats]:

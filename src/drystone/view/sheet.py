@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -163,8 +163,13 @@ def draw_shadow(sheet: Sheet) -> None:
             )
 
 
-def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
-    """Write numbers and names on the blocks; of labels that would touch, the nearest is written."""
+def draw_labels(
+    sheet: Sheet, drawn: list[tuple[int, Floats]] | None, *, numbers: bool, names: bool
+) -> None:
+    """Write numbers and names on the blocks; of labels that would touch, the nearest is written.
+
+    Of solid blocks on what is seen of the faces ``drawn``, which are given far ones first.
+    """
     scene = sheet.scene
     given = scene.number if numbers and scene.number is not None else None
     if given is None and not names:
@@ -173,6 +178,7 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
     here = np.flatnonzero(sheet.stage.state != State.ABSENT)
     if sheet.plane is not None:
         here = here[sheet.plane.heights(scene.assembly.centroid[here]) <= 0.0]
+    seen = None if drawn is None else _seen(drawn)
     near = here[np.argsort(-(scene.assembly.centroid[here] @ sheet.eye), kind="stable")]
     for i in near.tolist():
         number = str(given[i]) if given is not None and given[i] > 0 else ""
@@ -181,6 +187,11 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
         if not text:
             continue
         place = sheet.project(shown_middle(scene.assembly.blocks[i], sheet.eye)[None])[0]
+        if seen is not None:
+            if i not in seen or seen[i].area * sheet.scale**2 < LETTER**2:
+                continue
+            if not seen[i].buffer(-0.3 * LINE / sheet.scale).contains(shapely.Point(place)):
+                place = shapely.maximum_inscribed_circle(seen[i], LETTER / sheet.scale).coords[0]
         x, y = float(place[0]) * sheet.scale, float(place[1]) * sheet.scale
         half = 0.5 * LETTER * (len(text) + 1)
         if any(abs(x - u) < half + w and abs(y - v) < LINE for u, v, w in taken):
@@ -194,6 +205,21 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
                 "alpha": 0.75, "lw": 0,
             },
         )  # fmt: skip
+
+
+def _seen(drawn: list[tuple[int, Floats]]) -> dict[int, Any]:
+    """What is seen of each block on the paper: its faces without those drawn later."""
+    block = np.array([one for one, _ in drawn])
+    shape = shapely.buffer([shapely.Polygon(loop) for _, loop in drawn], 0.0)
+    tree, left = shapely.STRtree(shape), {}
+    for one in np.unique(block).tolist():
+        parts = []
+        for face in np.flatnonzero(block == one):
+            over = tree.query(shape[face])
+            over = over[(over > face) & (block[over] != one)]
+            parts.append(shape[face].difference(shapely.union_all(shape[over])))
+        left[one] = shapely.union_all(parts)
+    return left
 
 
 def shown_middle(block: Block, toward: Floats) -> Floats:

@@ -14,9 +14,10 @@ import pytest
 from matplotlib.collections import LineCollection
 
 import drystone
+from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
 from drystone.view import save_figure, scene_of
 from drystone.view.exploded import taken_apart
 from drystone.view.figure import draw
@@ -211,6 +212,15 @@ def test_a_figure_of_a_plan_numbers_blocks_and_names_are_written_when_asked_for(
     one_place = [text.get_text() for text in above.axes[0].texts]
     assert "block-2" in one_place  # the nearest of labels that would touch
     assert "block-0" not in one_place
+
+
+def test_a_label_is_written_on_what_is_seen_of_its_block_only():
+    front, back = box((2.0, 1.0, 2.0), name="front"), box((1.0, 1.0, 1.0), (0.5, 2.0, 0.5), "back")
+    pair = Assembly((front, back, box((1.0, 1.0, 4.0), (0.5, 5.0, 0.0), "high")))
+    texts = save_figure(pair, names=True, toward=(0, -1, 0), preset="stages").axes[0].texts
+    at = {text.get_text(): text.get_position()[1] for text in texts}
+    assert "back" not in at
+    assert at["high"] > at["front"] + 1.2  # above the front, on what is seen of it
 
 
 def test_a_figure_takes_blocks_apart_with_their_joints():
