@@ -95,7 +95,7 @@ def _robot(text: str) -> Robot:
         x, y, z = (float(one) for one in base.split(","))
     except ValueError as error:
         raise InputError(
-            f"'{text}' is no robot", remedy="write NAME:X,Y,Z:REACH:PAYLOAD"
+            f"'{text}' is no robot", remedy="write NAME:X,Y,Z, or NAME:X,Y,Z:REACH:PAYLOAD"
         ) from error
     return Robot(name, (x, y, z), *most)
 

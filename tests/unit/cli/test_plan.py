@@ -126,6 +126,7 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
         (["--scaffold", "rope", "--scaffold-foot", "block-1"], "is for struts"),
         (["--scaffold", "clamp", "--scaffold-length", "2"], "is for struts"),
         (["--robot", "a:0,0,0:3:50:7"], "NAME:X,Y,Z:REACH:PAYLOAD"),
+        (["--robot", "a:0,0:3"], "write NAME:X,Y,Z, or NAME:X,Y,Z:REACH:PAYLOAD"),
         (["--payload", "-1"], "payload"),
         (["--before", "block-1"], "FIRST:THEN"),
         (["--before", "block-1:block-7"], "no block is called 'block-7'"),
