@@ -442,10 +442,17 @@ class Watch:
     def _hook(self, event: str, arguments: tuple[Any, ...]) -> None:
         if not self.active:
             return
-        if event in FORBIDDEN:
+        if event in FORBIDDEN and not (event in ("compile", "exec") and self._reads_annotations()):
             self.seen.append(f"{event} {str(arguments)[:80]}")
         if event == "open" and isinstance(arguments[1], str) and set(arguments[1]) & set("wax+"):
             self.seen.append(f"open {str(arguments)[:80]}")
+
+    def _reads_annotations(self) -> bool:
+        """Whether it is an annotation of ours that is compiled, after an error."""
+        self.active = False  # to look is an event too
+        caller = sys._getframe(2).f_code.co_filename
+        self.active = True
+        return caller.endswith("typing.py")
 
 
 @cache

@@ -18,7 +18,7 @@ from drystone.fall import fall
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, corbelled_bridge
 from drystone.view import Scene, scene_of
-from drystone.view.film import write_gif
+from drystone.view.gif import write_gif
 
 SIZE = (8.2, 4.4)
 """Inches."""

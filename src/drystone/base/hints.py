@@ -82,7 +82,10 @@ def refuse_wrong(values: Iterable[tuple[str, Any]], hints: Mapping[str, Any]) ->
     for name, value in values:
         if name in hints and not fits(value, hints[name]):
             said = f"{name} is {printable(repr(value), 60)}"
-            raise InputError(said, remedy=f"give {told(hints[name])}")
+            wanted = told(hints[name])
+            raise InputError(
+                said, remedy=f"give {f'a list of {name}' if wanted == 'a list' else wanted}"
+            )
 
 
 def blame(

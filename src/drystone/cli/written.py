@@ -102,7 +102,7 @@ class WithFilm(Pictures):
 
     film: Annotated[
         Path | None,
-        Option("Write a film of the stages, .gif.", OUTPUT, kind=kinds.target(".gif")),
+        Option("Write a film of the stages, .gif.", OUTPUT, kind=kinds.target(".gif"), expert=True),
     ] = None
 
     def of(self, answer: Any) -> Files:

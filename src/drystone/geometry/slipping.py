@@ -30,7 +30,7 @@ _SAME = 1e-5
 """Newton decrement by the power at which the steps end."""
 
 
-class Turn(NamedTuple):
+class TurnIntegrals(NamedTuple):
     """Integrals over m pressed polygons. From a pole, r is the distance and e its direction.
 
     Attributes
@@ -48,7 +48,7 @@ class Turn(NamedTuple):
     bend: Floats
 
 
-def turned(corners: Floats, loops: Ragged, plane: Floats, poles: Floats) -> Turn:
+def turned(corners: Floats, loops: Ragged, plane: Floats, poles: Floats) -> TurnIntegrals:
     """The integrals of a turn about poles (m, 2) over polygons, with the pressure ``q + s . x``.
 
     Each edge spans a triangle with the pole. Over it the integrals are elementary in polar
@@ -94,7 +94,7 @@ def turned(corners: Floats, loops: Ragged, plane: Floats, poles: Floats) -> Turn
     bend += rest[:, None, None] * along[:, :, None] * along[:, None, :]
     cross = mixed[:, None, None] * across[:, :, None] * along[:, None, :]
     bend += cross + cross.transpose(0, 2, 1)
-    return Turn(loops.sum(moment), loops.sum(pull), loops.sum(bend))
+    return TurnIntegrals(loops.sum(moment), loops.sum(pull), loops.sum(bend))
 
 
 def clipped(loops: Ragged, corner: Floats, height: Floats) -> tuple[Ragged, Floats]:
@@ -150,7 +150,7 @@ def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torqu
     >>> square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
     >>> even, torque = np.array([[1.0, 0.0, 0.0]]), np.array([0.3826])
     >>> found = slip_use(square, Ragged.from_counts([4]), even, np.zeros((1, 2)), torque)
-    >>> found.use.round(3).tolist(), found.pole.round(3).tolist()
+    >>> found.use.round(3).tolist(), abs(found.pole).round(3).tolist()
     ([1.0], [[0.0, 0.0]])
     """
     owner = loops.owner

@@ -254,7 +254,7 @@ def imperfections(
     seed: int = 0,
     confidence: float = 0.95,
     check: Check = verdict,
-    loading: Sequence[Loading | str] = (),
+    loading: Loading | str | Sequence[Loading | str] = (),
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -319,7 +319,7 @@ def imperfections(
     return replace(found, share=standing / found.draws, interval=interval)
 
 
-def _orders(loading: Sequence[Loading | str]) -> tuple[Loading, ...]:
+def _orders(loading: Loading | str | Sequence[Loading | str]) -> tuple[Loading, ...]:
     """Orders of loading by their names, each once."""
     given = (loading,) if isinstance(loading, str | Loading) else tuple(loading)
     try:

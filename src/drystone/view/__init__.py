@@ -2,7 +2,7 @@
 
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.view.figure import save_figure
-from drystone.view.film import save_film
+from drystone.view.gif import save_film
 from drystone.view.joint_page import save_report
 from drystone.view.notebook import Frame, interact, show
 from drystone.view.page import page_text, save_page

@@ -22,6 +22,8 @@ OTHERS = {
     ("report/report_pdf.py", "save"): "into memory",
     ("report/sketches.py", "savefig"): "into memory",
     ("sequence/dataset.py", "mkdir"): "folders, in which the one writer writes",
+    ("view/gif.py", "save"): "into memory",
+    ("view/gif.py", "savefig"): "into memory",
     ("view/plots.py", "savefig"): "into memory",
     ("view/instructions.py", "savefig"): "into memory",
 }

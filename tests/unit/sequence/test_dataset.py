@@ -136,7 +136,7 @@ def test_what_cannot_be_asked_is_refused(tmp_path):
     )
     for given, words in (
         ([], "no structure"),
-        ("a.json", "no list"),
+        ("a.json", "give a list of models"),
         ([fixed], "is a support"),
         ([apart], "no free block is joined to a support"),
     ):
