@@ -64,7 +64,7 @@ class ContactReport(Card):
         Near misses, and joints that are within tolerance on a part only.
     farther
         Gaps wider than those of near misses that may be errors of the drawing all the same. They
-        are told of blocks that touch nothing, and no fall is proved by them.
+        are for blocks that touch nothing, and no fall is proved by them.
     inexact
         Pairs that are joined although they are drawn beyond a tolerance.
     shortfalls

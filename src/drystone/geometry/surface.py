@@ -18,7 +18,7 @@ body share their face list. A longer list belongs to a scan or a freeform body a
 twice."""
 _SHARED_LISTS = 1024
 TURNED = "all faces pointed inwards, and are turned"
-"""What is told of a block that is drawn inside out."""
+"""What is said of a block that is drawn inside out."""
 
 
 def worth_drawing(lines: Iterable[str]) -> list[str]:
