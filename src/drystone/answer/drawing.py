@@ -43,8 +43,9 @@ def bare_scene(
     if model is not None:
         drawn += load_layers(assembly, model.load)
     stage = SceneStage("model", count, notes, state_of(assembly), layers=drawn)
+    scene = Scene(assembly, found, (stage,), f"drystone: {count}")  # refuses contacts of others
     asked = Question.of_blocks(assembly, found) if model is None else Question.of(model)
-    return Scene(assembly, found, (stage,), f"drystone: {count}", asked.facts())
+    return replace(scene, facts=asked.facts())
 
 
 def enlargement(assembly: Assembly, motion: Floats) -> float:
