@@ -81,11 +81,9 @@ def refuse_wrong(values: Iterable[tuple[str, Any]], hints: Mapping[str, Any]) ->
     """
     for name, value in values:
         if name in hints and not fits(value, hints[name]):
-            said = f"{name} is {printable(repr(value), 60)}"
-            wanted = told(hints[name])
-            raise InputError(
-                said, remedy=f"give {f'a list of {name}' if wanted == 'a list' else wanted}"
-            )
+            said, wanted = f"{name} is {printable(repr(value), 60)}", told(hints[name])
+            wanted += f" of {name}" if wanted == "a list" else ""
+            raise InputError(said, remedy=f"give {wanted}")
 
 
 def blame(

@@ -161,13 +161,12 @@ def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torqu
     scale = lengths(wanted)
     wanted /= scale[:, None]
     power, pole = np.empty(len(size)), np.empty((len(size), 2))
-    slip = wanted / np.stack(
-        [np.ones_like(size)] * 2 + [loops.mean(dot(corners, corners)) / 3.0], 1
-    )
-    slip /= dot(slip, wanted)[:, None]  # that of friction which grows with the speed, nearly
+    # begun with the slip of friction that grows with the speed, for a parallelogram pressed evenly
+    slip = wanted.copy()
+    slip[:, 2] *= 3.0 / loops.mean(dot(corners, corners))
+    slip /= dot(slip, wanted)[:, None]
     left, share = np.arange(len(size)), np.ones(len(size))
-    part, row = loops.take(left)
-    now = _Power.of(corners[row], part, plane, slip, wanted)
+    now = _Power.of(corners, loops, plane, slip, wanted)
     for _ in range(_STEPS):
         power[left], pole[left] = now.value, now.pole
         moves = now.decrement > _SAME * now.value

@@ -90,7 +90,7 @@ class Margins(Answer):
         """The weakest stage, and the friction down to which this order works."""
         role = Role.UNSURE if self.stopped or not self.stages else Role.GOOD
         down = f"this order works down to friction {self.least_friction:.3g}"
-        if down.endswith("inf"):
+        if math.isinf(self.least_friction):
             down = "a stage of this order stands at no friction"
         return [Sentence(self.title, role), Sentence(down)]
 

@@ -83,12 +83,13 @@ class SupportResponse(Answer):
     opening: Floats
     slide: Floats
     size: float
+    _OPENS, _SLIDES = 0.005, 0.05
 
     def _summary(self) -> str:
         opened = counted(len(self.open_joints()), "joint")
         return f"{self.result.verdict.value}, {opened} open, supports move {self.size:.3g} m"
 
-    def open_joints(self, share: float = 0.005) -> Ints:
+    def open_joints(self, share: float = _OPENS) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
 
         A tenth of the default counts no joint more of ten arches and bridges; ten times it missed
@@ -99,7 +100,7 @@ class SupportResponse(Answer):
         opened = self._between_blocks() & (self.opening > share * self.size)
         return np.unique(self.result.contacts.interface[opened])
 
-    def sliding_joints(self, share: float = 0.05) -> Ints:
+    def sliding_joints(self, share: float = _SLIDES) -> Ints:
         """Interfaces in compression that slide by more than a share of the support's motion."""
         moving = (self.slide > share * self.size) & (self.opening <= share * self.size)
         return np.unique(self.result.contacts.interface[self._between_blocks() & moving])
@@ -150,10 +151,12 @@ class SupportResponse(Answer):
             said.append(Sentence(told))
         if self._known:
             opened, slid = len(self.open_joints()), len(self.sliding_joints())
-            least, widest = (quantity(x, "m") for x in (0.005 * self.size, self._widest))
-            told = f"joints that open: {opened or 'none'} by more than {least}, 0.5 % of the motion"
-            said.append(Sentence(f"{told}; the widest by {widest}"))
-            said.append(Sentence(f"joints that slide: {slid or 'none'} by more than 5 % of it"))
+            least, widest = (quantity(x, "m") for x in (self._OPENS * self.size, self._widest))
+            opens, slides = (f"{100.0 * one:g} %" for one in (self._OPENS, self._SLIDES))
+            told = f"joints that open: {opened or 'none'} by more than {least}, {opens} of the"
+            said.append(Sentence(f"{told} motion; the widest by {widest}"))
+            told = f"joints that slide: {slid or 'none'} by more than {slides} of it"
+            said.append(Sentence(told))
             why = "to first order openings grow as the motion does; --to LENGTH follows a large one"
             said.append(Sentence(why, Role.REMARK))
         return said

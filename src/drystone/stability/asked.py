@@ -14,7 +14,11 @@ from drystone.base.progress import Clock, Progress
 from drystone.base.workers import WorkerPool
 from drystone.checks import unbalanced_wrench
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import ANY_FORCES, solve_equilibrium
+from drystone.formulations.equilibrium import (
+    ANY_FORCES,
+    EquilibriumSolution,
+    solve_equilibrium,
+)
 from drystone.formulations.nearest_mechanism import (
     NearestMechanism,
     nearest_mechanism,
@@ -153,6 +157,7 @@ class Asked:
             found = attempt.begun_at(rest.displacement)
             self.on_faces = rest = attempt.from_nothing() if found is None else found
             more = self.on_spread_points(rest, model) if rest.stands else None
+            self.steps += 0 if more is None else rest.steps
         self.count(rest)
         if rest.stands or self.clock.late():
             return None
@@ -176,39 +181,31 @@ class Asked:
             elif balanced(problem, nearest.force):
                 self.balances = True
                 return None
-        balance = solve_equilibrium(
-            problem.statics,
-            cone=FrictionCone.exact(),
-            options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
-            stop=late,
-        )
-        self.steps += balance.raw.iterations
+        balance, motion = self._any_forces(problem)
         self.balances = balance.raw.status is ConicStatus.SOLVED
-        motion = None if self.balances else found_mechanism(problem, balance, late)
         return motion if motion is not None else self._of_light_blocks(balance.force)
+
+    def _any_forces(self, problem: Problem) -> tuple[EquilibriumSolution, Floats | None]:
+        """What a program finds to balance the loads; else the mechanism (n, 6), if it is found."""
+        options = ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s)
+        late, cone = self.clock.late, FrictionCone.exact()
+        found = solve_equilibrium(problem.statics, cone=cone, options=options, stop=late)
+        self.steps += found.raw.iterations
+        solved = found.raw.status is ConicStatus.SOLVED
+        return found, None if solved else found_mechanism(problem, found, late)
 
     def _of_light_blocks(self, force: Floats) -> Floats | None:
         """The mechanism (n, 6) of blocks whose loads are lost in the rounding of heavier ones.
 
         What scaled forces (k, 3) balance is held still. A motion of the rest is one of all blocks.
         """
-        problem, late = self.problem, self.clock.late
-        model = problem.model
+        problem, model = self.problem, self.problem.model
         wrench, scale = unbalanced_wrench(model, problem.force(force))
         lost = (lengths(wrench) > LOST * scale) & ~model.assembly.fixed
-        if not lost.any() or lost[~model.assembly.fixed].all() or late():
+        if not lost.any() or lost[~model.assembly.fixed].all() or self.clock.late():
             return None
-        part = problem.with_others_fixed(lost)
-        found = solve_equilibrium(
-            part.statics, cone=FrictionCone.exact(), options=ConicOptions(gap=ANY_FORCES), stop=late
-        )
-        self.steps += found.raw.iterations
-        if found.raw.status is ConicStatus.SOLVED:
-            return None
-        motion = found_mechanism(part, found, late)
-        if motion is None:
-            return None
-        self.balances = False
+        found, motion = self._any_forces(problem.with_others_fixed(lost))
+        self.balances &= found.raw.status is ConicStatus.SOLVED
         return motion
 
     def first_motions(self) -> Iterator[Floats]:
