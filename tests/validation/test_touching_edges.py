@@ -27,6 +27,7 @@ from drystone.detection import DetectionOptions
 from drystone.geometry.frames import rotation_about
 from drystone.mechanics.touching import further_contacts
 from drystone.models import box, prism
+from drystone.sequence import Structure
 from drystone.settlement import End, SettlementOptions, push, reduce_friction, settle
 
 FLOOR = box((20.0, 8.0, 1.0), (-10.0, -4.0, -1.0), "floor")
@@ -70,6 +71,8 @@ def test_no_proof_of_falling_rests_on_an_edge_that_is_near(friction: float, fall
     found = check(Assembly((FLOOR, wall, block)).with_fixed([0, 1]), friction=friction)
     assert found.verdict is (Verdict.UNSTABLE if falls else Verdict.UNDECIDED)
     assert ("'wall' and 'slab' are 4 mm apart" in found.message) is not falls
+    assert plan(found.model).complete.verdict is found.verdict
+    assert Structure(found.model).stands(["slab"]).verdict is found.verdict
 
 
 def test_a_leaning_slab_slips_where_friction_is_too_low_for_its_edge_as_well() -> None:

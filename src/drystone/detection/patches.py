@@ -6,7 +6,7 @@ Patches as chords of a curved surface: their distance from it, and the sign of i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -287,6 +287,10 @@ def patches_of(assembly: Assembly) -> Patches:
         one_surface=one_surface,
         origin=origin,
     )
+
+
+kept_patches_of = lru_cache(maxsize=2)(patches_of)
+"""The same for what asks for an assembly again and again: 3 kB a block stay in memory."""
 
 
 def _centred(assembly: Assembly) -> tuple[Faces, Floats]:

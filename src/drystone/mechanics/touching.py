@@ -19,7 +19,7 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.misses import edge_misses
 from drystone.detection.parallel_edges import ParallelEdges, parallel_edges
-from drystone.detection.patches import patches_of
+from drystone.detection.patches import kept_patches_of
 from drystone.detection.reasons import Missed
 from drystone.mechanics.meeting import least_friction
 from drystone.model import Model
@@ -100,7 +100,7 @@ def _in_joints(assembly: Assembly, contacts: Contacts, found: Further) -> Bools:
 @lru_cache(maxsize=8)
 def _searched(assembly: Assembly, known: bytes, options: DetectionOptions) -> Further:
     """A limit asks for the same blocks again and again."""
-    patches = patches_of(assembly)
+    patches = kept_patches_of(assembly)
     a, b = near_blocks(patches, options)
     free = ~(assembly.fixed[a] & assembly.fixed[b])
     a, b = a[free], b[free]
@@ -190,7 +190,7 @@ def near_edges(model: Model, moving: Bools) -> list[Missed]:
     touching = further_of(model)
     if touching is None or model.report is None:
         return []
-    patches, options, count = patches_of(model.assembly), model.report.options, len(model)
+    patches, options, count = kept_patches_of(model.assembly), model.report.options, len(model)
     a, b = near_blocks(patches, options)
     every = (model.contacts, touching.contacts, touching.parallel)
     known = [np.sort(np.stack([each.block_a, each.block_b], axis=1), axis=1) for each in every]

@@ -13,7 +13,7 @@ from drystone.contacts import Contacts
 from drystone.detection.candidates import near_blocks
 from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.edgecontacts import Wires
-from drystone.detection.patches import Patches, patches_of
+from drystone.detection.patches import Patches, kept_patches_of
 from drystone.geometry import planar
 from drystone.geometry.frames import frames_from_normals, rotations
 from drystone.mechanics.meeting import PARALLEL, Apart, least_friction
@@ -46,8 +46,7 @@ def vertices_met(model: Model, positions: Floats, reach: float) -> Apart:
         Largest distance from the face at the beginning, by the smaller block's size.
     """
     assembly = model.assembly
-    patches = patches_of(assembly)
-    size = np.cbrt(assembly.volume)
+    patches, size = kept_patches_of(assembly), np.cbrt(assembly.volume)
     distance = min(reach, LARGEST["search"])
     a, b = near_blocks(patches, DetectionOptions(gap=0.0, search=distance))
     travel = np.linalg.norm(positions[-1, :, :3], axis=1)
@@ -93,7 +92,7 @@ def still_on_faces(model: Model, motion: Floats, point: Floats, interfaces: Sequ
         With one corner each.
     """
     assembly, contacts = model.assembly, model.contacts
-    patches = patches_of(assembly)
+    patches = kept_patches_of(assembly)
     region, size = _Regions(patches), np.cbrt(assembly.volume)
     turn, centre = rotations(motion[:, 3:]), assembly.centroid
     for i in interfaces:

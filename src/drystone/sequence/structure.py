@@ -266,10 +266,10 @@ class Structure(OneLine):
                 )
         stages = [Stage(*one) for one in sets]
         found = asked.answers(stages, pool=pool)
-        if not self._may_touch_more:
-            return found
         return [
-            self._if_more_touches(stage, asked) if answer.verdict is Verdict.UNSTABLE else answer
+            self._if_more_touches(stage, asked)
+            if answer.verdict is Verdict.UNSTABLE and self._may_touch_more
+            else answer
             for stage, answer in zip(stages, found, strict=True)
         ]
 

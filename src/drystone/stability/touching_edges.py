@@ -16,7 +16,7 @@ from drystone.contacts import Contacts
 from drystone.detection.parallel_edges import ParallelEdges
 from drystone.geometry.frames import frames_from_normals
 from drystone.mechanics.meeting import least_friction
-from drystone.mechanics.touching import approach, further_of, with_edges
+from drystone.mechanics.touching import approach, further_of, near_edges, with_edges
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability.proofs import MECHANISM_TOLERANCE, part_of_fall, withdrawn
@@ -102,13 +102,12 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
 
 
 def may_touch_more(model: Model) -> bool:
-    """Whether pairs of blocks are near, or touch with edges and corners that are no contacts."""
+    """Whether pairs of blocks, or their edges, are near, or touch and are no contacts."""
     if model.unjoined:
         return True
     found = further_of(model)
-    if found is None:
-        return False
-    return bool(len(found.contacts) or len(found.parallel) or len(found.corners))
+    touch = found and (len(found.contacts) or len(found.parallel) or len(found.corners))
+    return bool(touch or near_edges(model, np.ones(len(model), dtype=bool)))
 
 
 def _may_hold(found: Result, more: Contacts) -> bool:
