@@ -188,11 +188,11 @@ class Contacts(OneLine):
     def tributary(self) -> Floats:
         """(k,) [m2], the share of the interface's area that belongs to each corner.
 
-        A single point has the area for which it stands.
+        A single point has the area for which it stands; of a line the rounding is left out.
         """
-        single = self.corners.counts[self.interface] == 1
+        flat = self.corners.counts[self.interface] > 2
         share = polygon.tributary_areas(self.point, self.start)
-        return frozen(np.where(single, self.area[self.interface], share))
+        return frozen(np.where(flat, share, self.area[self.interface]))
 
     @cached_property
     def corner_capacity(self) -> tuple[Floats, Floats, Floats]:
