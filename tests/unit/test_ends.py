@@ -10,11 +10,13 @@ import pytest
 import drystone
 from drystone import InputError, LoadCase, Model, io
 from drystone.cli.application import main
-from drystone.models import wedge
+from drystone.design import BuildableOptions, CutOptions, cut_until_free
+from drystone.models import prism, wedge
 from drystone.settlement import End, FlushEnds, push
+from drystone.shells import Layout, barrel_vault, build_shell
 from tests.unit.cli.test_command import commands
 
-NO_PART = {"convert", "cut", "demo", "inspect", "mcp", "models", "poses", "reproduce", "shell"}
+NO_PART = {"convert", "demo", "inspect", "mcp", "models", "poses", "reproduce"}
 """Commands that read no model to check it, or make their own."""
 MODEL = Model.of(wedge("c"), friction=0.84, load=LoadCase.tilt(wedge("c"), (1.0, 0.0, 0.0), 40.0))
 """It stands where the groove is a little longer than the wedge, and falls where it is not."""
@@ -49,3 +51,12 @@ def test_what_follows_no_blocks_says_so(tmp_path: Path, capsys: pytest.CaptureFi
     io.write(MODEL, tmp_path / "wedge.json")
     assert main(["interlock", str(tmp_path / "wedge.json"), "--ends", "longer"]) == 2
     assert "--ends: a search for motions follows no blocks" in capsys.readouterr().err
+
+
+def test_a_shell_and_a_monolith_that_is_cut_keep_them() -> None:
+    sides = BuildableOptions(ends="exact")  # type: ignore[arg-type]
+    assert sides.ends is FlushEnds.EXACT
+    shell = build_shell(barrel_vault(span=6.0, length=6.0), Layout(courses=3, blocks=1))
+    assert shell.model(ends=FlushEnds.LONGER).ends is FlushEnds.LONGER
+    tower = prism([(0, 0), (1, 0), (1, 2), (0, 2)], (0, 1), "tower")
+    assert cut_until_free(tower, options=CutOptions(2, ends=FlushEnds.EXACT)).model.ends == "exact"

@@ -110,7 +110,7 @@ def cut(
         Analysis,
         Of(
             "drystone.design.cut_until_free",
-            ("options.blocks", "options.friction", "options.most", "time_limit_s"),
+            ("options.blocks", "options.friction", "options.ends", "options.most", "time_limit_s"),
             shown=("options.blocks", "options.friction"),
         ),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial as bound
 from pathlib import Path
@@ -11,7 +12,8 @@ from drystone.base.errors import InputError
 from drystone.cli import families, kinds, options
 from drystone.cli.check_command import solve
 from drystone.cli.command import command
-from drystone.cli.offered import OUTPUT, Experts, Option
+from drystone.cli.model_input import HOW
+from drystone.cli.offered import OUTPUT, Analysis, Experts, Option
 from drystone.cli.shell_pattern import (
     ShellPattern,
     find_buildable,
@@ -51,7 +53,7 @@ def shell(
         ),
     ] = False,
     search: Annotated[SearchRequest, Experts(but=("vary",))],
-    friction: options.Friction = None,
+    reading: Annotated[Analysis, HOW(("friction", "ends"), shown=("friction",))],
     time_limit: options.TimeLimit = None,
     out: Annotated[
         Path | None,
@@ -99,7 +101,7 @@ def shell(
             raise InputError(
                 "are two searches", where="--buildable and --vary", remedy="give one of them"
             )
-        tuned = _search(wanted, pattern, search, friction, waiting, time_limit)
+        tuned = _search(wanted, pattern, search, reading.given, waiting, time_limit)
         if not tuned.front:
             return Told(tuned, subject=wanted.surface)
         wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
@@ -116,13 +118,12 @@ def shell(
         layout = pattern.layout(base.width, COURSES)
         body = pattern.body(wanted.thickness)
         told = find_buildable(
-            base.shape, layout, body, pattern, friction, waiting, time_limit, search.workers
+            base.shape, layout, body, pattern, reading.given, waiting, time_limit, search.workers
         )
         made = build_shell(base.shape, told.layout or layout, body)
     else:
         made = shell_on(base, wanted, pattern, waiting)
-    model = made.model() if friction is None else made.model(friction=friction)
-    model = replace(model, notes=(*base.notes, *made.notes))
+    model = replace(made.model(**reading.given), notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
     result = solve(model, waiting, time_limit)
     if block_files is not None:
@@ -140,7 +141,7 @@ def _search(
     wanted: SurfaceRequest,
     pattern: ShellPattern,
     search: SearchRequest,
-    friction: float | None,
+    joints: Mapping[str, Any],
     waiting: Waiting,
     time_limit: float | None,
 ) -> Tuned:
@@ -149,8 +150,7 @@ def _search(
     ranges = [parameter_range(text, known) for text in search.vary]
     with_values(wanted, pattern, **{one.name: one.choices[0] if one.choices else one.low
                                     for one in ranges})  # fmt: skip
-    how: dict[str, Any] = {} if friction is None else {"friction": friction}
-    return search.run(bound(varied_shell, wanted, pattern), known, how, waiting, time_limit)
+    return search.run(bound(varied_shell, wanted, pattern), known, joints, waiting, time_limit)
 
 
 def _files(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -200,7 +201,7 @@ def find_buildable(
     layout: Layout,
     body: ShellBody,
     pattern: ShellPattern,
-    friction: float | None,
+    joints: Mapping[str, Any],
     waiting: Waiting,
     time_limit: float | None,
     workers: int | str,
@@ -228,7 +229,6 @@ def find_buildable(
 
     least = WEDGES[0] if pattern.wedge is None else pattern.wedge[0]
     wedges = (least, *(one for one in WEDGES if abs(one) > abs(least)))
-    given: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("build", "searching what can be built")
     with waiting.keywords(time_limit, workers) as common:
         try:
@@ -236,7 +236,7 @@ def find_buildable(
                 shape,
                 _layouts_to_try(layout, pattern),
                 body,
-                options=design.BuildableOptions(wedges=wedges, **given),
+                options=design.BuildableOptions(wedges=wedges, **joints),
                 **common,
             )
         except InputError:

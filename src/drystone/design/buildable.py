@@ -30,6 +30,7 @@ from drystone.contacts import DEFAULT_FRICTION
 from drystone.design.built import Buildable, Help
 from drystone.design.changed import Kept
 from drystone.design.regions import local_model
+from drystone.model import FlushEnds
 from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
@@ -67,11 +68,14 @@ class BuildableOptions(Options):
         Coefficient of every joint.
     hands
         See :class:`drystone.sequence.Rules`.
+    ends
+        What becomes of flush ends of joints.
     """
 
     wedges: tuple[float, ...] = WEDGES
     friction: float = DEFAULT_FRICTION
     hands: int = 2
+    ends: FlushEnds | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -310,7 +314,7 @@ class _WedgeSearch:
         self.tried += 1
         shell = build_shell(self.shape, layout, self.body)
         found = plan(
-            shell.model(friction=self.options.friction),
+            shell.model(friction=self.options.friction, ends=self.options.ends),
             options=PlanOptions(rules=self.rules, anyway=True),
             executor=self.pool.executor,
             stop=self.late,
@@ -350,7 +354,7 @@ class _WedgeSearch:
 def _course_alone(options: BuildableOptions, clock: Clock, of: tuple[_Place, Shell]) -> _Cost:
     """The help that a course of a shell needs on those below it, which are held."""
     (course, *_), shell = of
-    model = shell.model(friction=options.friction)
+    model = shell.model(friction=options.friction, ends=options.ends)
     level = levels_of(shell)
     own = (course_of(shell) == course) & ~model.assembly.fixed
     if not own.any():

@@ -14,7 +14,7 @@ check, modify, sequence, and back).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from drystone.design.built import Buildable, helped
 from drystone.design.changed import Kept
 from drystone.design.words import place as at_place
 from drystone.geometry.frames import unit
-from drystone.model import Model
+from drystone.model import FlushEnds, Model
 from drystone.sequence import Plan, PlanOptions, check_both, plan
 
 UPRIGHT = 1e-3
@@ -55,6 +55,9 @@ class CutOptions(Options):
         Number of blocks; the lowest is the support.
     friction : coefficient >= 0
         Of all joints.
+    ends
+        What becomes of flush ends of joints where blocks are followed; left out, undecided where
+        they decide.
     most : >= 1
         Number of plans after which the loop ends.
     plan
@@ -63,6 +66,7 @@ class CutOptions(Options):
 
     blocks: int = 4
     friction: float = 0.6
+    ends: FlushEnds | None = None
     most: int = 40
     plan: PlanOptions = field(default_factory=PlanOptions)
 
@@ -71,6 +75,10 @@ class CutOptions(Options):
         self._refuse_below(2, "blocks")
         self._refuse_below(1, "most")
         self._refuse_below(0.0, "friction")
+
+    def model(self, assembly: Assembly) -> Model:
+        """Blocks with joints as chosen."""
+        return replace(Model.of(assembly, friction=self.friction), ends=self.ends)
 
 
 @checked_call
@@ -111,7 +119,7 @@ def cut_until_free(
     clock = Clock(time_limit_s, stop, progress)
     first = [0] * len(choices)
     log: list[str] = []
-    model = Model.of(Assembly((block,), np.array([True])), friction=chosen.friction)
+    model = chosen.model(Assembly((block,), np.array([True])))
     kept: tuple[Kept, ...] = ()
     found: Plan | None = None
     words = f"not every block is free after {counted(chosen.most, 'plan')}"
@@ -120,13 +128,13 @@ def cut_until_free(
             words = f"{clock.reason} before all was free"
             break
         clock.tell("cutting", done, chosen.most)
-        pieces, used = _cut(block, choices, first, chosen.friction)
+        pieces, used = _cut(block, choices, first, chosen)
         if len(used) < len(choices):
             place, why = len(used), "on none of its cuts the part above stands"
         else:
             kept = tuple(_kept(some[k]) for some, k in zip(choices, used, strict=True))
             assembly = Assembly(pieces, np.arange(len(pieces)) == 0)
-            model = Model.of(assembly, friction=chosen.friction)
+            model = chosen.model(assembly)
             found = plan(model, options=chosen.plan, executor=executor, stop=clock.late)
             needy = _helped(found)
             if needy is None:
@@ -147,7 +155,7 @@ def cut_until_free(
 
 
 def _cut(
-    block: Block, choices: Sequence[Sequence[Cut]], first: Sequence[int], friction: float
+    block: Block, choices: Sequence[Sequence[Cut]], first: Sequence[int], options: CutOptions
 ) -> tuple[tuple[Block, ...], list[int]]:
     """Blocks, and the number of the cut taken at each place; up to one where none is accepted."""
     pieces: list[Block] = []
@@ -155,7 +163,7 @@ def _cut(
     rest = block
     for place, some in enumerate(choices):
         for number in range(first[place], len(some)):
-            parts = _parts(rest, some[number], friction)
+            parts = _parts(rest, some[number], options)
             if parts is not None:
                 rest, below = parts
                 pieces.append(below.renamed(f"c{place:02d}-block"))
@@ -166,7 +174,7 @@ def _cut(
     return (*pieces, rest.renamed(f"c{len(pieces):02d}-block")), used
 
 
-def _parts(rest: Block, cut: Cut, friction: float) -> tuple[Block, Block] | None:
+def _parts(rest: Block, cut: Cut, options: CutOptions) -> tuple[Block, Block] | None:
     """The part above a cut and that below; None unless there are two, and the one above stands."""
     try:
         above, below = split_block(rest, cut)
@@ -176,7 +184,7 @@ def _parts(rest: Block, cut: Cut, friction: float) -> tuple[Block, Block] | None
         return None
     both = (below[0].renamed("below"), above[0].renamed("above"))
     pair = Assembly(both, np.array([True, False]))
-    stands = check_both(Model.of(pair, friction=friction)).stable
+    stands = check_both(options.model(pair)).stable
     return (above[0], below[0]) if stands else None
 
 

@@ -23,7 +23,7 @@ from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import loop_edges, rings
 from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
-from drystone.model import Model
+from drystone.model import FlushEnds, Model
 from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
 from drystone.shells.courses import lay_courses
 from drystone.shells.head_joints import lay_bond
@@ -235,7 +235,11 @@ class Shell(Answer):
         )
 
     def model(  # type: ignore[override]
-        self, *, friction: float = DEFAULT_FRICTION, load: Any = None
+        self,
+        *,
+        friction: float = DEFAULT_FRICTION,
+        load: Any = None,
+        ends: FlushEnds | None = None,
     ) -> Model:
         """The shell as a model, with its known contacts.
 
@@ -243,7 +247,7 @@ class Shell(Answer):
         ----------
         friction
             Coefficient of every joint.
-        load
+        load, ends
             See :class:`drystone.Model`.
 
         Examples
@@ -255,7 +259,7 @@ class Shell(Answer):
         True
         """
         contacts = self.contacts.with_friction(friction)
-        return Model(self.assembly, contacts, load, notes=self.notes)
+        return Model(self.assembly, contacts, load, notes=self.notes, ends=ends)
 
 
 def build_shell(
