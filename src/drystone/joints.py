@@ -17,6 +17,7 @@ from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
 from drystone.geometry.pressure import peak_pressure
+from drystone.ties import ties_of
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9
@@ -375,7 +376,7 @@ class ForceNetwork(OneLine):
 
 
 def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants) -> ForceNetwork:
-    """The force network of resultants.
+    """The force network of resultants, through joints; ties have no part in it.
 
     Examples
     --------
@@ -387,7 +388,8 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
     [1.333, 1.333, 2.5]
     """
     normal = resultants.normal
-    pressed = np.flatnonzero(normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300))
+    loaded = normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    pressed = np.flatnonzero(loaded & ~ties_of(assembly, contacts))
     block = np.concatenate([contacts.block_a[pressed], contacts.block_b[pressed]])
     interface = np.concatenate([pressed, pressed])
     free = ~assembly.fixed[block]

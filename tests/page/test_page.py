@@ -232,13 +232,13 @@ def test_the_page_of_a_plan_brings_each_block_in(opened):
     assert tab.text("h1") == "Can be assembled without help"
     assert tab.text("#stage-label") == "all blocks, after 2 steps"
     tab.slide("#stage", 0)
-    assert tab.text("h1") == "Block 1 of 2: stands without help"
-    assert tab.text("#stage-label") == "block 1 of 2, block-1 (step 1 of 2)"
+    assert tab.text("h1") == "Step 1 of 2: stands without help"
+    assert tab.text("#stage-label") == "step 1 of 2: block-1"
     before = pixels(tab)
     tab.slide("#motion", 0.2)
     assert pixels(tab) != before
     tab.key("PageDown")
-    assert tab.text("#stage-label").startswith("block 2 of 2")
+    assert tab.text("#stage-label").startswith("step 2 of 2")
     assert tab.run("document.getElementById('motion').value") == "1"
 
 

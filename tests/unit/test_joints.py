@@ -1,11 +1,14 @@
 """Joint tables and thrust lines from corner forces."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drystone import Assembly, Contacts, InputError, LoadCase, Model, Result, Verdict, solve_rbe
 from drystone.joints import chain, corner_pressure, force_network, hinged, worst_joints
 from drystone.models import arch, tower, wall
+from drystone.ties import tied
 from tests.oracle import touching_faces
 
 TOWER = tower(2)
@@ -147,6 +150,19 @@ def test_the_force_network_of_an_arch_is_its_thrust_line() -> None:
         share = np.clip(((end - a) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
         assert np.linalg.norm(a + share[:, None] * along - end, axis=1).min() < 1e-9
         assert np.linalg.norm(line.point - start, axis=1).min() < 1e-9
+
+
+def test_a_tie_is_a_line_of_its_own_and_no_part_of_the_force_network() -> None:
+    model = tied(Model(arch(0.3, 7), touching_faces(arch(0.3, 7), 0.7)), 3, 5)
+    result = solve_rbe(model)
+    tie = len(model.contacts.area) - 1
+    result = replace(result, force=np.where(model.contacts.interface[:, None] == tie,
+                     [500.0, 0.0, 0.0], result.force))  # fmt: skip
+    made = force_network(result.assembly, result.contacts, result.resultants)
+    assert tie not in made.interface
+    (drawn,) = (one for one in result.layers().stages[0].layers if one.key == "ties")
+    np.testing.assert_allclose(drawn.position + drawn.vector, model.assembly.centroid[[3]])
+    assert "2e+03 N" in drawn.label
 
 
 def test_a_force_on_the_rim_is_a_hinge_and_one_inside_is_none() -> None:

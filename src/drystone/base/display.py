@@ -136,9 +136,19 @@ def differing(value: Any, *, code: bool = False) -> dict[str, str]:
             else field.default_factory()
         )
         if field.repr and not (one is default or _plainly_equal(one, default)):
-            word = isinstance(one, enum.Enum) and not code
-            told[field.name] = str(one.value) if word else _SHORT.repr(one)
+            told[field.name] = _SHORT.repr(one) if code else _words(one)
     return told
+
+
+def _words(value: Any, between: str = ", ") -> str:
+    """A value as text: of several the first, and how many more there are."""
+    if isinstance(value, enum.Enum):
+        return str(value.value)
+    if isinstance(value, list | tuple):
+        most = _SHORT.maxlist
+        rest = f" and {len(value) - most} more" if len(value) > most else ""
+        return between.join(_words(one, ":") for one in value[:most]) + rest
+    return shortened(value, NAME) if isinstance(value, str) else _SHORT.repr(value)
 
 
 def draw_with(draw: Callable[[object], str]) -> None:
@@ -158,13 +168,17 @@ def name_text(name: str) -> str:
 
 
 def named(names: Sequence[str], most: int = _NAMED) -> str:
-    """The first names, and how many more there are.
+    """The names, or the first ones and how many more there are, where all are too long.
 
     Examples
     --------
     >>> named(["a", "b", "c", "d", "e"])
-    'a, b, c and 2 more'
+    'a, b, c, d, e'
+    >>> named(["a long name of a block"] * 5, 2)
+    'a long name of a block, a long name of a block and 3 more'
     """
+    if len(whole := ", ".join(names)) <= NAME:
+        return whole
     rest = len(names) - most
     return ", ".join(shortened(one, NAME) for one in names[:most]) + (
         f" and {rest} more" if rest > 0 else ""

@@ -32,6 +32,7 @@ from drystone.joints import (
 from drystone.model import Model
 from drystone.results.reactions import reaction_layer
 from drystone.results.solution import Solution
+from drystone.ties import ties_of
 
 NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load comes from the ground springs. It is not
@@ -166,6 +167,18 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
             interface=first[made.interface[kept]],
         )
     )  # fmt: skip
+    ties = np.flatnonzero(shown & ties_of(result.assembly, contacts))
+    if ties.size:
+        centroid = result.assembly.centroid
+        start, end = centroid[contacts.block_a[ties]], centroid[contacts.block_b[ties]]
+        pull = float(resultants.normal[joint[ties]].max())
+        words = "ties, which pull up to" if ties.size > 1 else "a tie, which pulls"
+        layers.append(
+            Layer(
+                "ties", f"{words} {pull:.3g} N", LayerKind.LINES, "added", start, end - start,
+                interface=ties, width=2.0,
+            )
+        )  # fmt: skip
     carrying = shown[first] & (resultants.normal > FAINT * resultants.normal.max(initial=0.0))
     hinges, turns = _heaviest(hinged(contacts.joints, resultants) & carrying, resultants.normal)
     spent, slides = _heaviest((used > HINGED) & carrying, resultants.normal)

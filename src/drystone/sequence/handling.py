@@ -107,7 +107,7 @@ class Placement(OneLine):
     Attributes
     ----------
     step
-        Number of the step in the plan, from 0.
+        Number of the step in the plan, from 1.
     name
     status
         How it is placed: free, held or propped (:class:`drystone.sequence.Status`).
@@ -244,10 +244,10 @@ class Handling(Answer):
     def props_removed(self, placement: Placement) -> tuple[str, ...]:
         """Names of the blocks whose props are taken away after a placement, before the next one."""
         names, steps = self.model.assembly.names, self.plan.steps
-        step = steps[placement.step]
-        if placement.step == 0 or placement.name != names[step.blocks[-1]]:
+        step, before = steps[placement.step - 1], steps[placement.step - 2]
+        if placement.step == 1 or placement.name != names[step.blocks[-1]]:
             return ()
-        return tuple(names[b] for b in steps[placement.step - 1].props if b not in step.props)
+        return tuple(names[b] for b in before.props if b not in step.props)
 
     def _items(self) -> list[dict[str, Any]]:
         """The items of the scaffolding, with the first and last step after which each stands."""
@@ -258,8 +258,8 @@ class Handling(Answer):
                 "kind": type(item).__name__.lower(),
                 **item_numbers(item),
                 "block": names[when[item.block].block],
-                "first_step": when[item.block].first,
-                "last_step": when[item.block].last,
+                "first_step": when[item.block].first + 1,
+                "last_step": when[item.block].last + 1,
             }
             for item in (() if self.scaffolding is None else self.scaffolding.items)
         ]
@@ -268,7 +268,7 @@ class Handling(Answer):
         """Robots, placements, holds and props; lengths in m, masses in kg, forces in N."""
         return {
             "format": "drystone-handling",
-            "version": 2,
+            "version": 3,
             "robots": plain(self.robots),
             "placements": [
                 {**plain(one), "props_removed": self.props_removed(one)} for one in self.placements
@@ -457,7 +457,7 @@ def _placed(
         last = np.diff(approach[-2:, :3, 3], axis=0).sum(axis=0)
         insertion = last / np.linalg.norm(last) if last.any() else insertion
     return Placement(
-        step=number,
+        step=number + 1,
         name=body.name,
         status=plan.status[block].value,
         robot="" if robot is None else robot.name,

@@ -98,7 +98,7 @@ class Margins(Answer):
         """The margins of every stage."""
         known = range(len(self.stages))
         columns = {
-            "step": known,
+            "step": [i + 1 for i in known],
             "least_friction": [one.least_friction for one in self.stages],
             "tilt_deg": [one.tilt for one in self.stages],
         }
@@ -121,7 +121,7 @@ class Margins(Answer):
     def table(self) -> Table:
         """The plan's table with the margins of each stage."""
         plan = self.plan.table()
-        stage = plan["stage"] - 1
+        stage = plan["step"] - 1
         columns = {
             "least_friction": np.array([one.least_friction for one in self.stages])[stage],
             "tilt": np.array([one.tilt for one in self.stages])[stage],

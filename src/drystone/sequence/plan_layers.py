@@ -28,6 +28,7 @@ _STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
     Status.IMPOSSIBLE: State.ABSENT,
     Status.FREE: State.FREE,
+    Status.UNSURE: State.FREE,
     Status.HELD: State.HELD,
     Status.PROPPED: State.PROPPED,
 }
@@ -48,12 +49,12 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
     """One stage for each block of a step."""
     step = plan.steps[number]
     names = plan.model.assembly.names
-    numbers, placed = plan.numbers_of, plan.before(number)
+    here, placed = f"step {number + 1} of {len(plan.steps)}", plan.before(number)
     out = []
     for k, (block, answer) in enumerate(zip(step.blocks, (*step.during, step.answer), strict=True)):
         placed |= 1 << block
         held = step.blocks[: k + 1] if k < len(step.during) else ()
-        parts = [f"step {number + 1} of the {len(plan.steps)} of the plan"]
+        parts = []
         if held:
             parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
         elif len(step.blocks) > 1:
@@ -63,9 +64,7 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
             parts.append(f"propped: {', '.join(names[b] for b in propped)}")
         if state[block] in (State.FREE, State.LATER):
             state[block] = State.COMING
-        here = f"block {numbers[block]} of {len(numbers)}"
-        label = f"{here}, {names[block]} (step {number + 1} of {len(plan.steps)})"
-        stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
+        stage = _stage(plan, f"{here}: {names[block]}", "; ".join(parts), state, answer, forces)
         told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
         out.append(replace(stage, headline=told, motion=_way_in(plan, block, step.motion[k])))
     return out

@@ -27,6 +27,8 @@ class Status(enum.Enum):
     """Placed together with its partners: one is placed while hands hold the others."""
     PROPPED = "propped"
     """Needs a prop during some stages."""
+    UNSURE = "unsure"
+    """Placed alone; that it stands then was not shown."""
     IMPOSSIBLE = "impossible"
     """Cannot be inserted."""
 
@@ -122,7 +124,7 @@ class PlannedSteps:
 
     @cached_property
     def step_of(self) -> Mapping[int, int]:
-        """Step that places each block."""
+        """Position in ``steps`` of the one that places each block; it is told as one more."""
         return {b: i for i, step in enumerate(self.steps) for b in step.blocks}
 
     @cached_property
@@ -144,20 +146,21 @@ class PlannedSteps:
     @cached_property
     def status(self) -> tuple[Status, ...]:
         """(n,) of each block."""
-        fixed = self.model.assembly.fixed
         propped = {prop.block for prop in self.props}
-        held = {b for step in self.steps if len(step.blocks) > 1 for b in step.blocks}
 
         def of(block: int) -> Status:
             if block in self.impossible:
                 return Status.IMPOSSIBLE
-            if fixed[block] or block not in self.step_of:  # in place from the beginning
+            if block not in self.step_of:  # in place from the beginning
                 return Status.SUPPORT
+            step = self.steps[self.step_of[block]]
             if block in propped:
                 return Status.PROPPED
-            return Status.HELD if block in held else Status.FREE
+            if len(step.blocks) > 1:
+                return Status.HELD
+            return Status.FREE if step.answer.stands else Status.UNSURE
 
-        return tuple(of(block) for block in range(len(fixed)))
+        return tuple(of(block) for block in range(len(self.model.assembly)))
 
     @property
     def help(self) -> tuple[int, int, int]:
@@ -224,16 +227,10 @@ class PlannedSteps:
         """Blocks in place before a step begins, as bits."""
         return self.steps[number].placed & ~mask_of(self.steps[number].blocks)
 
-    @cached_property
-    def numbers_of(self) -> dict[int, int]:
-        """The number of each planned block, from 1 in the order of assembly."""
-        order = (block for step in self.steps for block in step.blocks)
-        return {block: number for number, block in enumerate(order, 1)}
-
     @property
     def told(self) -> str:
         """The number of steps, and of blocks of each status."""
         counts = self.counts
-        kinds = ("free", "held", "propped", "impossible")
-        said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")
+        always, known = ("free", "held", "propped"), [*counts.items()][1:]
+        said = ", ".join(f"{n} {kind}" for kind, n in known if n or kind in always)
         return f"{len(self.steps)} steps: {said}"

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence
-from drystone.base.display import differing
+from drystone.base.display import differing, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.plan_layers import step_stages, summary_stage
 from drystone.sequence.plan_steps import PlannedSteps, Status, Step
+from drystone.sequence.robots import FAR
 from drystone.sequence.rules import TOO_HEAVY, Order, Rules, too_heavy
 from drystone.sequence.stage_tree import Node
 from drystone.sequence.stages import StageAnswer, members
@@ -124,6 +125,8 @@ class Plan(PlannedSteps, Answer):
     def notes(self) -> tuple[str, ...]:
         """Which blocks cannot be placed, why, and the remedy; blocks with the same reason share it.
 
+        What no robot can do comes first: other blocks may wait for it.
+
         Examples
         --------
         >>> from drystone.models import tower
@@ -139,9 +142,9 @@ class Plan(PlannedSteps, Answer):
             if block not in heavy:
                 groups.setdefault(why.partition(":")[0], []).append(block)
         for blocks in groups.values():
-            name, why = self.model.assembly.names[blocks[0]], self.impossible[blocks[0]]
-            more = f" and {counted(len(blocks) - 1, 'more block')}" if len(blocks) > 1 else ""
-            said.append(f"impossible: '{name}'{more}: {why}")
+            names, why = self.model.assembly.names, self.impossible[blocks[0]]
+            told = f"impossible: {named([names[b] for b in blocks])}: {why}"
+            said.insert(len(heavy[:1]) if why.startswith(FAR) else len(said), told)
         return tuple(said)
 
     @property
@@ -158,15 +161,19 @@ class Plan(PlannedSteps, Answer):
         said = " and ".join(f"{counted(counts[kind], 'block')} {kind}" for kind in kinds)
         return f"Can be assembled {f'with {said}' if said else 'without help'}"
 
+    @property
+    def role(self) -> Role:
+        """Of its first sentence and of the title of its pictures: good where it needs no prop."""
+        if not self.counts["propped"] and self.verdict is Verdict.STABLE:
+            return Role.GOOD
+        return Role.BAD if self.impossible else Role.UNSURE
+
     def sentences(self) -> Sequence[Sentence]:
-        """PlannedSteps and counts, why there is no plan, and why steps need help."""
+        """Steps and counts, why there is no plan, and why steps need help."""
         lost = [Sentence(one, Role.REMARK) for one in self.notes]
         if not self.steps:
             return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
-        role = Role.GOOD
-        if self.counts["propped"] or self.verdict is not Verdict.STABLE:
-            role = Role.BAD if self.impossible else Role.UNSURE
-        said = [Sentence(self.told, role), Sentence(self.message)]
+        said = [Sentence(self.told, self.role), Sentence(self.message)]
         if any(self.help) and not self.proved:
             tried = "course" if self.rules.order is Order.TOP else "top"
             more = (
@@ -205,7 +212,7 @@ class Plan(PlannedSteps, Answer):
                 {
                     "block": names[b],
                     "status": self.status[b].value,
-                    "step": self.step_of.get(b),
+                    "step": self.step_of[b] + 1 if b in self.step_of else None,
                     "partners": [names[p] for p in self.partners(b)],
                     "why": self._why(b),
                 }
@@ -215,8 +222,8 @@ class Plan(PlannedSteps, Answer):
             "props": [
                 {
                     "block": names[prop.block],
-                    "first_step": prop.first,
-                    "last_step": prop.last,
+                    "first_step": prop.first + 1,
+                    "last_step": prop.last + 1,
                     "stages": prop.stages,
                     "at": self.model.assembly.centroid[prop.block],
                     "force": prop.wrench[:3],
@@ -242,7 +249,7 @@ class Plan(PlannedSteps, Answer):
         step = self.steps[number]
         names = self.model.assembly.names
         return {
-            "step": number,
+            "step": number + 1,
             "blocks": [names[b] for b in step.blocks],
             "status": [self.status[b].value for b in step.blocks],
             "motion": step.motion,
@@ -255,10 +262,10 @@ class Plan(PlannedSteps, Answer):
         }
 
     def table(self) -> Table:
-        """A row per block in the order of assembly: stage, status, partners, prop, friction."""
+        """A row per block in the order of assembly: step, status, partners, prop, friction."""
         names, prop = self.model.assembly.names, {one.block: one for one in self.props}
         keys = (
-            "stage", "block", "status", "with", "prop_force", "prop_stages", "propped_now",
+            "step", "block", "status", "with", "prop_force", "prop_stages", "propped_now",
             "friction_used",
         )  # fmt: skip
         rows = [
@@ -275,9 +282,11 @@ class Plan(PlannedSteps, Answer):
 
         A page opens with the last one, whose headline is the answer of the whole plan.
         """
-        model, number = self.model, np.zeros(len(self.model.assembly), dtype=np.intp)
-        number[list(self.numbers_of)] = list(self.numbers_of.values())
-        last = summary_stage(self, self.title, self.message, self.verdict)
+        model = self.model
+        number = np.array([self.step_of.get(b, -1) + 1 for b in range(len(model.assembly))])
+        role = {Role.GOOD: Verdict.STABLE, Role.BAD: Verdict.UNSTABLE}  # of the title's colour
+        coloured = role.get(self.role, Verdict.UNDECIDED)
+        last = summary_stage(self, self.title, self.message, coloured)
         stages = (*step_stages(self), last)
         return Scene(
             model.assembly, model.contacts, stages, f"drystone plan: {self.told}",

@@ -27,6 +27,9 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import Check, Stage, StageAnswer, check_both, mask_of
 
+FAR = "out of reach"
+"""How the reason begins where no robot reaches a block."""
+
 
 @dataclass(frozen=True)
 class Robot(OneLine):
@@ -101,7 +104,7 @@ def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -
         )
     short = min(robots, key=lambda robot: float(robot.distance(centroid)) - robot.reach)
     missing = float(short.distance(centroid)) - short.reach
-    return f"out of reach: '{short.name}', the nearest robot, is {missing:.3g} m short"
+    return f"{FAR}: '{name}' is {missing:.3g} m too far for '{short.name}', the nearest robot"
 
 
 @dataclass(frozen=True, eq=False)

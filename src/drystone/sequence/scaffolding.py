@@ -96,7 +96,7 @@ class Scaffolding(Answer):
     items
         Everything that is set up, block by block.
     failed
-        Steps, from 0, that do not stand with it, or overload it, or that do not stand and have
+        Steps, from 1, that do not stand with it, or overload it, or that do not stand and have
         nothing that is held.
     stopped
         Why later stages were not checked; empty otherwise.
@@ -200,8 +200,8 @@ class Scaffolding(Answer):
         items = [item for item in self.items if int(self.assembly.indices([item.block])[0]) in held]
         layers = scaffold_layers(items, kind, self.assembly)
         stage = replace(stage, layers=(*stage.layers, *layers))
-        row = next((one for one in self.stages if one["step"] == number), None)
-        if number not in self.failed or row is None:  # nothing is held, and it does not stand
+        row = next((one for one in self.stages if one["step"] == number + 1), None)
+        if number + 1 not in self.failed or row is None:  # nothing is held, and it does not stand
             return stage
         over, verdict = int(row["overloaded"]), Verdict(row["verdict"])
         if verdict is Verdict.STABLE:
@@ -257,7 +257,7 @@ def scaffolding(
     >>> scaffolding(found, "strut").works
     True
     >>> scaffolding(found, "rope", options=ScaffoldOptions(limit=450.0)).failed
-    (2, 3)
+    (3, 4)
 
     One rope of the crown, which slides off its one neighbour, carries up to 513 N.
     """
@@ -270,11 +270,11 @@ def scaffolding(
         answers = pool.answers(partial(_checked, stages), several, clock.late)
         for (number, step), (whole, result) in zip(propped, answers, strict=False):
             told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
-            rows.append(_row(number, told, whole, result))
+            rows.append(_row(number + 1, told, whole, result))
             if progress is not None:
                 progress("scaffolding", len(rows), len(propped))
     failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
-    failed += [i for i, one in enumerate(plan.steps) if not (one.props or one.answer.stands)]
+    failed += [i for i, one in enumerate(plan.steps, 1) if not (one.props or one.answer.stands)]
     columns = {key: [getattr(row, key) for row in rows] for key in _Row._fields}
     held = [set[int](), *(set(step.props) for step in plan.steps)]
     moves = sum(len(now - before) for before, now in pairwise(held))

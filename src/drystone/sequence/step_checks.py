@@ -70,11 +70,8 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
         alone.append(Stage(step.placed, props & standing, False, near))
     found = (evaluator.answer(stage) for stage in alone)
     names = evaluator.model.assembly.names
-    return "; ".join(
-        "without help: " + falling_words(one, names) + one.message
-        for one in found
-        if not one.stands
-    )
+    told = [falling_words(one, names) + one.message for one in found if not one.stands]
+    return "without help: " + "; then ".join(told) if told else ""
 
 
 def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:

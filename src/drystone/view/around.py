@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _VERDICT_COLOUR = {
-    "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
-    "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
+    "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00", None: "#6a5200"},
+    "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c", None: "#f0d24a"},
 }
 
 
@@ -81,7 +81,7 @@ def write_title(
     """The headline, what was asked, and the message, above the drawing."""
     known = _VERDICT_COLOUR[theme]
     ink = ROLE_COLOUR[theme]["edge"]
-    colour = known.get(stage.verdict, ink) if stage.verdict else ink
+    colour = known.get(stage.verdict, known[None]) if stage.verdict else ink
     characters = max(20, int(size[0] * 11.0))  # up to the colour bar
     top = 0.975
     if stage.headline:

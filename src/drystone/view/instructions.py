@@ -25,16 +25,17 @@ svg { width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #d5d1c7; }
 th { color: #5d5950; font-weight: 500; }
-td:nth-child(3) { overflow-wrap: anywhere; } td:nth-child(6) { white-space: nowrap; }
+td:nth-child(2), td:nth-child(4) { overflow-wrap: anywhere; }
+td:nth-child(5) { white-space: nowrap; }
 td.n, th.n { text-align: right; }
-tr.held td:nth-child(4) { background: #e69f00; } tr.propped td:nth-child(4) { background: #d55e00;
+tr.held td:nth-child(3) { background: #e69f00; } tr.propped td:nth-child(3) { background: #d55e00;
   color: #ffffff; }
 @media print { body { margin: 0; max-width: none; } tr { break-inside: avoid; } }
 """
 
 
 def save_instructions(plan: Plan, path: str | PathLike[str]) -> None:
-    """Write a page for printing: the blocks, numbered in the order of assembly, and a table.
+    """Write a page for printing: the blocks with the steps that place them, and a table.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def instructions_text(plan: Plan) -> str:
     head = "".join(
         f"<th{' class=n' if number else ''}>{title}</th>"
         for title, number in (
-            ("no.", True), ("step", True), ("block", False), ("status", False), ("with", False),
+            ("step", True), ("block", False), ("status", False), ("with", False),
             ("moved along", False), ("ideal prop [N]", True), ("for stages", True),
             ("props in place", True),
         )
@@ -70,18 +71,16 @@ def instructions_text(plan: Plan) -> str:
 
 def _row(plan: Plan, step: Step) -> str:
     names = plan.model.assembly.names
-    numbers = plan.numbers_of
     prop = {one.block: one for one in plan.props}
     rows = []
     for block, motion in zip(step.blocks, step.motion, strict=True):
         status = plan.status[block].value
         one = prop.get(block)
         cells = (
-            (str(numbers[block]), True),
             (str(plan.step_of[block] + 1), True),
             (name_text(names[block]), False),
             (status, False),
-            (", ".join(str(numbers[b]) for b in plan.partners(block)), False),
+            (", ".join(name_text(names[b]) for b in plan.partners(block)), False),
             (", ".join(f"{x:.2f}" for x in np.round(motion, 2) + 0.0), False),
             (f"{one.force:,.0f}" if one else "", True),
             (str(one.stages) if one else "", True),
@@ -93,7 +92,7 @@ def _row(plan: Plan, step: Step) -> str:
 
 
 def _numbered_drawing(plan: Plan) -> str:
-    """Inline SVG of the complete structure with a number at every planned block."""
+    """Inline SVG of the complete structure with the number of its step at every planned block."""
     # the summary is above the drawing
     scene = plan.layers()
     bare = replace(scene.stages[-1], headline="", message="")

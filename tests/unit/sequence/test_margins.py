@@ -44,6 +44,7 @@ def test_a_stage_that_floats_stands_at_no_friction_and_no_tilt():
         plan(stacked, options=PlanOptions(rules=Rules(robots=[Robot("arm", payload=5000.0)])))
     )
     assert found.plan.order == ("top",)
+    assert (found.plan.counts["free"], found.plan.counts["unsure"]) == (0, 1)
     assert [(one.least_friction, one.tilt) for one in found.stages] == [(np.inf, 0.0)]
     assert found.sentences()[-1].text == "a stage of this order stands at no friction"
 

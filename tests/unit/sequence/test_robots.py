@@ -89,14 +89,14 @@ def test_a_placement_says_how_a_cell_places_it(tmp_path):
     work = handling(found, [LEFT, RIGHT], margins=known)
     status = {row["block"]: row["status"] for row in found.table()}
     for one in work.placements:
-        robot, step = (LEFT if one.robot == "left" else RIGHT), found.steps[one.step]
+        robot, step = (LEFT if one.robot == "left" else RIGHT), found.steps[one.step - 1]
         assert one.status == status[one.name]
         last = one.approach[-1, :3, 3] - one.approach[-2, :3, 3]
         np.testing.assert_allclose(one.insertion, last / np.linalg.norm(last))
         away = np.linalg.norm(one.frame[:3, 3] - np.array(robot.base))
         assert one.reach_left == pytest.approx(robot.reach - away)
         assert one.props == tuple(found.model.assembly.names[b] for b in step.props)
-        assert one.margins == known.stages[one.step]
+        assert one.margins == known.stages[one.step - 1]
     assert "propped" in status.values()
     work.table().to_csv(tmp_path / "work.csv")
     with (tmp_path / "work.csv").open() as file:
@@ -129,7 +129,7 @@ def test_props_of_the_step_before_stay_while_a_block_is_held():
         gone = work.props_removed(one)
         assert list(gone) == placed["props_removed"]
         stand = (stand | {*one.props}) - {*gone}
-        if one.name == names[found.steps[one.step].blocks[-1]]:
+        if one.name == names[found.steps[one.step - 1].blocks[-1]]:
             assert stand == {*one.props}
     assert any(work.props_removed(one) for one in work.placements)
 
@@ -161,7 +161,7 @@ def test_json_and_csv_hold_what_was_found(tmp_path):
     assert [row["robot"] for row in rows] == ["left", "strong"]
     assert float(rows[0]["mass [kg]"]) == pytest.approx(2400.0)
     assert (
-        [int(row["step"]) for row in rows] == [one["step"] for one in data["placements"]] == [0, 1]
+        [int(row["step"]) for row in rows] == [one["step"] for one in data["placements"]] == [1, 2]
     )
     assert sorted(p.name for p in tmp_path.iterdir()) == ["work.csv", "work.json"]
 

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from drystone.answer import Role
 from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, prism
+from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
 from drystone.view.instructions import instructions_text
@@ -70,13 +72,17 @@ def test_a_hand_lets_go_when_its_step_has_ended(planned):
 
 def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_way(planned):
     scene = planned.layers()
-    numbers = planned.numbers_of
-    for position, stage in enumerate(scene.stages[:-1], 1):
+    rows = planned.table()
+    assert planned.sentences()[0].role is Role.UNSURE  # two props: the title has its colour
+    assert scene.stages[-1].verdict is Verdict.UNDECIDED
+    assert max(rows["step"]) < len(rows["step"])  # some steps place several blocks
+    for name, position, stage in zip(rows["block"], rows["step"], scene.stages[:-1], strict=True):
         (block,) = np.flatnonzero(np.linalg.norm(stage.motion, axis=1))
-        assert numbers[block] == position
+        assert planned.model.assembly.names[block] == name
         assert scene.number[block] == position
-        assert f"block {position} of {len(numbers)}, " in stage.label
-        step = planned.steps[planned.step_of[block]]
+        assert stage.label.startswith(f"step {position} of {len(planned.steps)}")
+        assert stage.headline.startswith(f"Step {position} of {len(planned.steps)}: ")
+        step = planned.steps[position - 1]
         way = step.motion[step.blocks.index(block)]
         along = stage.motion[block, :3] / np.linalg.norm(stage.motion[block, :3])
         np.testing.assert_allclose(along, -way, atol=1e-9)
@@ -95,18 +101,16 @@ def test_stages_carry_their_own_forces(planned):
 
 def test_the_page_holds_all_stages_and_names_them(planned):
     text = page_text(planned.layers())
-    assert "block 1 of" in text
+    assert "step 1 of" in text
     assert "all blocks" in text
     assert "props and hands" in text
 
 
 def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
     text = instructions_text(planned)
-    assert planned.numbers_of == {
-        planned.model.assembly.index(name): i for i, name in enumerate(planned.order, 1)
-    }
-    for name in planned.order:
-        assert f"<td><bdi>{name}</bdi></td>" in text
+    rows = planned.table()
+    for name, step in zip(rows["block"], rows["step"], strict=True):
+        assert f"<td class=n>{step}</td><td><bdi>{name}</bdi></td>" in text
     assert "<svg" in text
     assert "<script" not in text
     assert "src=" not in text

@@ -35,7 +35,7 @@ function showBlock(data, stage, block, actions) {
   const card = element("div");
   card.append(element("h2", `Block ${names[block]}`));
   const { list, entry } = entryList();
-  if (number[block] > 0) entry("number in the order", String(number[block]));
+  if (number[block] > 0) entry(data.stages.some((one) => one.arrives) ? "step" : "number", String(number[block]));
   entry("index, from 0", String(block));
   entry("state", data.states[stage.state[block]]?.label ?? "not placed");
   entry("mass", plain(mass[block], "kg"));

@@ -70,7 +70,7 @@ function setStage(number) {
   renderer?.setStage(stage(), page.hidden);
   camera.upward = stage().up;
   byId("stage").value = page.stage;
-  const numbered = data.stages.some((one) => one.arrives); // by the number of the block
+  const numbered = data.stages.some((one) => one.arrives); // by the number of the step
   byId("stage-label").textContent = numbered
     ? stage().label : `${page.stage + 1} of ${data.stages.length}: ${stage().label}`;
   byId("motion-box").hidden = !stage().motion;
