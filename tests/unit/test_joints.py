@@ -160,7 +160,7 @@ def test_a_tie_is_a_line_of_its_own_and_no_part_of_the_force_network() -> None:
                      [500.0, 0.0, 0.0], result.force))  # fmt: skip
     made = force_network(result.assembly, result.contacts, result.resultants)
     assert tie not in made.interface
-    (drawn,) = (one for one in result.layers().stages[0].layers if one.key == "ties")
+    (drawn,) = (one for one in result.layers().stages[0].layers if one.key == "tie-forces")
     np.testing.assert_allclose(drawn.position + drawn.vector, model.assembly.centroid[[3]])
     assert "2e+03 N" in drawn.label
 

@@ -107,7 +107,8 @@ def convert(
         "joint_allowance": joint_allowance,
         "loses": chosen.loses,
     }
-    told = [Sentence(f"{len(read.assembly)} blocks, {chosen.title}", Role.GOOD)]
+    units = read.units if chosen.any_unit else "m"
+    told = [Sentence(f"{len(read.assembly)} blocks, {chosen.title}, in {units}", Role.GOOD)]
     if joint_allowance is not None:
         said = f"joints are open by {1e3 * joint_allowance:g} mm; analyse the model without it"
         told.append(Sentence(said, Role.REMARK))

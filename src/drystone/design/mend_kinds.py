@@ -185,8 +185,10 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         return thicken_blocks(model, blocks[bench.own].tolist(), share)
 
     def words(share: float) -> str:
-        names = names_of(bench.model, bench.region)
-        return f"{names} thicker by {100.0 * share:.0f} %, on both faces"
+        names, local = names_of(bench.model, bench.region), bench.local.assembly
+        beside = names_of(bench.local, np.flatnonzero(local.fixed).tolist())
+        told = f"{names} thicker by {100.0 * share:.0f} %, on both faces"
+        return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
     why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"
     yield Tries([Change("thicker", make, words, _THICKER, 0.02)], why)

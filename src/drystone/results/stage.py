@@ -175,7 +175,7 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
         words = "ties, which pull up to" if ties.size > 1 else "a tie, which pulls"
         layers.append(
             Layer(
-                "ties", f"{words} {pull:.3g} N", LayerKind.LINES, "added", start, end - start,
+                "tie-forces", f"{words} {pull:.3g} N", LayerKind.LINES, "added", start, end - start,
                 interface=ties, width=2.0,
             )
         )  # fmt: skip

@@ -185,7 +185,9 @@ class Scaffolding(Answer):
             for number, stage in zip(shown, scene.stages[: len(shown)], strict=True)
         ]
         (summary,) = scene.stages[len(shown) :]
-        if not self.works:
+        if self.works:
+            summary = replace(summary, verdict=Verdict.STABLE)
+        else:
             summary = replace(
                 summary,
                 message=f"with ideal props: {summary.message}",
