@@ -7,8 +7,10 @@ without need at the end. Here the full check is asked without each help.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from drystone.base.progress import Stopped
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
@@ -62,19 +64,28 @@ def trimmed(found: tuple[list[Node], bool], search: OrderSearch) -> Trimmed:
 
 
 def mended(order: Trimmed, search: OrderSearch) -> Trimmed:
-    """An order with further props where scaffolding does not carry those that it has."""
+    """An order with further props where scaffolding does not carry those that it has.
+
+    What was found is kept when the time is over.
+
+    Raises
+    ------
+    Stopped
+        The time is over before it is known which stages are carried.
+    """
     best = _finished(order.path, order.props, order.proved, search)
-    while any(best.failures):
-        needed: list[int] = []
-        more = 0
-        for number, (node, props) in enumerate(zip(best.path, best.props, strict=True)):
-            placed = best.path[number - 1].group if number else ()
-            needed.append(_carried(replace(node, props=props), placed, more, search))
-            more |= needed[-1] & ~props
-        found = _finished(best.path, needed, proved=False, search=search)
-        if found.rank >= best.rank:
-            break
-        best = found
+    with suppress(Stopped):
+        while any(best.failures):
+            needed: list[int] = []
+            more = 0
+            for number, (node, props) in enumerate(zip(best.path, best.props, strict=True)):
+                placed = best.path[number - 1].group if number else ()
+                needed.append(_carried(replace(node, props=props), placed, more, search))
+                more |= needed[-1] & ~props
+            found = _finished(best.path, needed, proved=False, search=search)
+            if found.rank >= best.rank:
+                break
+            best = found
     return best
 
 

@@ -218,7 +218,11 @@ class _Planner:
         if self.scaffold is None or math.isinf(self.patience):
             return self.searched(complete, bound)
         ideal = self.searched(complete, bound, carried=False)
-        known = mended(ideal, self.new_search(bound))
+        try:
+            known = mended(ideal, self.new_search(bound))
+        except Stopped:
+            self.cut_short(f"{self.scaffold.support.words(2)} were tried in place of ideal props")
+            return ideal
         if self.cut or known.rank == (0, 0, ideal.cost):
             return known
         limit = None if any(known.failures) else 2 * known.cost[0]
@@ -230,6 +234,8 @@ class _Planner:
         except Stopped:
             self.cut_short()
             return known
+        if self.evaluator.late():
+            self.cut_short()
         return min(known, other, key=lambda one: one.rank)
 
     def searched(
@@ -272,10 +278,10 @@ class _Planner:
             return replace(best, proved=True)
         return min(best, trimmed(less, search), key=lambda one: one.cost)
 
-    def cut_short(self) -> None:
+    def cut_short(self, before: str = "less help was searched for to the end") -> None:
         """Go on without a time limit: what was found is told in full."""
         self.evaluator.late = bool
-        self.cut = f"{self.clock.reason} before less help was searched for to the end"
+        self.cut = f"{self.clock.reason} before {before}"
 
     def new_search(
         self, bound: BoundRules, *, carried: bool = True, limit: int | None = None

@@ -129,6 +129,11 @@ class ScaffoldedStages:
             self._known[placed, held] = whole, result = whole, _followed(whole.model, result)
         return whole, result
 
+    def only_looked_at(self, whole: ScaffoldedModel, result: Result) -> bool:
+        """Whether a stage of a plan stands by a look alone, since it has many corners."""
+        many = whole.model.contacts.corner_count > CHECKED
+        return self.check is check_once and result.stable and many
+
     def _here(self, placed: int) -> list[int]:
         """The supports and the free blocks in place."""
         return sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])

@@ -84,7 +84,8 @@ class Scaffolding(Answer):
     support
     stages
         Table, a row per stage that is held: ``step``, ``blocks`` that are held, ``verdict``,
-        ``items``, ``length`` [m], ``peak_force`` [N], ``overloaded`` items.
+        ``items``, ``length`` [m], ``peak_force`` [N], ``overloaded`` items, and whether it was
+        ``followed`` while it settles: not where it has too many corners.
     metre_stages : [m]
         Sum over the stages of the length in place.
     peak_force : [N]
@@ -137,13 +138,16 @@ class Scaffolding(Answer):
     def title(self) -> str:
         """Whether every stage stands with it."""
         if self.works:
-            return f"Every stage stands with {self.support.words(2)}"
+            looked = int((self.stages["followed"] == "no").sum())
+            but = f"; {counted(looked, 'stage')} only looked at, not followed" if looked else ""
+            return f"Every stage stands with {self.support.words(2)}{but}"
         failed = f"{counted(len(self.failed), 'step')} of {len(self.plan.steps)} do not stand"
         return f"Not every stage stands with {self.support.words(2)}: {self.stopped or failed}"
 
     def sentences(self) -> Sequence[Sentence]:
         """Whether every stage stands, and what it takes."""
-        role = Role.GOOD if self.works else Role.UNSURE if self.stopped else Role.BAD
+        unsure = self.stopped or (self.works and "no" in self.stages["followed"])
+        role = Role.UNSURE if unsure else Role.GOOD if self.works else Role.BAD
         known = " where a rest state was found" if self.failed else ""
         blocks, of = len(self.propped), len(self.plan.model.assembly.free)
         takes = (
@@ -185,6 +189,11 @@ class Scaffolding(Answer):
             for number, stage in zip(shown, scene.stages[: len(shown)], strict=True)
         ]
         (summary,) = scene.stages[len(shown) :]
+        every = (
+            replace(one, label=f"{one.label} in all")
+            for one in scaffold_layers(self.items, self.support, self.assembly)
+        )
+        summary = replace(summary, layers=(*summary.layers, *every))
         if self.works:
             summary = replace(summary, verdict=Verdict.STABLE)
         else:
@@ -272,7 +281,8 @@ def scaffolding(
         answers = pool.answers(partial(_checked, stages), several, clock.late)
         for (number, step), (whole, result) in zip(propped, answers, strict=False):
             told = ", ".join(plan.model.assembly.names[b] for b in sorted(step.props))
-            rows.append(_row(number + 1, told, whole, result))
+            followed = "no" if stages.only_looked_at(whole, result) else "yes"
+            rows.append(_row(number + 1, told, whole, result, followed))
             if progress is not None:
                 progress("scaffolding", len(rows), len(propped))
     failed = [row.step for row in rows if row.verdict != Verdict.STABLE.value or row.overloaded]
@@ -305,14 +315,17 @@ class _Row(NamedTuple):
     length: float
     peak_force: float
     overloaded: int
+    followed: str
 
 
-def _row(number: int, held: str, whole: ScaffoldedModel, result: Result) -> _Row:
+def _row(number: int, held: str, whole: ScaffoldedModel, result: Result, followed: str) -> _Row:
     largest, over = np.nan, 0
     if result.force is not None:
         largest, over = float(whole.force(result).max()), len(whole.overloaded(result))
     length = sum(1.0 if isinstance(item, Clamp) else item.length for item in whole.items)
-    return _Row(number, held, result.verdict.value, len(whole.items), length, largest, over)
+    return _Row(
+        number, held, result.verdict.value, len(whole.items), length, largest, over, followed
+    )
 
 
 def item_numbers(item: ScaffoldItem) -> dict[str, Any]:

@@ -385,3 +385,20 @@ def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
                     assert off.max() < 1e-6 * size[block]
         told.append(len(made))
     assert tuple(told) == TAKES[surface]
+
+
+def test_a_plan_is_kept_when_the_time_ends_while_its_scaffolding_is_tried():
+    """Each call of ``stop`` is counted: those after the ideal plan's are of the scaffolding."""
+    asked = []
+
+    def planned(kind, most):
+        asked.clear()
+        options = PlanOptions(rules=Rules(hands=1), scaffold=kind)
+        late = lambda: asked.append(None) or len(asked) > most  # noqa: E731
+        return plan(arch(0.3, 5), friction=0.6, options=options, stop=late)
+
+    ideal = planned(None, np.inf)
+    before = len(asked)
+    cut = planned("rope", before)
+    assert (cut.order, cut.counts) == (ideal.order, ideal.counts)
+    assert cut.message.endswith("before ropes were tried in place of ideal props")

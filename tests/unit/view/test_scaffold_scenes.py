@@ -1,8 +1,11 @@
 """Scaffolding is drawn at the stages at which it is set up, and what fails with it is said."""
 
+import math
+
 import numpy as np
 import pytest
 
+from drystone import Assembly, models
 from drystone.models import arch
 from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Rules, ScaffoldOptions, plan, scaffolding
@@ -24,6 +27,20 @@ def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Pl
         for layer in drawn:
             np.testing.assert_allclose(layer.position, [one.foot for one in items])
             np.testing.assert_allclose(layer.position + layer.vector, [one.head for one in items])
+    (every,) = [layer for layer in scene.stages[-1].layers if layer.key == "scaffold"]
+    assert (every.count, every.label) == (len(made.items), f"{len(made.items)} struts in all")
+
+
+def test_a_title_says_which_stages_were_only_looked_at() -> None:
+    circle = [(math.cos(t), math.sin(t)) for t in np.linspace(0.0, 2.0 * math.pi, 800, False)]
+    disc = models.prism(circle, (0.0, 0.5)).transformed(((1, 0, 0), (0, 0, -1), (0, 1, 0)))
+    places = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.5), (1.2, 0.0, 1.0))
+    blocks = [disc.transformed(translation=at).renamed(f"z {at[2]}") for at in places]
+    pile = Assembly(blocks, [True, False, False])
+    order = plan(pile, friction=0.6, options=PlanOptions(anyway=True))
+    made = scaffolding(order, "clamp")
+    assert made.works
+    assert made.title == "Every stage stands with clamps; 1 stage only looked at, not followed"
 
 
 def test_a_stage_that_slides_off_its_centring_is_not_shown_to_stand(found: Plan) -> None:
