@@ -50,9 +50,7 @@ def test_a_plug_that_hardly_tapers_stands_and_one_that_does_not_falls(friction: 
     assert check(Model.of(h_model(), friction=friction)).verdict is Verdict.UNSTABLE
 
 
-@pytest.mark.parametrize(
-    ("degrees", "friction"), [(0.02, 0.1), (0.01, 0.1), (0.005, 0.5), (0.03, 0.0)]
-)
+@pytest.mark.parametrize(("degrees", "friction"), [(0.005, 0.5), (0.03, 0.0)])
 def test_springs_that_move_a_plug_far_are_replaced_by_stiffer_ones(
     degrees: float, friction: float
 ) -> None:
@@ -65,14 +63,14 @@ def test_springs_that_move_a_plug_far_are_replaced_by_stiffer_ones(
     assert settled.path.overlap < SettlementOptions().overlap
 
 
-@pytest.mark.parametrize("calls", [0, 5, 60])
-def test_a_plug_that_was_not_followed_to_an_end_is_undecided(calls: int) -> None:
+def test_a_plug_that_was_not_followed_to_an_end_is_undecided() -> None:
     # it was said that nothing presses on it; it comes to rest
     model = Model.of(taper(0.05), friction=0.0)
-    left = iter(range(calls))
-    found = check(model, stop=lambda: next(left, None) is None)
-    assert found.verdict is Verdict.UNDECIDED
-    assert found.stopped
+    for calls in (0, 5, 60):
+        left = iter(range(calls))
+        found = check(model, stop=lambda left=left: next(left, None) is None)  # type: ignore[misc]
+        assert found.verdict is Verdict.UNDECIDED
+        assert found.stopped
     few = CheckOptions(settlement=SettlementOptions(step_limit=20))
     assert check(model, options=few).verdict is Verdict.UNDECIDED
     assert check(model).stable
@@ -168,10 +166,8 @@ def test_no_verdict_depends_on_seed_place_direction_numbering_or_the_last_digits
     ):  # fmt: skip
         turn = rotation_about((1.0, 2.0, 3.0), 77.0)
         copies = [
-            (assembly, pull, 1),
-            (assembly, pull * (1.0 + 3e-10), 0),
-            (assembly.transformed(translation=(12.3, -45.6, 7.89)), pull, 0),
-            (assembly.transformed(turn), turn @ pull, 0),
+            (assembly, pull * (1.0 + 3e-10), 1),
+            (assembly.transformed(turn, (12.3, -45.6, 7.89)), turn @ pull, 0),
             (Assembly(assembly.blocks[::-1], assembly.fixed[::-1]), pull, 2),
         ]
         for copy, load, seed in copies:
@@ -218,7 +214,7 @@ def test_a_plate_too_heavy_for_the_friction_of_its_neighbours_falls() -> None:
     assert check(Model.of(plate(density=40_000.0), friction=0.7)).verdict is Verdict.UNSTABLE
 
 
-@pytest.mark.parametrize(("tilt", "seed"), [(65.7, 0), (65.7, 5), (66.3, 1)])
+@pytest.mark.parametrize(("tilt", "seed"), [(65.7, 5), (66.3, 1)])
 def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed(
     tilt: float, seed: int
 ) -> None:
@@ -280,7 +276,7 @@ def test_blocks_that_were_not_followed_to_an_end_are_undecided(tilt: float) -> N
 def test_an_interrupted_check_claims_no_fall_of_what_comes_to_rest() -> None:
     model = tilted(wedge("c"), X, 42.0)
     verdicts = []
-    for calls in range(40):
+    for calls in range(0, 40, 4):
         asked = itertools.count()
         found = check(model, options=MOVING, stop=lambda asked=asked, at=calls: next(asked) >= at)  # type: ignore[misc]
         verdicts.append(found.verdict)
@@ -332,7 +328,7 @@ def test_light_blocks_that_topple_on_a_heavy_one_fall_by_a_mechanism(margin: flo
         assert found.falling == (3, 4, 5, 6)
 
 
-@pytest.mark.parametrize("seed", [0, 5, 9, 13])
+@pytest.mark.parametrize("seed", [0, 5])
 def test_blocks_whose_weights_span_eight_decades_are_decided(seed: int) -> None:
     """What is left of the load of a light block counts by what it feels, not by the whole load."""
     pack, random = random_pack(9, seed=seed), np.random.default_rng(seed)
