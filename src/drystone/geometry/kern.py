@@ -11,6 +11,7 @@ Roark's formulas for stress and strain, section 8.10 (kern).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -96,7 +97,7 @@ def convex_hull(points: Floats) -> Floats:
 
     Source: Andrew 1979, the monotone chain.
     """
-    ordered = sorted({(float(x), float(y)) for x, y in points})
+    ordered = sorted({(x, y) for x, y in points.tolist()})
     if len(ordered) < 3:
         return np.array(ordered).reshape(-1, 2)
     size = max(ordered[-1][0] - ordered[0][0], float(np.ptp(points[:, 1])))
@@ -164,6 +165,14 @@ def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
     return np.maximum(0.0, loops.max(relief))
 
 
+@lru_cache(maxsize=10_000)
+def _hull(corners: bytes) -> tuple[Floats, Floats]:
+    """The hull of corners, and the normals of its edges: each answer asks again for each joint."""
+    hull = convex_hull(np.frombuffer(corners).reshape(-1, 2))
+    edge = np.concatenate([hull[1:], hull[:1]]) - hull
+    return hull, np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+
+
 def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
     """Eccentricity (m,) relative to the boundary of the convex hull: 1 is a hinge.
 
@@ -186,14 +195,12 @@ def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
     far = loops.max(share / np.where(reach > 0.0, reach, 1.0))
     out[convex] = np.maximum(0.0, far[convex])
     for i in np.flatnonzero(~convex).tolist():
-        hull = convex_hull(corners[start[i] : start[i + 1]])
+        hull, normal = _hull(corners[start[i] : start[i + 1]].tobytes())
         away = position[i] - made.centroid[i]
         if len(hull) < 3:
             half = 0.5 * float(np.linalg.norm(np.ptp(hull, axis=0)))
             out[i] = float(np.linalg.norm(away)) / half if half > 0.0 else 0.0
             continue
-        edge = np.roll(hull, -1, axis=0) - hull
-        normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
         reach = ((hull - made.centroid[i]) * normal).sum(axis=1)
         out[i] = max(0.0, float((normal @ away / reach).max()))
     return out

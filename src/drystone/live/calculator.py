@@ -307,5 +307,6 @@ def calculate(pipe: Connection) -> None:
     """What the process does. Ctrl-C is for the server, which then closes the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     jobs = Jobs(pipe, gone=lambda: os._exit(0))  # a calculation would go on for nobody
-    jobs.send({"event": "ready"})
+    with one_blas_thread():  # libraries are looked for once: here, not in the first answer
+        jobs.send({"event": "ready"})
     Calculator(jobs).run()
