@@ -1,6 +1,6 @@
 """What every answer says of itself, what was asked, and the data of its picture."""
 
-from drystone.answer.answer import Answer, Statement, plain
+from drystone.answer.answer import Answer, Statement, plain, worst_first
 from drystone.answer.question import Question
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.answer.sentences import Role, Sentence, Verdict
@@ -19,4 +19,5 @@ __all__ = [
     "Statement",
     "Verdict",
     "plain",
+    "worst_first",
 ]

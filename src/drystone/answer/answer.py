@@ -9,7 +9,7 @@ import html
 import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NoReturn, Self
@@ -88,6 +88,11 @@ class Answer(OfModel, OneLine, ABC):
     @abstractmethod
     def numbers(self) -> Mapping[str, Any]:
         """The answer as plain values in SI units, but for what the tables hold."""
+
+    @property
+    def news(self) -> Role:
+        """Its news, by which reports list it: that of the first sentence, unless it holds worse."""
+        return self.sentences()[0].role
 
     @property
     def code(self) -> int:
@@ -180,6 +185,12 @@ class Statement(Answer):
     def asked(self) -> Question:
         """The version and the date."""
         return Question.of_nothing(self.options, self.when)
+
+
+def worst_first(answers: Iterable[Answer]) -> list[Answer]:
+    """Answers with bad news before what is not decided, and good news last."""
+    order = (Role.BAD, Role.UNSURE)
+    return sorted(answers, key=lambda one: (*order, one.news).index(one.news))
 
 
 def plain(value: Any) -> Any:

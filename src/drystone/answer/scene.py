@@ -100,12 +100,12 @@ class Layer(OneLine):
     colour
         One of ``ROLES``.
     position : (p, 3) [m]
-    vector : (p, 3), arrows [N] or lines [m]
+    vector : (p, 3), arrows [N] or [N/m], or lines [m]
     start : (f + 1,) loops of polygons
     value : (p,), not below zero
         Fills polygons with the colours of forces, corner by corner; makes lines thin or wide.
     unit
-        Of the value, for the colour bar; empty for a share.
+        Of the value, for the colour bar, or of arrows; empty for a share.
     interface : (f,) or (p,)
         Interface that each polygon, line, arrow or marker belongs to: it moves with its blocks.
     block : (p,)

@@ -185,25 +185,29 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
     )
 
 
-def rounded_up(value: float, digits: int = 3) -> float:
+BOUND = 4
+"""Digits of a bound that is told, wherever it stands: title, table, chart or report."""
+
+
+def rounded_up(value: float, digits: int = BOUND) -> float:
     """The least number of so many digits that is not below a value: told, it is enough.
 
     What arithmetic leaves behind the twelfth digit does not count.
 
     Examples
     --------
-    >>> rounded_up(1.2001), rounded_up(86.01), rounded_up(0.5), rounded_up(-1.239)
-    (1.21, 86.1, 0.5, -1.23)
+    >>> rounded_up(1.20001), rounded_up(86.01, 3), rounded_up(0.5), rounded_up(-1.239, 3)
+    (1.201, 86.1, 0.5, -1.23)
     """
     return float(Context(digits, ROUND_CEILING).create_decimal(f"{value:.12g}"))
 
 
-def rounded_down(value: float, digits: int = 3) -> float:
+def rounded_down(value: float, digits: int = BOUND) -> float:
     """The largest number of so many digits that is not above a value; as :func:`rounded_up`.
 
     Examples
     --------
-    >>> rounded_down(1.4419, 4), rounded_down(0.3 - 0.1)
+    >>> rounded_down(1.4419), rounded_down(0.3 - 0.1)
     (1.441, 0.2)
     """
     return 0.0 - rounded_up(-value, digits)

@@ -15,7 +15,7 @@ import numpy as np
 
 from drystone.base import units as quantities
 from drystone.base.arrays import Ints, frozen, whole
-from drystone.base.display import OneLine, name_text, rounded_down, rounded_up
+from drystone.base.display import BOUND, OneLine, name_text, rounded_down, rounded_up
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
 
@@ -229,7 +229,7 @@ def _rounded(values: np.ndarray, unit: str, up: bool) -> np.ndarray:
     """Bounds (n,) with as many digits as are shown, on their safe side."""
     if unit == "1":
         return (np.ceil(1e3 * values - 1e-9) if up else np.floor(1e3 * values + 1e-9)) / 1e3
-    side, digits = rounded_up if up else rounded_down, 3 if unit in _PREFIXED else 4
+    side, digits = rounded_up if up else rounded_down, 3 if unit in _PREFIXED else BOUND
     return np.array([side(one, digits) if math.isfinite(one) else one for one in values.tolist()])
 
 
@@ -252,7 +252,8 @@ def _one(value: float, unit: str, least: float, largest: float) -> str:
         return "-" if math.isnan(value) else "unlimited" if value > 0.0 else "none"
     if unit == "1":
         return f"{value + 0.0:.1%}"
-    if unit.startswith("N") and largest >= 1.0 > abs(value) > least:
+    small = least if unit.startswith("N") else 1e-2 if unit == "m" else math.inf
+    if largest >= 1.0 > abs(value) > small:
         return f"{value:.3g} {unit}"  # one smaller unit in a column is not read
     if unit in _PREFIXED:
         return quantities.quantity(value, unit, least)

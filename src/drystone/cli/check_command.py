@@ -94,7 +94,13 @@ def check(
         with waiting.stoppable() as stop:
             result = with_margins(result, stop)
     why = mend_command.short(result, waiting)
-    then = "mend" if why else "limit tilt" if result.stable and result.tilt_margin is None else ""
+    then = "mend" if why else ""
+    if result.stable and result.tilt_margin is None:
+        from drystone.loads.applied import is_vertical
+
+        load = model.load
+        still = "limit train" if load.fills else "limit shrink"
+        then = "limit tilt" if is_vertical(load) else still
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
         files=partial(wanted.of, result), then=subject.command(then) if then else "",

@@ -49,7 +49,8 @@ def report(
 ) -> Told:
     """Write a calculation report: input, loads, method, verdict, proof and hand checks.
 
-    Exit code 0: it stands. 1: it falls, or it is undecided. 2: bad input.
+    Exit code 0: all answers are good. 1: it falls, is undecided, or a train is not carried. 2: bad
+    input.
     """
     from drystone import report as reports  # work is imported when there is some
 
@@ -66,6 +67,6 @@ def report(
     first, *others = answers
     jobs: list[Job] = [(out, partial(reports.write_report, answers, about=about))]
     return Told(
-        first, {f"answer_{i}": one for i, one in enumerate(others, 2)}, notes=model.notes,
-        files=lambda: (jobs, []),
+        first, {f"answer_{i}": one for i, one in enumerate(others, 2)},
+        exit_code=max(one.code for one in answers), notes=model.notes, files=lambda: (jobs, []),
     )  # fmt: skip

@@ -86,9 +86,16 @@ class Told:
         return self.subject or self.answer.asked.file
 
     def show(self, screen: Screen) -> None:
-        """Print it for people."""
-        _show(screen, self.answer, self._subject, self.everything)
+        """Print it for people, the worst of all answers first."""
+        from drystone.answer import worst_first  # the program starts without numpy
+
         told = {sentence.text for sentence in self.answer.sentences()}
+        worst = worst_first([self.answer, *self.also.values()])[0]
+        if worst is not self.answer:
+            bad = worst.sentences()[0]
+            screen.line("", bad.text, STYLE[worst.news.value])
+            told.add(bad.text)
+        _show(screen, self.answer, self._subject, self.everything)
         for one in self.also.values():
             for sentence in one.sentences():
                 if sentence.text not in told:

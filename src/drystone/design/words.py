@@ -55,7 +55,7 @@ def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
     """Glue in some joints as text, with its strength [N] rounded up."""
     ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
     where = f" between {names_of(model, ends.pop())}" if len(ends) == 1 else ""
-    carried = f"a pull, and a shear, of {newtons(rounded_up(strength))}"
+    carried = f"a pull, and a shear, of {newtons(rounded_up(strength, 3))}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
     return f"glue in {len(interfaces)} joints{where}, each of which carries {carried}"

@@ -21,6 +21,7 @@ from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Bracket
 from drystone.loads import LoadCase
+from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
@@ -161,7 +162,9 @@ def tilt_bound(
 def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> float | None:
     """The tilt [degrees] up to which forces balance the loads, least of those about x and y.
 
-    One conic program for each of the four ways to tilt.
+    One conic program for each of the four ways to tilt. Loads that are not all vertical, as those
+    of fill, do not turn: of them it is the angle of the weight of blocks with the largest push
+    along x and y that forces balance beside the loads.
 
     Parameters
     ----------
@@ -174,19 +177,22 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
     Returns
     -------
     float or None
-        None where it is not asked: of more blocks, of joints that carry more than friction, and of
-        loads along an axis; and where forces balance them up to 90 degrees, as wedged blocks press
-        on each other however they are turned.
+        None where it is not asked: of more blocks, of joints that carry more than friction, and
+        where no weight acts; and where forces balance them up to 90 degrees, as wedged blocks
+        press on each other however they are turned.
     """
     if len(model) > most or model.contacts.capacity is not None or model.contacts.count == 0:
         return None
-    least, statics = 90.0, _statics(model)
+    least, statics, load = 90.0, _statics(model), model.load
     largest = LoadFactors(statics, FrictionCone.exact())
-    for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
-        family = Tilt(model, np.array(axis))
-        if not family.is_planar():
+    if not is_vertical(load):
+        down = -float(common_acceleration(model.assembly, load)[2])
+        if down <= 0.0:
             return None
-        factor = largest(scaled_wrench(statics, family.turned(90.0)), stop).factor
+        load = LoadCase.gravity(model.assembly, down)
+    for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
+        way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
+        factor = largest(scaled_wrench(statics, way), stop).factor
         least = min(least, float(np.rad2deg(np.arctan(factor))))
     return least if 0.0 < least < 90.0 else None
 

@@ -49,10 +49,15 @@ class Position(NamedTuple):
     ends: Floats
     pieces: Floats
 
+    @property
+    def words(self) -> str:
+        """Where it is."""
+        return f"x = {self.place:.3g} m"
+
     def load(self, adverse: Bools) -> LoadCase:
         """The axles, and the line load on some pieces (p,)."""
         wrench = self.axles + self.pieces[adverse].sum(axis=0)
-        return LoadCase(wrench, f"{self.train.name} at x = {self.place:.4g} m")
+        return LoadCase(wrench, f"{self.train.name} at {self.words}")
 
 
 class PlacedTrain(NamedTuple):

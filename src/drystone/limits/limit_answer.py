@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.widening import side_by_side
-from drystone.base.display import named, rounded_down, rounded_up
+from drystone.base.display import BOUND, named, rounded_down, rounded_up
 from drystone.base.errors import InputError
 from drystone.base.table import Table
 from drystone.checks import crushing_share
@@ -152,6 +152,13 @@ class Limit(LimitValues, Answer):
             return f"Stands at no {self.quantity.words} that was tried"
         return f"{self._verb} {self._quantity(stands)}"
 
+    @property
+    def news(self) -> Role:
+        """Not good where a load is not carried as it was given; how much is, is the answer."""
+        stands, first = self.best.stands, super().news
+        short = self.quantity.name == "load factor" and stands is not None and stands < 1.0
+        return Role.UNSURE if short and first is Role.GOOD else first
+
     def sentences(self) -> Sequence[Sentence]:
         """Up to which value it stands, what gives way beyond, and where the joints decide."""
         found = self.best.stands is not None
@@ -160,7 +167,7 @@ class Limit(LimitValues, Answer):
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
         said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
         if self.quantity.inverse and self.best.stands:
-            inverse = rounded_down(1.0 / self.best.stands, 4)
+            inverse = rounded_down(1.0 / self.best.stands)
             said.append(Sentence(f"{self.quantity.inverse}: {inverse:g}"))
         if self.quantity.remark:
             said.append(Sentence(self.quantity.remark, Role.REMARK))
@@ -315,18 +322,19 @@ class Limit(LimitValues, Answer):
 
     def _quantity(self, value: float) -> str:
         """A value in words."""
-        return self.quantity.told(self._digits(value, 3 if self.quantity.unit == "deg" else 4))
+        return self.quantity.told(self._digits(value))
 
     def _cell(self, value: float | None, bracket: Bracket) -> str:
-        return "-" if value is None else self._digits(value, bracket=bracket)
+        return "-" if value is None else self._digits(value, bracket)
 
-    def _digits(self, value: float, digits: int = 4, bracket: Bracket | None = None) -> str:
-        """A value with so many digits, or with as many more as tell both sides apart.
+    def _digits(self, value: float, bracket: Bracket | None = None) -> str:
+        """A value with the digits of a bound, or with as many more as tell both sides apart.
 
         It is rounded away from the limit: what is told to stand stands, what falls falls.
         """
         sides = bracket or self.best
         both = [one for one in (sides.stands, sides.falls) if one is not None]
+        digits = BOUND
         while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
             digits += 1
         return f"{self._rounded(value, digits, sides):.{digits}g}"
@@ -339,7 +347,7 @@ class Limit(LimitValues, Answer):
     def _short(self, value: float, bracket: Bracket | None = None) -> str:
         unit = self.quantity.unit
         mark = "\N{DEGREE SIGN}" if unit == "deg" else f" {unit}" if unit else ""
-        return f"{self._digits(value, bracket=bracket)}{mark}"
+        return f"{self._digits(value, bracket)}{mark}"
 
 
 def _same_shape(first: Result, second: Result) -> bool:

@@ -55,7 +55,7 @@ class TiltSweep(Answer):
         least, towards = self.rest[self.weakest], self.azimuth[self.weakest]
         return (
             f"{counted(len(self.limits), 'direction')}, "
-            f"least tilt {rounded_down(least, 4):g} degrees towards {towards:g} degrees"
+            f"least tilt {rounded_down(least):g} degrees towards {towards:g} degrees"
         )
 
     @property

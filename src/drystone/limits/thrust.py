@@ -11,8 +11,10 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.base.arrays import Floats
+from drystone.base.display import BOUND
 from drystone.base.errors import InputError
 from drystone.base.settings import checked_call
+from drystone.base.units import quantity
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
 from drystone.geometry.frames import axis_vector
@@ -55,8 +57,11 @@ class ThrustBounds(Answer):
         """Both bounds."""
         if np.isnan(self.least):
             return f"No forces balance the loads, so there is no thrust on '{self.block}'"
-        most = "any force" if np.isinf(self.most) else f"{self.most:.4g} N"
-        return f"Thrust on '{self.block}' from {self.least:.4g} N to {most}"
+        least, most = (
+            quantity(one, "N", digits=BOUND) if np.isfinite(one) else "any force"
+            for one in (self.least, self.most)
+        )
+        return f"Thrust on '{self.block}' from {least} to {most}"
 
     def sentences(self) -> Sequence[Sentence]:
         """Both bounds, and along what they are measured."""

@@ -147,11 +147,14 @@ class TrainEnvelope(Answer):
             "load": np.array(train.loads),
             "fill_below": depth,
             "spread_along": train.contact + 2.0 * self.fill.spread * depth,
+            "borne": np.array([tops.borne(at, train.across) for at in x.tolist()]),
             "on_the_bridge": (x >= low) & (x <= high),
         }
         units = dict.fromkeys(("x", "road", "fill_below", "spread_along"), "m")
-        where = "the worst place" if place is None else f"x = {one.at.place:.4g} m"
-        return Table(f"axles at {where}, at factor 1", columns, {**units, "load": "N"})
+        where = "the worst place" if place is None else one.at.words
+        return Table(
+            f"axles at {where}, at factor 1", columns, {**units, "load": "N", "borne": "1"}
+        )
 
     @property
     def line(self) -> Floats:
@@ -175,11 +178,12 @@ class TrainEnvelope(Answer):
         )]  # fmt: skip
         for a, b in self._placed[place].line.tolist():
             cuts = np.linspace(a, b, int(b - a) + 2)  # arrows a metre apart at most
-            x, size = 0.5 * (cuts[1:] + cuts[:-1]), self.train.line * np.diff(cuts)
+            x = 0.5 * (cuts[1:] + cuts[:-1])
             at = np.column_stack([x, 0.0 * x + middle, self._crossing.tops.level(x)])
-            down = np.column_stack([0.0 * x, 0.0 * x, -size])
+            down = np.tile([0.0, 0.0, -self.train.line], (len(x), 1))
             layers.append(Layer(
-                "line", "line load", LayerKind.ARROWS, "load", at, down, single=True, group="axles",
+                "line", "line load", LayerKind.ARROWS, "load", at, down, unit="N/m", single=True,
+                group="axles",
             ))  # fmt: skip
         return tuple(layers)
 
@@ -199,18 +203,18 @@ class TrainEnvelope(Answer):
             return f"No place of '{train}' is known"
         if self.falls_alone:
             return f"Falls without '{train}'"
-        at, factor = self.places[self.worst], float(self.factors[self.worst])
+        at, factor = self._placed[self.worst].at.words, float(self.factors[self.worst])
         if not factor > 0.0:
-            return f"Forces balance no share of '{train}' at x = {at:.4g} m"
-        place = f"least{self._ductile} at x = {at:.4g} m"
+            return f"Forces balance no share of '{train}' at {at}"
+        place = f"least{self._ductile} at {at}"
         if self.limit is not None and self.limit.rest and self.limit.stands is not None:
-            factor = rounded_down(self.limit.stands, 4)
+            factor = rounded_down(self.limit.stands)
             if factor < 1.0:
                 return f"Does not carry '{train}', only {factor:g} of it, {place}"
             return f"Stands under '{train}' up to load factor {factor:g}, {place}"
         if factor < 1.0:
-            return f"Forces balance '{train}' up to {rounded_down(factor, 4):g} of it only, {place}"
-        told = "any load factor" if np.isinf(factor) else f"load factor {rounded_down(factor, 4):g}"
+            return f"Forces balance '{train}' up to {rounded_down(factor):g} of it only, {place}"
+        told = "any load factor" if np.isinf(factor) else f"load factor {rounded_down(factor):g}"
         return f"Forces balance '{train}' up to {told}, {place}"
 
     @property
@@ -244,8 +248,9 @@ class TrainEnvelope(Answer):
         if self.falls_alone:
             alone = f"no forces balance the bridge alone, as found at {known}; 'check' tells why"
             return [*said, Sentence(alone)]
+        said.append(self._of_width)
         least = float(self.factors[self.worst])
-        more = "any factor" if np.isinf(least) else f"{rounded_down(least, 4):g} and more"
+        more = "any factor" if np.isinf(least) else f"{rounded_down(least):g} and more"
         said.append(Sentence(f"by equilibrium{self._ductile} at {known}: {more}; {checked}"))
         if self.train.line:
             said.append(self._of_line)
@@ -263,8 +268,8 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why, Role.REMARK))
         elif self.limit is not None:
             why = (
-                f"the verdict was searched at x = {self.places[self.worst]:.4g} m alone, the "
-                f"worst of {known} by equilibrium; by the verdict another may carry less"
+                f"the verdict was searched at {self._placed[self.worst].at.words} alone, the worst "
+                f" of {known} by equilibrium; by the verdict another may carry less"
             )
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]
@@ -272,6 +277,26 @@ class TrainEnvelope(Answer):
             missing = f"{len(self.places)} of {counted(self.asked_for, 'place')}"
             said.append(Sentence(f"not finished: {self.stopped} after {missing}", Role.REMARK))
         return said
+
+    @property
+    def _of_width(self) -> Sentence:
+        """For what width the answer is, and what of the train that bears."""
+        tops, axles = self._crossing.tops, self.axles()
+        shares = axles["borne"][axles["on_the_bridge"]]
+        told = f"{100.0 * shares.max(initial=0.0):.3g} % of an axle at the worst place"
+        if (shares >= 1.0).all():
+            told = "the whole of each axle"
+        elif np.ptp(shares) > 1e-3:
+            told = f"{100.0 * shares.min():.3g} to {told}"
+        line = ""
+        if len(self.line):
+            worst = self._placed[self.worst]
+            ends = worst.at.ends[worst.adverse]
+            each = [tops.borne(x, self.train.lane) for x in ends.mean(axis=1).tolist()]
+            line = f", and {100.0 * np.average(each, weights=np.ptp(ends, axis=1)):.3g} % of the "
+            line += "line load"
+        wide = f"the answer is for all of the model, {tops.breadth:.3g} m wide along y"
+        return Sentence(f"{wide}: it bears {told}{line}", Role.REMARK)
 
     @property
     def _of_line(self) -> Sentence:
@@ -336,12 +361,11 @@ class TrainEnvelope(Answer):
         result = self._crossing.result(one)
         if result is None:
             return []
-        place = one.at.place
-        stage = result.stage(f"x = {place:.3g} m")
+        stage = result.stage(one.at.words)
         way = "" if one.at.train == self.train else ", turned round"
-        headline = f"Load factor {rounded_down(one.found.factor, 4):.4g} at x = {place:.4g} m{way}"
+        headline = f"Load factor {rounded_down(one.found.factor):.4g} at {one.at.words}{way}"
         layers = (*stage.layers, *self._axle_layers(i))
-        spot = place, one.found.factor
+        spot = one.at.place, one.found.factor
         return [replace(stage, headline=headline, layers=layers, spot=spot)]
 
     def figure(self) -> Chart:
@@ -362,7 +386,7 @@ class TrainEnvelope(Answer):
             if spot[1][0] < 4.0:
                 whole = self.places[[0, -1]]
                 marks.append(Marks(MarkKind.LINE, whole, np.ones(2), "bad", "the train: 1"))
-            told = f"least at x = {spot[0][0]:.4g} m: {rounded_down(spot[1][0], 4):g}"
+            told = f"least at {self._placed[at].at.words}: {rounded_down(spot[1][0]):g}"
             told += "" if known.all() else "; where none is drawn it is higher, or was not found"
         name = self.train.name
         return Chart(

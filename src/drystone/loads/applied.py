@@ -121,6 +121,12 @@ def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> F
     return entered
 
 
+def is_vertical(load: LoadCase) -> bool:
+    """Whether all forces act along z through the centroids of blocks."""
+    level = np.abs(load.wrench[:, [0, 1, 3, 4, 5]]).max(initial=0.0)
+    return bool(level <= 1e-12 * np.abs(load.wrench).max(initial=0.0))
+
+
 def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
     """The acceleration (3,) [m/s2] of all masses that the load case knows.
 

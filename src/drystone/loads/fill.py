@@ -225,6 +225,12 @@ class Tops:
     def _pieces(self) -> dict[tuple[float, ...], Floats]:
         return {}
 
+    def borne(self, x: float, across: float) -> float:
+        """The share of a force on a width [m] of the road at a place that spreads on the bridge."""
+        if across == 0.0:
+            return 1.0
+        return min(1.0, self.breadth / (across + 2.0 * self.fill.spread * self.depth(x)))
+
     def spread(self, force: float, x: float, contact: float, across: float) -> Floats:
         """Wrenches (n, 6) of a force [N] down on the road at a place.
 
@@ -239,8 +245,7 @@ class Tops:
         """
         depth, wide = self.depth(x), self.breadth
         reach = 0.5 * contact + self.fill.spread * depth
-        if across > 0.0:
-            force *= min(1.0, wide / (across + 2.0 * self.fill.spread * depth))
+        force *= self.borne(x, across)
         if self.fill.law == "boussinesq" and depth > 0.0:
             places = x + np.linspace(-8.0, 8.0, 129) * max(depth, 0.5 * contact)
             part = self.strips.cut_at(places)

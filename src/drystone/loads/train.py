@@ -109,17 +109,17 @@ class Train(Options):
         Examples
         --------
         >>> Train.named("lm1-axle").words
-        'axles of 300 kN at 0 m, each on 0.4 m along x and 2.4 m along y'
+        'axles of 300 kN at 0 m, each on 0.4 m along x and a width of 2.4 m'
         >>> Train.named("lm1").words.partition("; ")[2]
-        '27 kN/m on 3 m along y, where it is adverse'
+        '27 kN/m along x on a width of 3 m, where it is adverse'
         """
         each = zip(self.loads, self.places, strict=True)
         axles = ", ".join(f"{quantity(load, 'N')} at {place:g} m" for load, place in each)
-        wide, lane = (f"{x:g} m" if x else "the whole width" for x in (self.across, self.lane))
-        told = f"axles of {axles}, each on {self.contact:g} m along x and {wide} along y"
+        wide, lane = (f"{x:g} m" if x else "the whole bridge" for x in (self.across, self.lane))
+        told = f"axles of {axles}, each on {self.contact:g} m along x and a width of {wide}"
         if not self.line:
             return told
-        told += f"; {quantity(self.line, 'N')}/m on {lane} along y, where it is adverse"
+        told += f"; {quantity(self.line, 'N/m')} along x on a width of {lane}, where it is adverse"
         return told if self.clear is None else f"{told} from {self.clear:g} m beside the axles on"
 
     @property

@@ -56,7 +56,7 @@ def assess(
     --------
     >>> from drystone.models import tower
     >>> [one.title for one in assess(tower(2), limits=["tilt"], friction=0.6)]
-    ['Stands', 'Stands up to 30.9 degrees about x']
+    ['Stands', 'Stands up to 30.93 degrees about x']
     """
     model = supported_model(given, **how)
     strength = () if model.contacts.capacity is None else ("strength",)

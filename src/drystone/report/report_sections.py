@@ -7,7 +7,8 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from drystone.answer import Answer, Question, Role
+from drystone.answer import Answer, Question, Role, worst_first
+from drystone.base.display import rounded_up
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.joints import HINGED, worst_joints
@@ -120,7 +121,7 @@ def _all(table: Table) -> Iterator[Part]:
 
 
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
-    for one in answers:
+    for one in worst_first(answers):
         said = [one.sentences()[0].text, one.title]
         if isinstance(one, Limit) and one.best.standing is not None:
             load = one.best.standing.load.name
@@ -284,9 +285,10 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
             )
         else:
             yield (
-                f"The forces that were found need a strength of {quantity(needed, 'Pa')} in the "
-                f"joint of '{a}' and '{b}' (normal force over the stress block about its centre "
-                "of pressure), and no more in any other."
+                "The forces that were found need a strength of "
+                f"{quantity(rounded_up(needed, 3), 'Pa')} in the joint of '{a}' and '{b}' "
+                "(normal force over the stress block about its centre of pressure), and no more in "
+                "any other."
             )
     if result.model is not model:
         yield result.reactions()

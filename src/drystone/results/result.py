@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +13,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
 from drystone.assembly import Blocks
 from drystone.base.arrays import lengths
-from drystone.base.display import rounded_down
+from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
 from drystone.geometry.quadrature import ACCURATE
@@ -24,7 +25,7 @@ from drystone.joints import (
     on_an_edge,
     thrust_line,
 )
-from drystone.loads.applied import applied_loads
+from drystone.loads.applied import applied_loads, is_vertical
 from drystone.results.reactions import reaction_table
 from drystone.results.solution import Sensitivity, Solution
 from drystone.results.stage import FAINT, stage_of
@@ -72,8 +73,7 @@ class Result(Solution, Answer):
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
         if self._safety:
-            bound = "of tilts about x and y: a bound, it may fall before"
-            said.append(Sentence(f"safety: {self._safety}, {bound}"))
+            said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
         if self.verdict is Verdict.STABLE and self.force is not None:
             said += self._strength()
             said += self._without_margin() + self._on_corners()
@@ -84,7 +84,11 @@ class Result(Solution, Answer):
         margin = self.tilt_margin
         if margin is None:
             return ""
-        return f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
+        if is_vertical(self.load):
+            told = f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
+            return f"{told}, of tilts about x and y"
+        push = rounded_down(math.tan(math.radians(margin)))
+        return f"forces balance a push along x or y of {push:g} of the weight of its blocks as well"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.
@@ -97,10 +101,11 @@ class Result(Solution, Answer):
             return []
         at, names = int(np.argmax(use)), self.assembly.names
         a, b = self.contacts[at].blocks
-        words = f"strength: the joint of '{names[a]}' and '{names[b]}' uses {100.0 * use[at]:.3g} %"
-        words += f"; the first joint crushes at {1.0 / use[at]:.3g} times all loads"
+        most = rounded_up(100.0 * use[at])
+        words = f"strength: the joint of '{names[a]}' and '{names[b]}' uses {most:g} %"
+        words += f"; the first joint crushes at {rounded_down(1.0 / use[at]):g} times all loads"
         if self.crushing_factor is not None:
-            words += f", and it falls at {self.crushing_factor:.3g} times"
+            words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
         return [Sentence(words)]
 
     def _without_margin(self) -> list[Sentence]:

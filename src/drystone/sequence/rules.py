@@ -165,15 +165,15 @@ def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
 def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
     """What too heavy blocks weigh, and what would lift them; masses are rounded up."""
     mass = float(model.assembly.mass[list(blocks)].max())
-    said = f"{counted(len(blocks), 'block')} weigh up to {rounded_up(mass, 4):g} kg"
+    said = f"{counted(len(blocks), 'block')} weigh up to {rounded_up(mass):g} kg"
     if rules.robots:
         near = [
             robot.payload for robot in rules.robots for b in blocks
             if robot.distance(model.assembly.centroid[b]) <= robot.reach
         ]  # fmt: skip
-        remedy = f"give a robot of {rounded_up(mass, 4):g} kg that reaches them"
+        remedy = f"give a robot of {rounded_up(mass):g} kg that reaches them"
         return f"payload {max(near):g} kg: {said}; {remedy}"
-    each = f"give a payload of {rounded_up(mass / rules.hands, 4):g} kg"
+    each = f"give a payload of {rounded_up(mass / rules.hands):g} kg"
     needed = int(strength(rules, model)[1][list(blocks)].max())
     remedy = f"{each}, or {counted(needed, 'hand')}" if needed < COUNTLESS else each
     return f"payload {rules.payload:g} kg, {counted(rules.hands, 'hand')}: {said}; {remedy}"

@@ -386,10 +386,16 @@ class LargeDisplacement(Answer):
             if len(here):
                 at = events["displacement"][here], events["load"][here]
                 marks.append(Marks(shape, *at, ink, label))
+        told = self.message
+        drops = np.diff(self.load) < -0.01 * np.abs(self.load).max(initial=0.0)
+        alone = np.flatnonzero(drops & (np.diff(self.displacement) <= 0.0))
+        if len(alone):
+            at = self.displacement[alone], self.load[alone + 1]
+            marks.append(Marks(MarkKind.CROSS, *at, "unsure", "moved on by itself, at rest again"))
+            told += "\nWhere the load drops at once, blocks move on by themselves until they rest"
         known = self.capacity is not None and self.end is not End.LOST
         lines = ((self.capacity, f"{self.capacity:.4g} m"),) if known and self.capacity else ()
         across, up = _LABELS[self.drive]
         return Chart(
-            "Load against displacement", tuple(marks), across, up, ("m", self.unit), self.message,
-            lines,
+            "Load against displacement", tuple(marks), across, up, ("m", self.unit), told, lines,
         )  # fmt: skip

@@ -101,7 +101,7 @@ class Combinations(Answer):
         if np.isfinite(share) and share > 0.0:
             what = "size of the joints" if self.needed_of == "size" else "friction"
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
-            safety, needs = rounded_down(1.0 / share, 4), np.ceil(1e3 * share - 1e-9) / 1e3
+            safety, needs = rounded_down(1.0 / share), np.ceil(1e3 * share - 1e-9) / 1e3
             said.append(Sentence(f"it needs {needs:.1%} of the {what}{cracked}: safety {safety:g}"))
         elif self.needed_of != "none" and self.governing.stable and self.governing.contacts.brittle:
             said.append(

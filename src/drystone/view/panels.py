@@ -11,8 +11,8 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base import units
 from drystone.base.arrays import Floats
 
-WIDTH, HEIGHT = 280.0, 160.0
-RIGHT, TOP, BOTTOM = 12.0, 20.0, 32.0
+WIDTH, HEIGHT = 280.0, 174.0
+RIGHT, TOP, BOTTOM = 12.0, 34.0, 32.0
 """Size [px] of a chart, and its margins; the left one is as wide as the values in it."""
 _REACH = 92.0
 """Radius [px] of a polar chart."""
@@ -96,6 +96,7 @@ def _axes(chart: Chart) -> Iterator[str]:
         x = float(_place(chart, np.array([value]), np.zeros(1))[0][0])
         yield _text(x, base + 13.0, _told(value, chart.units[0]))
     yield _text(0.5 * WIDTH, HEIGHT - 3.0, chart.across)
+    yield _text(0.0, 11.0, chart.up, "start")
 
 
 def _across(chart: Chart) -> list[float]:
@@ -118,7 +119,8 @@ def _polar_axes() -> Iterator[str]:
 
 
 def _text(x: float, y: float, text: str, anchor: str = "middle") -> str:
-    x = min(max(x, 24.0), WIDTH - 24.0) if anchor == "middle" else x
+    half = 3.4 * len(text) + 2.0
+    x = min(max(x, half), WIDTH - half) if anchor == "middle" else x
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
 
 

@@ -1,6 +1,7 @@
 """The margin of tilt that a check tells."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -22,9 +23,17 @@ def test_the_margin_of_a_column_is_the_tilt_at_which_it_overturns() -> None:
 def test_it_is_not_asked_where_it_takes_long_or_has_no_meaning() -> None:
     model = drystone.Model.of(tower(5), friction=0.9)
     assert tilt_margin(model, most=4) is None
-    push = drystone.LoadCase.seismic(model.assembly, 0.01, 0.01)
+    assert tilt_margin(model.with_load(drystone.LoadCase.seismic(model.assembly, 0.01))) is None
+
+
+def test_loads_that_are_not_vertical_stay_and_the_blocks_are_pushed_beside_them() -> None:
+    model = drystone.Model.of(tower(5), friction=0.9)
+    push = drystone.LoadCase.seismic(model.assembly, 0.05)
     loaded = model.with_load(model.load + push)
-    assert tilt_margin(loaded) is None
+    margin = tilt_margin(loaded)
+    assert margin == pytest.approx(math.degrees(math.atan(0.25 - 0.05)), abs=1e-4)
+    told = replace(drystone.check(loaded), tilt_margin=margin).sentences()
+    assert "push along x or y of 0.1999 of the weight" in "".join(one.text for one in told)
 
 
 def test_wedged_blocks_that_forces_balance_at_every_tilt_have_no_margin() -> None:
@@ -39,5 +48,5 @@ def test_the_page_of_a_check_has_the_margin_that_the_command_tells(
     drystone.save_page(drystone.check("tower.json", friction=0.6), "python.html")
     assert main(["check", "tower.json", "--friction", "0.6", "--html", "command.html"]) == 0
     for page in ("python.html", "command.html"):
-        told = "forces balance it up to a tilt of 26.5 degrees"
+        told = "forces balance it up to a tilt of 26.56 degrees"
         assert told in Path(page).read_text("utf-8"), page

@@ -212,9 +212,16 @@ def test_the_answer_names_the_fill_the_axles_and_what_the_standard_adds(bridge: 
     assert "250 kN at 1.6 m" in told
     assert "fill of 20 kN/m3 to 0.3 m above the crown with K 0" in told
     assert "a load spreads 0.5 by depth" in told
-    assert "80 kN/m on 2.6 m along y, where it is adverse from 0.8 m beside the axles on" in told
+    assert "80 kN/m along x on a width of 2.6 m, where it is adverse from 0.8 m beside" in told
     assert "line load at the worst place: it acts at x = " in told
     assert "without a dynamic factor" in told
+    (width,) = [one for one in found.sentences() if one.text.startswith("the answer is for all")]
+    assert width.role is Role.REMARK
+    assert "model, 1 m wide along y: it bears" in width.text
+    assert width.text.endswith(" of the line load")
+    borne = found.axles()["borne"]
+    wide = 2.6 + 2.0 * 0.5 * found.axles()["fill_below"]
+    assert borne == pytest.approx(1.0 / wide)
     assert "along y than" not in told
 
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, LoadCase, Model, report
+from drystone import Assembly, InputError, LoadCase, Model, Verdict, report
 from drystone.answer import Answer
 from drystone.base.table import Table
 from drystone.cli import main
-from drystone.limits import Limit, limit_train
+from drystone.limits import Limit, LimitOptions, limit_load, limit_train
 from drystone.loads import Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
 from drystone.report import TitleBlock, assess, write_report
@@ -251,8 +251,9 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     axles = found.axles()
     assert axles["load"].tolist() == [300e3, 300e3]
     assert np.diff(axles["x"]).round(9).tolist() == [1.2]
-    keys = {one.key for one in found.layers().stages[0].layers}
-    assert {"axles", "road"} <= keys
+    drawn = {one.key: one for one in found.layers().stages[0].layers}
+    assert {"axles", "road"} <= set(drawn)
+    assert (drawn["line"].unit, drawn["line"].largest) == ("N/m", pytest.approx(27e3))
     page = html_of(made)
     for expected in (
         "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "resists nothing",
@@ -261,6 +262,10 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
             ):  # fmt: skip
         assert expected in page, expected
     assert html_of(document_of([found], TitleBlock())) == page
+    rest = replace(found.limit.rest, stands=0.9)
+    under = replace(found, limit=replace(found.limit, rest=rest))
+    first = document_of([drystone.solve_rbe(model), under], TitleBlock()).sections[0].parts[0]
+    assert str(first).startswith(under.title)  # though the bridge alone is balanced
     both = document_of([drystone.solve_rbe(model), found], TitleBlock())
     assert "Only the train has fill: give that with --load" in html_of(both)
     axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
@@ -270,6 +275,17 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     told = next(one.get_text() for one in axes.texts if one.get_text().endswith(" m"))
     long = np.ptp(axes.get_xlim()) * np.ptp(bar.get_xdata())
     assert long == pytest.approx(float(told.removesuffix(" m")), rel=0.02)
+
+
+def test_the_first_sentence_of_a_report_is_the_worst_of_what_it_holds() -> None:
+    alone = drystone.check(tower(2), friction=0.6)  # stands
+    push = LoadCase.point_load(alone.assembly, "block-1", (1e6, 0.0, 0.0))
+    under = limit_load(alone.model, push, options=LimitOptions(equilibrium_only=True))
+    bad = replace(alone, verdict=Verdict.UNSTABLE)
+    unsure = replace(alone, verdict=Verdict.UNDECIDED)
+    for worst, others in ((under, [alone]), (unsure, [alone]), (bad, [alone, unsure, under])):
+        first = document_of([*others, worst], TitleBlock()).sections[0].parts[0]
+        assert str(first).startswith(worst.sentences()[0].text), first
 
 
 def test_loads_that_are_seen_end_on_are_drawn_aslant(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,7 +32,7 @@ const amount = ({ unit }, value) => (unit === "" ? percent(value) : quantity(val
 // The layer with its largest value: what the longest arrow or the widest line stands for.
 function layerText(layer) {
   const upTo = (text) => `${layer.label}, up to ${text.replaceAll(" ", "\u00a0")}`; // one word with its unit
-  if (layer.kind === "arrows") return upTo(quantity(layer.largest, "N"));
+  if (layer.kind === "arrows") return upTo(quantity(layer.largest, layer.unit));
   if (layer.kind === "lines" && layer.value) return upTo(amount(layer, layer.largest));
   if (layer.kind === "markers") return `${layer.label} (${layer.position.length / 3})`;
   return layer.label;
