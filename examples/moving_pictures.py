@@ -80,9 +80,9 @@ def falling(count: int) -> list[Figure]:
     """An arch that is too thin, until it lies on the ground."""
     model = drystone.Model.of(arch(thickness_ratio=0.1, voussoirs=15), friction=0.7)
     film = fall(model, drystone.check(model).mechanism)
-    moves = np.abs(film.positions).max(axis=(1, 2))
-    lies = int(np.argmax(moves > 0.99 * moves.max())) + 1
-    chosen = np.linspace(0, min(lies, len(film) - 1), count).astype(int)
+    away = np.abs(film.positions - film.positions[-1]).max(axis=(1, 2))
+    lies = int(np.argmax(away < 0.02))
+    chosen = np.linspace(0, lies, count).astype(int)
     scenes = [scene_of(moved(model.assembly, film.positions[step])) for step in chosen]
     figures = [drawn(scene, (0.15, -1.0, 0.25), preset="solid") for scene in scenes]
     return framed(figures)
