@@ -236,7 +236,7 @@ def test_bad_input_is_told() -> None:
 
 @pytest.fixture(scope="module")
 def short() -> LargeDisplacement:
-    return push(stack(1), friction=0.3, to=0.05)
+    return push(stack(1), friction=0.3, to=0.01)
 
 
 def test_it_is_a_table_a_frame_and_plain_values(short: LargeDisplacement, tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ def column() -> Model:
     return Model.of(Assembly(blocks).with_fixed(["base"]), friction=0.7)
 
 
-@pytest.mark.parametrize("angle", [15.0, 30.0, 45.0])
+@pytest.mark.parametrize("angle", [30.0, 45.0])
 def test_a_push_takes_the_same_increments_in_every_direction(angle: float) -> None:
     # 239 increments at 0 degrees and 175 at 45, where lengths were measured along the axes
     plain, turn = column(), rotation_about((0.0, 0.0, 1.0), angle)

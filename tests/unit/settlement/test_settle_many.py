@@ -37,8 +37,8 @@ def test_each_model_settles_as_it_does_alone() -> None:
 
 def test_several_free_blocks_and_an_order_of_loading_change_nothing() -> None:
     bow, slope = arch(0.2, 3), incline(0.0)
-    bows = [LoadCase.tilt(bow, (0.0, 1.0, 0.0), tilt) for tilt in (2.0, 6.0, 30.0)]
-    slopes = [LoadCase.tilt(slope, (0.0, 1.0, 0.0), tilt) for tilt in (10.0, 20.0, 30.0)]
+    bows = [LoadCase.tilt(bow, (0.0, 1.0, 0.0), tilt) for tilt in (2.0, 30.0)]
+    slopes = [LoadCase.tilt(slope, (0.0, 1.0, 0.0), tilt) for tilt in (10.0, 30.0)]
     for assembly, loads, order in ((bow, bows, Loading.AT_ONCE), (slope, slopes, Loading.RAMP)):
         models = [Model.of(assembly, friction=0.4, load=load) for load in loads]
         options = SettlementOptions(loading=order)
