@@ -8,9 +8,8 @@ from drystone.models import box
 from drystone.sequence import Plan, PlanOptions, Rules
 
 SEEDS = (
-    11, 14, 25, 34, 35, 37, 46, 47, 48, 57, 74, 79, 85, 108, 123, 144, 146, 155, 165, 167,
-    173, 180, 188, 191, 202, 218, 236, 251, 253, 254, 270, 291, 296, 298, 320, 321, 327,
-    335, 336, 342, 345, 355, 366, 381, 388, 389, 391, 405, 408, 410,
+    11, 14, 25, 34, 35, 37, 46, 47, 48, 57, 74, 79, 85, 108, 123, 144, 146,
+    155, 165, 167, 173, 180, 188, 191, 202, 218,
 )  # fmt: skip
 """Of piles that stand: one in seven does."""
 
@@ -62,7 +61,7 @@ def test_the_planner_holds_as_few_blocks_as_the_best_order(pairs):
 
 def test_some_of_the_piles_need_props_and_most_do_not(pairs):
     needing = sum(bool(best.props) for _, best in pairs)
-    assert 5 <= needing <= len(SEEDS) - 20
+    assert 3 <= needing <= len(SEEDS) - 10
 
 
 def test_every_stage_of_every_plan_stands(pairs):

@@ -26,6 +26,6 @@ def test_a_damaged_file_gives_a_model_or_one_clear_error(name: str) -> None:
 
 
 def test_damaged_side_files_are_used_or_refused_in_one_line() -> None:
-    tally = side_files.run(300, seed=2026)
+    tally = side_files.run(120, seed=2026)
     assert tally.failures == []
     assert len({name for name, _ in tally.outcomes}) == 14

@@ -87,11 +87,8 @@ def verdict(case: Case, change: Change) -> Verdict:
 NAMED = {
     "as it is": Change(),
     "scaled 0.001": Change(scale=1e-3),
-    "scaled 0.1": Change(scale=0.1),
-    "scaled 10": Change(scale=10.0),
     "scaled 1000": Change(scale=1e3),
     "density 1e-6": Change(density=1e-6),
-    "density 1": Change(density=1.0),
     "far away": Change(move=1e4),
     "turned": Change(axis=(0.3, -0.5, 0.8), turn=127.0),
     "upside down": Change(axis=(1.0, 0.0, 0.0), turn=180.0),
@@ -108,7 +105,7 @@ def test_verdict_does_not_depend_on_how_the_model_is_written_down(case: Case, ch
 EVERY_WAY = Change(scale=25.4, density=7.0, axis=(0.3, -0.5, 0.8), turn=127.0, move=1e3, seed=3)
 
 
-@pytest.mark.parametrize("change", [Change(), Change(scale=1e-3), Change(density=1e-6), EVERY_WAY])
+@pytest.mark.parametrize("change", [Change(), Change(scale=1e-3, density=1e-6), EVERY_WAY])
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 @pytest.mark.parametrize("solve", [solve_rbe, solve_cra, solve_cra_penalty])
 def test_every_analysis_says_the_same_of_the_same_model(
@@ -170,11 +167,8 @@ def wedge(tilt: float, expected: Verdict) -> Case:
 @pytest.mark.parametrize(
     "change",
     [
-        Change(scale=0.1),
-        Change(scale=10.0),
-        Change(density=1.0),
-        Change(density=1e-6),
-        Change(seed=2, turn=60.0),
+        Change(scale=0.1, density=1e-6),
+        Change(scale=10.0, density=1.0, seed=2, turn=60.0),
     ],
     ids=lambda change: f"{change.scale} {change.density} {change.turn}",
 )
