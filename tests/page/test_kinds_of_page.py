@@ -80,7 +80,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     "push": (lambda: push(tower(2), friction=0.3, to=0.01), "Push: at most 0.3"),
     "followed": (lambda: drystone.settle(ARCH.with_friction(0.15)), "Falls"),
     "film": (film, "2 blocks fell in 1 s and lie"),
-    "diagnosis": (lambda: drystone.diagnose(ARCH.with_friction(0.2)), "Falls: "),
+    "diagnosis": (lambda: drystone.diagnose(STACK.with_load((8.0, 0.0, -9.81))), "Falls: "),
     "mended": (mended, "Stands"),
 }  # fmt: skip
 """What makes a subject, and how its headline begins."""

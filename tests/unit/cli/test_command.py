@@ -115,16 +115,16 @@ def test_mends_that_fail_are_folded_and_listed_on_request(tmp_path: Path, capsys
     assert "block: friction: it falls" in told
 
 
-LEFT_OUT = {"reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})
+LEFT_OUT = {"demo", "reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})
 
 
 @pytest.mark.parametrize("name", sorted(commands().keys() - LEFT_OUT))
 def test_the_examples_of_a_command_run(
     name: str, tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
+    """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait, 'demo' has a test."""
     monkeypatch.chdir(tmp_path)
-    io.write(arch(voussoirs=8), "arch.json")
+    io.write(arch(voussoirs=5), "arch.json")
     cases = 'situations = ["STR"]\n[case.gravity]\nkind = "permanent"\n'
     Path("cases.toml").write_text(cases, encoding="utf-8")
     for example in commands()[name].examples:
