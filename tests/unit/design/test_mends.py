@@ -36,21 +36,18 @@ def again(model: Model, folder: Path) -> drystone.Result:
 
 @pytest.fixture(scope="module")
 def fallen() -> Mends:
-    """What is found for the shelf of the source, in which two pieces fall."""
+    """What is found for the shelf of the source after its first fix: one piece still falls."""
     kinds = ("support", "prop", "turn", "wedge", "let-in")
-    return find_mends(shelf(), friction=0.9, options=MendOptions(kinds=kinds))
+    return find_mends(shelf(1), friction=0.9, options=MendOptions(kinds=kinds))
 
 
-@pytest.mark.parametrize(("block", "lower"), [("block-9", "block-5"), ("block-10", "block-8")])
-def test_each_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(
-    fallen: Mends, block: str, lower: str
-) -> None:
-    found = fallen.of([block])
+def test_a_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(fallen: Mends) -> None:
+    found = fallen.of(["block-10"])
     assert {"support", "prop", "wedge", "let-in"} <= {one.change.kind for one in found}
     changes = [one.change for one in found]
     joints = [one.description for one in changes if one.kind in ("turn", "wedge", "let-in")]
-    assert any(text.startswith(f"the lower joint, with '{lower}'") for text in joints)
-    assert any(text.startswith("the upper joint, with 'frame'") for text in joints)
+    assert any(text.startswith("the lower joint, with 'block-8'") for text in joints)
+    assert any(text.startswith("the upper joint, with 'lid'") for text in joints)
     assert [one.cost for one in changes] == sorted(one.cost for one in changes)
 
 
@@ -108,7 +105,8 @@ def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
 def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen: Mends) -> None:
     (turned,) = [one for one in fallen.of(["block-10"]) if one.change.kind == "turn"]
     assert turned.change.value == pytest.approx(SLOPE - np.rad2deg(np.arctan(0.9)), abs=0.1)
-    model = fallen.diagnosis.model.with_supports([i for i in range(11) if i != 10])
+    blocks = fallen.diagnosis.model.assembly
+    model = fallen.diagnosis.model.with_supports([i for i in range(len(blocks)) if i != 10])
     (joint,) = [i for i in range(model.contacts.count) if model.contacts[i].blocks == (8, 10)]
 
     def stands(angle: float) -> bool:
@@ -120,9 +118,8 @@ def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen:
     assert min(standing) == pytest.approx(turned.change.value, abs=0.1)
 
 
-@pytest.mark.parametrize("fix", [1, 2, 3])
-def test_the_partial_fixes_of_the_source_are_mended(fix: int, tmp_path: Path) -> None:
-    model = Model.of(shelf(fix), friction=0.9)  # type: ignore[arg-type]
+def test_a_partial_fix_of_the_source_is_mended(tmp_path: Path) -> None:
+    model = Model.of(shelf(3), friction=0.9)
     made = mend(model, options=MendOptions(kinds=("turn",)))
     assert [step.blocks for step in made.changes] == [("block-10",)]
     assert made.stands
@@ -397,12 +394,10 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = ["--kind", "prop", "--kind", "glue", "--margin", "friction=0.9x", "--json"]
-    assert main(["mend", overhang, *arguments]) == 1
-    told = json.loads(capsys.readouterr().out)
-    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
     folder = tmp_path / "pages"
     assert main(["mend", overhang, *arguments, "--pages", str(folder)]) == 1
-    capsys.readouterr()
+    told = json.loads(capsys.readouterr().out)
+    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
     pages = sorted(folder.iterdir())
     assert [page.name for page in pages] == ["mend-01.html", "mend-02.html"]
     assert "a prop of" in pages[0].read_text(encoding="utf-8")
