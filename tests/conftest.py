@@ -1,6 +1,9 @@
 """What all tests share; read before any of them imports numpy."""
 
 import os
+import shutil
+import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -9,8 +12,18 @@ import pytest
 for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
 
+if sys.dont_write_bytecode:
+    # Each process that a test starts would compile all that it imports: they share it.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="compiled-")
+    COMPILED = os.environ["PYTHONPYCACHEPREFIX"]
+else:
+    COMPILED = ""
+
 SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp", "models"}
-SLOW |= {"sequence", "settlement", "shells", "view", "test_benchmark_speed.py", "test_display.py"}
+SLOW |= {"report", "seismic", "sequence", "settlement", "shells", "studies", "view"}
+SLOW |= {"test_answers.py", "test_benchmark_speed.py", "test_bricks.py", "test_display.py"}
+SLOW |= {"test_journals.py", "test_unfolding.py", "test_words.py"}
 SLOW |= {"test_documentation.py", "test_freeform.py", "test_numerical_trouble.py"}
 SLOW |= {"test_public_api.py", "test_stopping.py", "test_settled_verdicts.py", "test_curved.py"}
 SLOW |= {
@@ -41,3 +54,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if is_fast(item.path):
             item.add_marker(pytest.mark.fast)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove what the processes of tests compiled; the workers of a run share it."""
+    if COMPILED:
+        shutil.rmtree(COMPILED, ignore_errors=True)
