@@ -64,7 +64,7 @@ GIVEN = {
     "limit thickness": "arch --set voussoirs=4 --scan 2 --width 0.1",
     "limit thrust": "pair.json block-0",
     "limit tilt": "pair.json",
-    "limit train": "arch.json --steps 1",
+    "limit train": "arch.json --steps 2",
     "live": "tower.json --no-browser --port 0",
     "mcp": ".",
     "mend": "pair.json --seismic 0.3 --friction 0.2 --kind friction",

@@ -124,7 +124,7 @@ def test_the_examples_of_a_command_run(
 ) -> None:
     """Beside their files. 'reproduce' takes long, 'mcp' and 'live' wait, 'demo' has a test."""
     monkeypatch.chdir(tmp_path)
-    io.write(arch(voussoirs=5), "arch.json")
+    io.write(arch(voussoirs=7), "arch.json")
     cases = 'situations = ["STR"]\n[case.gravity]\nkind = "permanent"\n'
     Path("cases.toml").write_text(cases, encoding="utf-8")
     for example in commands()[name].examples:
