@@ -314,6 +314,11 @@ class Settlement(Answer):
         return self.outcome is Outcome.RESTS
 
     @property
+    def iterations(self) -> int:
+        """Newton steps of its paths."""
+        return sum(path.iterations for path in self.paths)
+
+    @property
     def model(self) -> Model:
         """The model at the beginning."""
         return self.path.model

@@ -25,7 +25,6 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics import law
 from drystone.mechanics.bodies import LIGHT
-from drystone.mechanics.increments import FEW
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
@@ -267,7 +266,7 @@ def _on_faces(asked: Asked, spread: Model | None) -> str:
     if spread is None:
         return words
     found = settle_for_verdict(spread, options=asked.options.settlement, stop=asked.clock.late)
-    asked.steps += sum(path.iterations for path in found.paths)
+    asked.steps += found.iterations
     return f"{words}; with pressure spread over the faces {found.message}"
 
 
@@ -318,7 +317,7 @@ def _with_stiff_shear(
     asked.depends_on(Sensitivity.SHEAR)
     ways = {options.tangential: found, stiff: other}
     said = [f"at {shear:g} of the normal one {one.message}" for shear, one in ways.items()]
-    takes = _taken_to_stand(asked, pool, ways, options)
+    takes = "" if alike else _taken_to_stand(asked, pool, ways, options)
     return replace(
         found,
         outcome=Outcome.SHEAR_DECIDES,
@@ -330,27 +329,30 @@ def _with_stiff_shear(
 def _taken_to_stand(
     asked: Asked, pool: WorkerPool, ways: dict[float, Settlement], options: SettlementOptions
 ) -> str:
-    """Of few blocks: the shear stiffness from which they rest, and the friction with which both do.
+    """The shear stiffness from which they rest, and the friction with which they do so both ways.
 
-    Each is the least of a few that were followed; how many are is chosen.
+    Each is the least of a few that were followed. How many are is chosen, and that the search ends
+    after three times the Newton steps of the two motions.
     """
-    statics, model, late = asked.problem.statics, asked.problem.model, asked.clock.late
+    model, late = asked.problem.model, asked.clock.late
+    left = 3 * sum(way.iterations for way in ways.values())
 
     def rests(shear: float, friction: float = 1.0) -> bool:
         rough = model.with_friction(friction * model.contacts.friction)
         chosen = replace(options, tangential=shear)
         found = settle_for_verdict(rough, options=chosen, executor=pool.executor, stop=late)
+        nonlocal left
+        left -= found.iterations
         return found.rests
 
     moves, held = sorted(ways, key=lambda shear: ways[shear].rests)
-    if not ways[held].rests or statics.free_count > FEW:
-        return ""
     for _ in range(3):
         between = float(f"{0.5 * (held + moves):.2g}")
         held, moves = (between, moves) if rests(between) else (held, between)
-    rougher = (one for one in (1.02, 1.05, 1.1, 1.2) if all(rests(shear, one) for shear in ways))
+    rougher = (x for x in (1.02, 1.05, 1.1, 1.2) if left > 0 and all(rests(one, x) for one in ways))
     least = next(rougher, None)
-    more = "" if least is None else f", and both ways with {least:g} times the friction"
+    more = f", and both ways with {least:g} times the friction"
+    more = "; no friction was found for both ways" if least is None else more
     return "" if late() else f"; it would stand at {held:g} and not at {moves:g}{more}"
 
 
@@ -373,7 +375,7 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)
-    asked.steps += sum(path.iterations for path in found.paths)
+    asked.steps += found.iterations
     if not uniform.stands:
         light = uniform.falling is None and asked.problem.statics.load_size.min() < LIGHT
         asked.depends_on(Sensitivity.WEIGHTS if light else Sensitivity.JOINTS)
