@@ -218,7 +218,7 @@ def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
     assert again(found.model, tmp_path).stable
 
 
-def stair(steps: int = 15, rise: float = 0.2, turn: float = 22.5) -> Model:
+def stair(steps: int, rise: float = 0.2, turn: float = 22.5) -> Model:
     """Treads round a newel, each of which lies on half of the one below it."""
 
     def ring(radius: float, degrees: list[float]) -> np.ndarray:
@@ -243,7 +243,7 @@ def stair(steps: int = 15, rise: float = 0.2, turn: float = 22.5) -> Model:
 
 def test_diagnosis_and_mend_name_the_same_props_of_a_stair(tmp_path: Path) -> None:
     once = DesignMargin(robust=False)
-    found = find_mends(stair(), options=MendOptions(once, kinds=("prop",)))
+    found = find_mends(stair(9), options=MendOptions(once, kinds=("prop",)))
     (mended,) = found.mends
     point, force = found.diagnosis.props
     assert len(point) == mended.change.added > 1

@@ -86,7 +86,6 @@ def peak(work: Callable[[], object]) -> int:
         ("isolated", PLAY),
         ("always", PLAY),
         ("never", PLAY),
-        ("isolated", 0.0006),
         ("always", 0.0),
         ("isolated", -0.0005),
     ],

@@ -30,14 +30,14 @@ def slope(angle: float) -> Model:
 @pytest.fixture(scope="module")
 def study() -> StandingShare:
     # stands where its friction is above tan(22 degrees) = 0.404: about half of the draws
-    return imperfections(slope(22.0), FRICTION, draws=8, seed=5, loading=ORDERS)
+    return imperfections(slope(22.0), FRICTION, draws=4, seed=5, loading=ORDERS)
 
 
 def test_each_draw_is_followed_in_every_order_and_all_agree_on_a_slope(
     study: StandingShare,
 ) -> None:
     assert study.loading == tuple(Loading)
-    assert study.draws == 8
+    assert study.draws == 4
     table = study.table()
     for order in ORDERS:
         mine = table["loading"] == order
@@ -137,8 +137,8 @@ def test_bad_orders_are_told() -> None:
 
 
 def test_a_study_is_a_table_plain_values_and_a_plot(study: StandingShare, tmp_path: Path) -> None:
-    assert repr(study).startswith("StandingShare(8 draws in 3 orders, ")
-    assert len(study.to_pandas()) == 24
+    assert repr(study).startswith("StandingShare(4 draws in 3 orders, ")
+    assert len(study.to_pandas()) == 12
     told = json.loads(json.dumps(study.to_dict()))
     assert [row["loading"] for row in told["by_loading"]] == list(ORDERS)
     drystone.view.save_figure(study, tmp_path / "share.svg")

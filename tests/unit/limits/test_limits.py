@@ -559,7 +559,8 @@ def test_a_limit_tells_where_stiffness_decides_and_for_every_stiffness_if_asked(
     assert high == pytest.approx(limit.falls)
     assert "depends on the stiffness of the joints" in limit.remarks[0]
     assert limit.to_dict()["sensitive_between"] == [low, high]
-    assert limit_tilt(model, "x", options=LimitOptions(scan=1, width=20.0)).robust is None
+    plain = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=1, width=20.0))
+    assert plain.robust is None
 
 
 def test_a_stopped_search_keeps_the_fall_that_was_followed() -> None:

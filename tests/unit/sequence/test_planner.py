@@ -224,7 +224,7 @@ def needs(found: Plan) -> tuple[int, int]:
     return len(found.props), sum(len(step.blocks) - 1 for step in found.steps)
 
 
-@pytest.mark.parametrize("friction", [0.66, 0.7, 0.84, 0.9, 1.0])
+@pytest.mark.parametrize("friction", [0.66, 0.9, 1.0])
 def test_the_bridge_is_checked_in_full_before_help_is_given(friction):
     # a quick look finds no rest state of some of its stages, and the check does
     found = planned(bridge(), friction)
