@@ -264,13 +264,18 @@ def full_disk(disk: Path, free: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def small_files(_: Path, free: int) -> Iterator[None]:
-    """Let no file of this process grow larger; the system says so as of a full disk."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    """Let no file of this process grow larger; the system says so as of a full disk.
+
+    Python would keep cut bytecode of what is imported meanwhile.
+    """
+    before, silent = resource.getrlimit(resource.RLIMIT_FSIZE), sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
     resource.setrlimit(resource.RLIMIT_FSIZE, (free, before[1]))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        sys.dont_write_bytecode = silent
 
 
 @dataclass
