@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each
+from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted, printable
 
@@ -221,7 +221,8 @@ class JointCapacity(OneLine):
     @classmethod
     def dry(cls, count: int) -> JointCapacity:
         """Of so many dry joints."""
-        none: dict[str, Any] = {name: np.full(count, value) for name, value in DRY.items()}
+        most = whole(count, "count", least=0)
+        none: dict[str, Any] = {name: np.full(most, value) for name, value in DRY.items()}
         return cls(**none)
 
     def select(self, interfaces: Bools | Ints) -> JointCapacity:

@@ -36,6 +36,10 @@ _REPRESENTED = (1e-100, 1e100)
 """[N, N m], and by mass [m/s2], chosen: far from anything that is built, and products of forces, or
 of accelerations, fit a float."""
 
+_FAR = 1e4
+"""Largest motion of a support, by the size of all blocks together, and [rad]; chosen. It is farther
+than any, also where its direction alone counts and it is given as 1 m."""
+
 
 class OfModel:
     """A value that belongs to a model, and has its blocks and contacts at hand."""
@@ -161,10 +165,12 @@ class Model(Card):
             )
         self._refuse_odd_acceleration(size)
         if self.load.motion is not None:
-            most = np.abs(self.load.motion).max(axis=1)
-            for i in np.flatnonzero(~(most <= _REPRESENTED[1]))[:1]:
+            reach, turn = np.abs(self.load.motion).reshape(-1, 2, 3).max(axis=2).T
+            extent = float(np.ptp(self.assembly.bounds, axis=(0, 1)).max())
+            for i in np.flatnonzero(~((reach <= _FAR * extent) & (turn <= _FAR)))[:1]:
                 raise InputError(
-                    f"it is moved by {most[i]:.3g}, which cannot be calculated with",
+                    f"it is moved by {reach[i]:.3g} m and {turn[i]:.3g} rad, and all blocks "
+                    f"together are {extent:.3g} m long",
                     where=f"block '{self.assembly.names[i]}'",
                     remedy="give metres and radians",
                 )

@@ -44,3 +44,19 @@ def test_forces_or_motions_too_large_to_be_squared_prove_nothing(odd: float) -> 
     force = np.zeros((model.contacts.corner_count, 3))
     assert check_forces(model, force + odd).largest == np.inf
     assert check_forces(model, force, np.full((2, 6), odd)).largest == np.inf
+
+
+@pytest.mark.parametrize(("share", "proven"), [(2e-7, True), (1e-4, False)])
+def test_a_corner_that_only_just_touches_may_press_in_proportion(
+    share: float, proven: bool
+) -> None:
+    """Of the tens of thousands of corners of a pile one overlaps by 3e-8 of what others do."""
+    model = Model.of(tower(2))
+    overlap = np.array([3e-8, 0.5, 1.0, 0.5])
+    # the top turns about its diagonal and goes down
+    turned = motion(turn=(-0.5, 0.5, 0.0), move=(0.0, 0.0, -0.5 - 1.5e-8))
+    weight = -float(model.load.wrench[1, 2])
+    force = np.zeros((4, 3))
+    force[:, 0] = 0.5 * weight * overlap
+    force[0, 0] = 2.0 * weight * share
+    assert (check_forces(model, force, turned).complementarity == 0.0) == proven

@@ -23,6 +23,7 @@ from itertools import chain, islice
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
 
+from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError, require
 
 Item = TypeVar("Item")
@@ -106,7 +107,11 @@ class WorkerPool:
     def executor(self) -> Executor | None:
         """The executor, which is started now if it was not yet."""
         if self._executor is None and self._factory is not None:
-            self._executor = self._factory()
+            made = self._factory()
+            if not hasattr(made, "submit"):
+                said = f"what the executor's function starts is {shortened(repr(made), 60)}"
+                raise InputError(said, remedy="give LocalWorkers(2), or an executor")
+            self._executor = made
         return self._executor
 
     @property
