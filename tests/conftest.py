@@ -23,7 +23,9 @@ else:
 SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp", "models"}
 SLOW |= {"report", "seismic", "sequence", "settlement", "shells", "studies", "view"}
 SLOW |= {"test_answers.py", "test_benchmark_speed.py", "test_bricks.py", "test_display.py"}
-SLOW |= {"test_journals.py", "test_unfolding.py", "test_words.py"}
+SLOW |= {"test_both_carriers.py", "test_dxf.py", "test_fine_meshes.py", "test_journals.py"}
+SLOW |= {"test_meeting.py", "test_near_pairs.py", "test_scenes.py", "test_simulators.py"}
+SLOW |= {"test_unfolding.py", "test_words.py"}
 SLOW |= {"test_documentation.py", "test_freeform.py", "test_numerical_trouble.py"}
 SLOW |= {"test_public_api.py", "test_stopping.py", "test_settled_verdicts.py", "test_curved.py"}
 SLOW |= {
