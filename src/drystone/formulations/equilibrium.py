@@ -256,11 +256,14 @@ class LoadFactors:
                 program = self._program(column, self._statics)
                 solver = program.solver()
                 self._place, self._kept = place, (program, solver)
-            state = _state(program, solution(solver, stop))
+            state = self._state(program, solution(solver, stop))
         x, known = state.raw.x, {ConicStatus.UNBOUNDED: np.inf, ConicStatus.INFEASIBLE: -np.inf}
         known[ConicStatus.SOLVED] = float(x[0])
         factor = known.get(state.raw.status, np.nan)
         return FactorSolution(factor, state, x[1 : 1 + self._reserve.shape[1]].copy())
+
+    def _state(self, program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
+        return _state(program, raw)
 
     def _program(self, column: sparse.csc_matrix, statics: Statics) -> ConicProgram:
         builder = ProgramBuilder()
@@ -273,6 +276,9 @@ class LoadFactors:
             builder.at_most("reserve to 1", np.ones(count), (share, 1.0))
         if self._enough < np.inf:  # a little more, so that forces at that factor are well inside
             builder.at_most("enough", np.array([1.001 * self._enough]), (terms[0][0], 1.0))
+        return self._built(builder, statics, terms)
+
+    def _built(self, builder: ProgramBuilder, statics: Statics, terms: list[Term]) -> ConicProgram:
         return _balanced(builder, statics, add_corner_forces(builder, statics), self._cone, *terms)
 
 

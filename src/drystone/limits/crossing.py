@@ -14,7 +14,8 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.checks import mechanism_defects
-from drystone.formulations.equilibrium import FactorSolution, LoadFactors
+from drystone.formulations.equilibrium import FactorSolution
+from drystone.formulations.plane_factors import PlaneFactors
 from drystone.formulations.projection import held_still
 from drystone.limits.bounds import balanced, scaled_wrench
 from drystone.limits.limit_types import LimitOptions
@@ -140,7 +141,7 @@ class Crossing:
         """
         at = Position(place, train, train.on(self.tops, place), *train.pieces(self.tops, place))
         known: dict[bytes, PlacedTrain] = {}
-        largest = LoadFactors(self.problem.statics, self.options.cone, self._reserve)
+        largest = PlaneFactors.of(self.problem.statics, self.options.cone, self._reserve)
 
         def under(adverse: Bools) -> PlacedTrain:
             key = adverse.tobytes()
