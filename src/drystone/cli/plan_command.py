@@ -202,8 +202,9 @@ def plan(
             swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
         if chosen.scaffold is not None and found.steps:
             made = sequence.scaffolding(
-                found, chosen.scaffold, options=chosen.scaffold_options, stop=stop
-            )
+                found, chosen.scaffold, options=chosen.scaffold_options, stop=stop,
+                time_limit_s=limit,
+            )  # fmt: skip
     also = {"scaffolding": made, "margins": measured, "friction_sweep": swept}
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(

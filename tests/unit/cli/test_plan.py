@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import LoadCase, io
+from drystone import LoadCase, io, sequence
 from drystone.assembly import Assembly
 from drystone.cli import main
 from drystone.models import arch, box, corbelled_wall, tower
@@ -26,7 +26,8 @@ def test_a_stack_needs_no_help(stack, capsys):
     code, data = answer(capsys, "plan", stack)
     assert code == 0
     assert data["order"] == ["block-1", "block-2", "block-3"]
-    assert data["counts"] == {"support": 1, "free": 3, "held": 0, "propped": 0, "impossible": 0}
+    counts = {"support": 1, "free": 3, "held": 0, "propped": 0, "impossible": 0, "unsure": 0}
+    assert data["counts"] == counts
     assert [step["verdict"] for step in data["steps"]] == ["stable"] * 3
 
 
@@ -258,3 +259,15 @@ def test_struts_that_are_too_short_are_the_reason_that_is_told(tmp_path, capsys)
     assert "m long, more than 0.2 m" in told
     assert main(["scaffold", str(path), "--with", "rope", "--length", "0.2"]) == 2
     assert "is for struts" in capsys.readouterr().err
+
+
+def test_the_check_of_scaffolding_ends_with_the_time_limit_too(stack, monkeypatch):
+    limits = []
+    check = sequence.scaffolding
+    monkeypatch.setattr(
+        sequence,
+        "scaffolding",
+        lambda *given, **how: limits.append(how["time_limit_s"]) or check(*given, **how),
+    )
+    assert main(["plan", stack, "--scaffold", "strut", "--time-limit", "50"]) == 0
+    assert limits == [50.0]
