@@ -166,6 +166,8 @@ class FollowedCase:
         Of the supports; None where they stay.
     left_at
         Displacement of a block relative to its size at which a run ends.
+    felt : (k, 3) [N]
+        Corner forces that its blocks may feel at rest, if they are known.
     """
 
     model: Model
@@ -174,6 +176,7 @@ class FollowedCase:
     clock: Clock
     motion: Floats | None = None
     left_at: float = np.inf
+    felt: Floats | None = None
 
     @property
     def many(self) -> bool:
@@ -190,6 +193,10 @@ class FollowedCase:
         """A run that has not begun; with the corner forces (k, 3) that blocks feel, if known."""
         chosen, (part, gap) = self.chosen, followed_model(self.model, self.apart)
         bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+        if felt is None and self.felt is not None:
+            kept = self.felt[self.model.active[self.model.contacts.interface]]
+            more = len(bodies.block_a) - len(kept)
+            felt = np.concatenate([kept / bodies.force_unit, np.zeros((more, 3))])
         bodies = bodies if felt is None else bodies.with_felt(felt)
         bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, self.left_at)
         return Follower(bodies, bounds, stop=self.clock.late, tell=tell)
@@ -246,7 +253,9 @@ def path_of(
             None if motion is None else scaled_motion(bodies, motion),
             earlier_loads(bodies, chosen.loading),
         )
-        if track.ended is Ended.SOFT:
+        if case.felt is not None and track.ended is not Ended.RESTS:
+            case = replace(case, felt=None)
+        elif track.ended is Ended.SOFT:
             overlap *= STIFFER
         elif motion is None and overlap == chosen.overlap and _moved_much(bodies, track):
             overlap *= FIRMER

@@ -168,15 +168,16 @@ def settle_for_verdict(
     options: SettlementOptions | None = None,
     executor: Workers | None = None,
     stop: Stop | None = None,
+    felt: Floats | None = None,
 ) -> Settlement:
     """As :func:`settle`, where only the verdict counts.
 
     Of many blocks the path ends where a block has moved farther than ``rest_within``: wherever it
-    goes from there, the structure does not stand.
+    goes from there, the structure does not stand. ``felt``: see :class:`FollowedCase`.
     """
     chosen, clock = SettlementOptions.of(options), Clock(float("inf"), stop)
     left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
-    return _carried(model, None, chosen, clock, executor, None, left_at)
+    return _carried(model, None, chosen, clock, executor, None, left_at, felt)
 
 
 def _carried(
@@ -187,13 +188,14 @@ def _carried(
     executor: Workers | None,
     progress: Progress | None,
     left_at: float = np.inf,
+    felt: Floats | None = None,
 ) -> Settlement:
     """Where the blocks end; what falls is followed again with the vertices that meet a face."""
     began = clock.elapsed_s
     if not len(model.assembly.free):
         return _nothing_free(model, moving, chosen)
     apart = faces_apart(model, chosen.fall)
-    case = FollowedCase(model, apart, chosen, clock, moving, left_at)
+    case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt)
     paths = _paths(case, executor, progress)
     for _ in range(MEETINGS):
         if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():

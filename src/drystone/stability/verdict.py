@@ -276,9 +276,7 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     Joints are then softer in proportion, or slip later. What a block feels is at first taken from
     any forces that balance the loads: on uniform springs heavy blocks that turn may throw it away.
     """
-    force = uniform.force
-    if asked.nearest is not None:
-        force = asked.problem.force(asked.nearest.force)
+    force = _balance(asked, uniform)
     for _ in range(ROUNDS):
         problem = asked.problem.with_felt(force)
         if problem is None or asked.clock.late():
@@ -293,8 +291,17 @@ def _by_what_blocks_feel(asked: Asked, uniform: Candidate) -> Candidate | None:
     return None
 
 
+def _balance(asked: Asked, uniform: Candidate) -> Floats:
+    """Corner forces (k, 3) [N] that balance the loads, where there are some."""
+    return uniform.force if asked.nearest is None else asked.problem.force(asked.nearest.force)
+
+
 def _with_stiff_shear(
-    asked: Asked, pool: WorkerPool, found: Settlement, options: SettlementOptions
+    asked: Asked,
+    pool: WorkerPool,
+    found: Settlement,
+    options: SettlementOptions,
+    felt: Floats | None,
 ) -> Settlement:
     """The same where the blocks end alike with stiffer joints along their faces; else both ways.
 
@@ -310,6 +317,7 @@ def _with_stiff_shear(
         options=replace(options, tangential=stiff),
         executor=pool.executor,
         stop=asked.clock.late,
+        felt=felt,
     )
     alike = (other.outcome is Outcome.RESTS) == (found.outcome is Outcome.RESTS)
     if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
@@ -363,21 +371,27 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     hardly = asked.problem.unpressed.any()
     if hardly:  # a plug that hardly tapers presses more and more on a long way
         options = replace(options, fall=max(options.fall, SettlementOptions().fall))
+    light, felt = asked.problem.statics.load_size.min() < LIGHT, None
+    if light:
+        felt = _balance(asked, uniform)
     found = settle_for_verdict(
         asked.problem.model,
         options=options,
         executor=pool.executor,
         stop=clock.late,
+        felt=felt,
     )
+    if light and found.rests:
+        felt = found.paths[-1].force[: asked.problem.model.contacts.corner_count]
     certain = uniform.stands and not hardly and all(one.stands for one in asked.tried)
     if not (certain and found.outcome is Outcome.RESTS):
-        found = _with_stiff_shear(asked, pool, found, options)
+        found = _with_stiff_shear(asked, pool, found, options, felt)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)
     asked.steps += found.iterations
     if not uniform.stands:
-        light = uniform.falling is None and asked.problem.statics.load_size.min() < LIGHT
+        light &= uniform.falling is None
         asked.depends_on(Sensitivity.WEIGHTS if light else Sensitivity.JOINTS)
     if found.outcome is Outcome.ENDS_DECIDE:
         asked.depends_on(Sensitivity.ENDS)

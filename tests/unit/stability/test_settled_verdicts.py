@@ -10,7 +10,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, se
 from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
 from drystone.limits.limit_checks import every_stiffness
-from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wedge
+from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wall, wedge
 from drystone.models.solids import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
@@ -326,6 +326,15 @@ def test_light_blocks_that_topple_on_a_heavy_one_fall_by_a_mechanism(margin: flo
         assert found.mechanism is not None
         assert not found.mechanism[:3].any()
         assert found.falling == (3, 4, 5, 6)
+
+
+def test_a_wall_with_one_heavy_stone_is_followed_with_what_its_blocks_feel_from_the_start() -> None:
+    """The check asks 589 times whether to stop; 2,962 times where that is not known."""
+    blocks, asked = wall(5, 4), itertools.count()
+    density = np.where(np.array(blocks.names) == "c02-b00", 2e11, 2000.0)
+    model = Model.of(blocks.with_density(density.tolist()), friction=0.7)
+    assert check(model, stop=lambda: next(asked) < 0).stable
+    assert next(asked) < 1000
 
 
 @pytest.mark.parametrize("seed", [0, 5])
