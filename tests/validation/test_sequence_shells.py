@@ -64,7 +64,9 @@ def test_deeper_wedges_need_less_help():
     assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
     assert shallow["free"] < 37
     deep = planned(niche(0.3), VAULT_FRICTION).counts
-    assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
+    assert deep.pop("support") == 15
+    assert deep.pop("free") == 37
+    assert not any(deep.values())
 
 
 def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():
