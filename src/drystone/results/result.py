@@ -85,8 +85,7 @@ class Result(Solution, Answer):
         if margin is None:
             return ""
         if is_vertical(self.load):
-            told = f"forces balance it up to a tilt of {rounded_down(margin):g} degrees"
-            return f"{told}, of tilts about x and y"
+            return f"forces balance a tilt about x or y of {rounded_down(margin):g} degrees"
         push = rounded_down(math.tan(math.radians(margin)))
         return f"forces balance a push along x or y of {push:g} of the weight of its blocks as well"
 

@@ -48,5 +48,5 @@ def test_the_page_of_a_check_has_the_margin_that_the_command_tells(
     drystone.save_page(drystone.check("tower.json", friction=0.6), "python.html")
     assert main(["check", "tower.json", "--friction", "0.6", "--html", "command.html"]) == 0
     for page in ("python.html", "command.html"):
-        told = "forces balance it up to a tilt of 26.56 degrees"
+        told = "forces balance a tilt about x or y of 26.56 degrees"
         assert told in Path(page).read_text("utf-8"), page
