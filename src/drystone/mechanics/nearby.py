@@ -53,6 +53,11 @@ LOOSE = 0.9
 as without joints. Measured on 44 walls, arches, vaults, domes and piles: 1.0 or more in all runs
 that lead nowhere, and in some that would find a rest state after a detour."""
 
+IDLE = 0.8
+"""Share of what was left two steps before, from which on a step is halved where it may grow.
+Measured: a dome of 51 by 40 that is tilted by 0, 4 and 8 degrees takes 21, 32 and 34 factorisations
+without and 19, 23 and 25 with it; 50 other domes, vaults and walls take 1,580 and 1,583."""
+
 LIMIT = 100
 """Steps at most; STALL ends a run long before."""
 
@@ -130,7 +135,9 @@ def descend(
     """
     law = _Law(statics, compliance, options, stop, blurred, hurried)
     begin = law.at(motion, statics.displacement(motion))
-    point, solved, steps = newton(law, begin, Steps(LIMIT, SHORTEST, law.memory, chords=CHORDS))
+    idle = IDLE if blurred else np.inf
+    chosen = Steps(LIMIT, SHORTEST, law.memory, chords=CHORDS, idle=idle)
+    point, solved, steps = newton(law, begin, chosen)
     if not solved:
         return None, steps
     normal = compliance.normal * np.maximum(0.0, -point.moved[:, 0] - compliance.overlap)

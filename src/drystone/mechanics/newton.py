@@ -87,6 +87,9 @@ class Steps:
     chords
         Factors are used again where so many steps with them will do, as convergence is quadratic in
         the end.
+    idle
+        Where two steps have left more than this share, they may change between the same corners:
+        the next one is half as long.
     """
 
     limit: int
@@ -94,6 +97,7 @@ class Steps:
     memory: int = 4
     bold: int = 0
     chords: int = 1
+    idle: float = np.inf
 
 
 SUFFICIENT = 1e-3
@@ -118,7 +122,8 @@ def newton(equation: Equation[P, S], point: P, steps: Steps) -> tuple[P, bool, i
             step = equation.step(point, renew)
         except SolverError:
             return point, False, number
-        allowed, length = max(sizes[-steps.memory :]), 1.0
+        idle = len(sizes) > 3 and sizes[-1] > steps.idle * sizes[-3]
+        allowed, length = max(sizes[-steps.memory :]), 0.5 if idle else 1.0
         while True:
             trial = equation.after(point, step, length)
             falls = trial.size < (1.0 - SUFFICIENT * length) * allowed
