@@ -188,11 +188,11 @@ class Contacts(OneLine):
     def tributary(self) -> Floats:
         """(k,) [m2], the share of the interface's area that belongs to each corner.
 
-        A single point has the area for which it stands; of a line the rounding is left out.
+        Points and lines enclose none: they have what is given, not the rounding of a polygon.
         """
-        flat = self.corners.counts[self.interface] > 2
+        count = self.corners.counts[self.interface]
         share = polygon.tributary_areas(self.point, self.start)
-        return frozen(np.where(flat, share, self.area[self.interface]))
+        return frozen(np.where(count > 2, share, self.area[self.interface] / count))
 
     @cached_property
     def corner_capacity(self) -> tuple[Floats, Floats, Floats]:

@@ -92,7 +92,7 @@ class Chart(OneLine):
     def rise(self) -> tuple[float, float]:
         """Least value up or zero, and the largest."""
         low, high = ends_of([*(one.y for one in self.marks), np.zeros(1)])
-        low = 0.0 if abs(low) <= 1e-2 * high else low  # what nobody sees needs no label
+        low = 0.0 if abs(low) <= 1e-2 * high else low  # a pixel or two need no label
         return low, high if self.top is None else self.top
 
 

@@ -98,9 +98,8 @@ def check(
     if result.stable and result.tilt_margin is None:
         from drystone.loads.applied import is_vertical
 
-        load = model.load
-        still = "limit train" if load.fills else "limit shrink"
-        then = "limit tilt" if is_vertical(load) else still
+        still = "limit train" if model.load.fills else "limit shrink"
+        then = "limit tilt" if is_vertical(model.load) else still
     return Told(
         result, why, exit_code=exit_code(result, strict), notes=result.model.notes,
         files=partial(wanted.of, result), then=subject.command(then) if then else "",

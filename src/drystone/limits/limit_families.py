@@ -91,12 +91,12 @@ class Tilt(OneLine):
         """The angle about that axis."""
         phrase = f"{{}} degrees {axis_words(self.axis)}"
         told = ""
-        if self.pushed:
+        if self._pushed:
             told = "loads beside weight, such as of fill, keep their direction while it turns"
         return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"), remark=told)
 
     @property
-    def pushed(self) -> bool:
+    def _pushed(self) -> bool:
         """Whether anything beside an acceleration of all masses acts."""
         assembly, load = self.model.assembly, self.model.load
         rest = load.wrench.copy()

@@ -269,7 +269,7 @@ class TrainEnvelope(Answer):
         elif self.limit is not None:
             why = (
                 f"the verdict was searched at {self._placed[self.worst].at.words} alone, the worst "
-                f" of {known} by equilibrium; by the verdict another may carry less"
+                f"of {known} by equilibrium; by the verdict another may carry less"
             )
             said.append(Sentence(why))
             said += self.limit.sentences()[self.limit.stands is not None :]

@@ -19,6 +19,7 @@ from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.units import quantity
 from drystone.checks import first_motion_of, moving_joints
 from drystone.geometry.surface import worth_drawing
 from drystone.joints import (
@@ -171,11 +172,11 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
     if ties.size:
         centroid = result.assembly.centroid
         start, end = centroid[contacts.block_a[ties]], centroid[contacts.block_b[ties]]
-        pull = float(resultants.normal[joint[ties]].max())
-        words = "ties, which pull up to" if ties.size > 1 else "a tie, which pulls"
+        pull = quantity(float(resultants.normal[joint[ties]].max()), "N")
+        words = f"ties, which pull up to {pull}" if ties.size > 1 else f"a tie, which pulls {pull}"
         layers.append(
             Layer(
-                "tie-forces", f"{words} {pull:.3g} N", LayerKind.LINES, "added", start, end - start,
+                "tie-forces", words, LayerKind.LINES, "added", start, end - start,
                 interface=ties, width=2.0,
             )
         )  # fmt: skip
