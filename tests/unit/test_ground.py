@@ -79,9 +79,12 @@ def test_earth_presses_as_rankine_says_to_the_third_of_its_height() -> None:
     assert total[4] == pytest.approx(6e3 * 64.0 / 6.0)
 
 
-def test_the_ratio_of_pressures_stands_in_the_name_of_a_load() -> None:
+def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     earth = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,wall_friction=20deg")
-    assert earth.on(tower(2)).name == "earth on side -x with K 0.333 and wall friction 0.364"
+    told = "earth of 18 kN/m3 on side -x with K 0.333"
+    assert earth.on(tower(2)).name == f"{told} and wall friction 0.364"
+    wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
+    assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
     fill = Fill.named("cover=0.3m,weight=20kN/m3,k=rest:30deg")
     assert fill.on(tower(2)).name == "fill to 0.3 m above the crown with K 0.5"
 
@@ -90,7 +93,7 @@ def test_earth_presses_on_the_blocks_that_are_named_up_to_their_top() -> None:
     """Cubes of 1 m: on each of two 9 kN from the middle depth 0.5 m; below, 2.5 m and none."""
     words = "side=-x,weight=18kN/m3,k=1,blocks={}"
     some = Earth.named(words.format("block-2+block-1")).on(tower(4))
-    assert some.name == "earth on side -x with K 1 on block-2+block-1"
+    assert some.name == "earth of 18 kN/m3 on side -x with K 1 on block-2+block-1"
     assert some.wrench[:, 0] == pytest.approx([0.0, 27000.0, 9000.0, 0.0])
     every = Earth.named(words.format("block-*")).on(tower(4))
     assert every.wrench == pytest.approx(Earth("-x", 18e3, 1.0).on(tower(4)).wrench)

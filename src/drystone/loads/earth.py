@@ -13,6 +13,7 @@ from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.base.units import quantity
 from drystone.geometry.frames import AXES
 from drystone.loads.case import LoadCase
 from drystone.loads.ground_words import (
@@ -130,10 +131,13 @@ class Earth(Options):
             skew = np.column_stack([slope, np.full(len(t), -1.0)])
             return force + _WATER * wet[:, None] * skew
 
-        name = f"earth on side {self.side} with K {self.k:.3g}"
-        if self.blocks:
-            name += f" on {self.blocks}"
-        if self.wall_friction:
-            name += f" and wall friction {self.wall_friction:.3g}"
+        kind = f"earth of {quantity(self.weight, 'N')}/m3 on side {self.side} with K {self.k:.3g}"
+        more = {
+            f" on {self.blocks}": self.blocks,
+            f" and wall friction {self.wall_friction:.3g}": self.wall_friction,
+            f" and surcharge {quantity(self.surcharge, 'Pa')}": self.surcharge,
+            f" and water to {self.water} m": self.water is not None,
+        }
+        name = kind + "".join(words for words, given in more.items() if given)
         surface = strips.surface(assembly, traction)
         return LoadCase(strips.wrenches(assembly, traction), name, surface=surface)

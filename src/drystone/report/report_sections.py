@@ -122,18 +122,29 @@ def _all(table: Table) -> Iterator[Part]:
 
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
     for one in worst_first(answers):
-        said = [one.sentences()[0].text, one.title]
-        if isinstance(one, Limit) and one.best.standing is not None:
-            load = one.best.standing.load.name
-            said += [] if load == model.load.name else [f"Load that stands: {load}"]
-        yield ". ".join(dict.fromkeys(said)) + "."
-        for sentence in one.sentences()[1:]:
-            if sentence.role is Role.REMARK:
-                yield f"Note: {sentence.text}."
+        yield from _told(one, model)
+    carried = Question.of(model).facts().get("Joint capacity")
+    if carried:
+        yield f"Joints carry {carried}."
     if any(
         isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
     ):
         yield "Only the train has fill: give that with --load, to have it in all parts."
+
+
+def _told(one: Answer, model: Model) -> Iterator[str]:
+    """The title of an answer, the margins of what stands, and what is to be borne in mind."""
+    said = [one.sentences()[0].text, one.title]
+    if isinstance(one, Limit) and one.best.standing is not None:
+        load = one.best.standing.load.name
+        said += [] if load == model.load.name else [f"Load that stands: {load}"]
+    yield ". ".join(dict.fromkeys(said)) + "."
+    margins = one.margins() if isinstance(one, Result) else ()
+    for sentence in margins:
+        yield f"{sentence.text[:1].upper()}{sentence.text[1:]}."
+    for sentence in one.sentences()[1:]:
+        if sentence.role is Role.REMARK:
+            yield f"Note: {sentence.text}."
 
 
 def _signatures(about: TitleBlock) -> Mapping[str, str]:

@@ -72,12 +72,16 @@ class Result(Solution, Answer):
         if self.samples.tried:
             tried, standing = self.samples.tried, self.samples.standing
             said.append(Sentence(f"contact stiffnesses: stands for {standing} of {tried} tried"))
+        return [one for one in (*said, *self.margins()) if one.text]
+
+    def margins(self) -> Sequence[Sentence]:
+        """How far what stands is from falling, and what it needs."""
+        said = []
         if self._safety:
             said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
         if self.verdict is Verdict.STABLE and self.force is not None:
-            said += self._strength()
-            said += self._without_margin() + self._on_corners()
-        return [one for one in said if one.text]
+            said += self._strength() + self._without_margin() + self._on_corners()
+        return said
 
     @property
     def _safety(self) -> str:

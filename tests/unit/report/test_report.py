@@ -92,6 +92,18 @@ def test_the_same_answers_give_the_same_bytes_and_text_that_can_be_searched(
     assert again.png in [one.png for one in pictures if isinstance(one, Picture)]
 
 
+def test_the_first_page_has_the_margin_the_earth_and_the_law_of_mortar() -> None:
+    earth = "earth:side=-x,weight=18kN/m3,k=0.33,surcharge=5kPa"
+    capacity = "tension=0.05MPa"
+    answers = assess(tower(2), limits=[], friction=0.6, load=earth, joint_capacity=capacity)
+    document = document_of(answers, TitleBlock())
+    page = repr([section.parts for section in document.sections[:2]])
+    for told in ("surcharge 5 kPa", "brittle"):
+        assert told in page
+    dry = document_of(assess(tower(2), limits=[], friction=0.6), TitleBlock())
+    assert any("Safety: forces balance a tilt" in str(one) for one in dry.sections[0].parts)
+
+
 def test_what_acts_on_all_free_blocks_is_in_balance() -> None:
     assembly = arch(0.2, 7)
     load = LoadCase.gravity(assembly) + LoadCase.moment(assembly, "voussoir-02", (0.0, 20.0, 0.0))
