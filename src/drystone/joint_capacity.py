@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each, whole
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted, printable
+from drystone.base.errors import InputError, counted, quoted
 
 _PerInterface: TypeAlias = float | Sequence[float] | Floats
 """One number for all interfaces, or one each."""
@@ -136,10 +136,7 @@ class JointCapacity(OneLine):
             Largest bending moment of a joint that is not pressed. Pressure adds to it.
         brittle
         """
-        if not hasattr(contacts, "interface"):
-            said = f"contacts is {printable(repr(contacts), 60)}"
-            raise InputError(said, remedy="give the .contacts of a model")
-        m = contacts.count
+        m = _interfaces(contacts)
         given = tension if tension is not None else 0.0 if moment is None else NO_LIMIT
         pull = _capacities(given, m, "tension")
         if moment is not None:
@@ -180,7 +177,7 @@ class JointCapacity(OneLine):
             Edges and points have no area: they carry nothing then.
         brittle
         """
-        m, area = contacts.count, contacts.area
+        m, area = _interfaces(contacts), contacts.area
         strength = None if compression is None else _strengths(compression, m)
 
         def forces(value: Any, name: str) -> Any:
@@ -222,7 +219,10 @@ class JointCapacity(OneLine):
     def dry(cls, count: int) -> JointCapacity:
         """Of so many dry joints."""
         most = whole(count, "count", least=0)
-        none: dict[str, Any] = {name: np.full(most, value) for name, value in DRY.items()}
+        try:
+            none: dict[str, Any] = {name: np.full(most, value) for name, value in DRY.items()}
+        except (ValueError, OverflowError, MemoryError) as error:
+            raise InputError(f"count is {quoted(count)}", remedy="memory holds fewer") from error
         return cls(**none)
 
     def select(self, interfaces: Bools | Ints) -> JointCapacity:
@@ -268,6 +268,13 @@ def _strengths(values: Any, count: int) -> Floats:
             remedy="give more than zero, or leave it out: joints do not crush then",
         )
     return out
+
+
+def _interfaces(contacts: Any) -> int:
+    """How many interfaces contacts have; anything else is refused."""
+    if not hasattr(contacts, "interface"):
+        raise InputError(f"contacts is {quoted(contacts)}", remedy="give the .contacts of a model")
+    return int(contacts.count)
 
 
 def _capacities(values: Any, count: int, name: str) -> Floats:

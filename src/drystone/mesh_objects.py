@@ -13,8 +13,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import shortened
-from drystone.base.errors import InputError, require
+from drystone.base.errors import InputError, quoted, require
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.triangulate import triangulate
 from drystone.repair import mended_block
@@ -141,7 +140,7 @@ def _meshes(given: Any, name: str) -> Iterator[tuple[str, Floats, list[Sequence[
             yield from _meshes(one, "")
     else:
         raise InputError(
-            f"{shortened(repr(given), 60)} cannot be analysed",
+            f"{quoted(given)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file, or meshes of trimesh, pyvista "
             "or COMPAS",
         )

@@ -12,8 +12,8 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.base.arrays import FARTHEST, Bools, Floats, frozen_floats, of_type
-from drystone.base.display import Card, OneLine, shortened
-from drystone.base.errors import InputError, counted, require
+from drystone.base.display import Card, OneLine
+from drystone.base.errors import InputError, counted, quoted, require
 from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
@@ -459,7 +459,7 @@ def _own_friction(block: Block) -> float:
     if isinstance(given, bool) or not isinstance(given, int | float):
         return float("nan")
     if not 0.0 <= given <= FARTHEST:
-        told = shortened(repr(given), 20)
+        told = quoted(given, 20)
         raise InputError(
             f"its friction is {told}", where=f"block '{block.name}'", remedy="give a coefficient"
         )

@@ -3,6 +3,8 @@
 import dataclasses
 import inspect
 from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -297,3 +299,60 @@ def test_an_analysis_keeps_its_signature() -> None:
     assert list(parameters)[:2] == ["given", "options"]
     assert check.__module__ == "drystone.stability.verdict"
     assert isinstance(check(Assembly(TOWER.blocks, TOWER.fixed)), drystone.Result)
+
+
+class Odd:
+    """A value whose text is a fault of its own."""
+
+    def __repr__(self) -> str:
+        raise KeyError("x")
+
+
+def nested() -> list[Any]:
+    """A list in a list, deeper than Python writes it."""
+    found: list[Any] = []
+    for _ in range(5000):
+        found = [found]
+    return found
+
+
+@pytest.mark.parametrize("make", [nested, lambda: 10**5000, Odd], ids=["deep", "digits", "odd"])
+def test_a_value_that_python_cannot_write_is_told_by_its_kind(make: Callable[[], Any]) -> None:
+    value = make()
+    kind = f"<{type(value).__name__}>"
+    calls: list[tuple[Callable[[], object], str]] = [
+        (lambda: check(value), f"given is {kind}|{kind} cannot be analysed"),
+        (lambda: check(MODEL, friction=value), "friction is"),
+        (lambda: check(MODEL, time_limit_s=value), "time_limit_s is"),
+        (lambda: Assembly([value]), "is not a block"),
+        (lambda: TOWER.index(value), "block"),
+        (lambda: CheckOptions(samples=[value]), "samples is"),
+        (lambda: drystone.JointCapacity.of_stress(value), "contacts is"),
+        (lambda: drystone.save_figure(MODEL, "a.svg", ax=value), "ax is"),
+        (lambda: drystone.JointCapacity.dry(-value if kind == "<int>" else value), "count is"),
+    ]
+    for call, words in calls:
+        with pytest.raises(InputError, match=words) as caught:
+            call()
+        assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("bits", [59, 63, 70, 20_000])
+def test_a_count_that_no_memory_holds_is_refused(bits: int) -> None:
+    with pytest.raises(InputError, match=r"^count is .*; memory holds fewer$"):
+        drystone.JointCapacity.dry(2**bits)
+
+
+def test_numbers_of_other_kinds_are_taken_or_refused(tmp_path: Path) -> None:
+    for g in (Decimal("9.81"), Fraction(981, 100), np.float64(9.81)):
+        assert np.allclose(LoadCase.gravity(TOWER, g).wrench, MODEL.load.wrench)  # type: ignore[arg-type]
+        assert np.allclose(LoadCase.seismic(TOWER, 0.1, g=g).acceleration, [0.981, 0, 0])  # type: ignore[arg-type]
+    for wrong in (Decimal("NaN"), Decimal("sNaN"), float("nan")):
+        with pytest.raises(InputError, match=r"time.limit"):
+            check(MODEL, time_limit_s=wrong)  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="each_s is"):
+            drystone.Structure(MODEL, each_s=wrong)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="give finite numbers"):
+        MODEL.load * 1e308
+    with pytest.raises(InputError, match="give finite numbers"):
+        LoadCase.extra_mass(TOWER, "block-1", 1e308)

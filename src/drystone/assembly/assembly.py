@@ -13,8 +13,8 @@ import numpy as np
 from drystone.assembly.block import Block, replace_block
 from drystone.base import units
 from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
-from drystone.base.display import Card, shortened
-from drystone.base.errors import InputError, counted, meant
+from drystone.base.display import Card
+from drystone.base.errors import InputError, counted, meant, quoted
 from drystone.geometry import polyhedron
 from drystone.geometry.frames import rotations
 
@@ -57,7 +57,7 @@ class Assembly(Card):
         blocks = tuple(self.blocks) if isinstance(self.blocks, Iterable) else (self.blocks,)
         strange = [block for block in blocks if not isinstance(block, Block)]
         if strange:
-            said = shortened(repr(strange[0]), 60)
+            said = quoted(strange[0])
             raise InputError(f"{said} is not a block", remedy="give a list of Block(...)")
         if not blocks:
             raise InputError("the assembly has no blocks", remedy="give at least one")
@@ -106,7 +106,7 @@ class Assembly(Card):
             block = int(block) + len(self)
         elif not isinstance(block, str | Integral):
             raise InputError(
-                f"a block is asked for by {shortened(repr(block), 60)}",
+                f"a block is asked for by {quoted(block)}",
                 remedy="give its name or position; subset(...) takes several",
             )
         return self.blocks[self.indices(block)[0]]
@@ -184,7 +184,7 @@ class Assembly(Card):
         if isinstance(blocks, str | Integral):
             blocks = [blocks]
         if not isinstance(blocks, Iterable):
-            said = shortened(repr(blocks), 60)
+            said = quoted(blocks)
             raise InputError(f"blocks are {said}", remedy="give names or positions of blocks")
         if not isinstance(blocks, np.ndarray):
             blocks = list(blocks)

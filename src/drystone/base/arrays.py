@@ -9,8 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, quoted
 
 T = TypeVar("T")
 
@@ -119,7 +118,7 @@ def number(value: Any, what: str, *, finite: bool = True) -> float:
             raise TypeError
         given = float(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{what} is {shortened(repr(value), 60)}, not a number") from error
+        raise InputError(f"{what} is {quoted(value)}, not a number") from error
     if finite and not np.isfinite(given):
         raise InputError(f"{what} is {given}", remedy="give a finite number")
     return given
@@ -140,8 +139,7 @@ def one_or_each(values: Any, count: int, what: str) -> Floats:
         return np.broadcast_to(given.astype(np.float64), (count,)).copy()
     except (TypeError, ValueError, OverflowError) as error:
         each = "" if count == 1 else f", nor {count} numbers, one for each interface"
-        said = shortened(repr(values), 60)
-        raise InputError(f"{what} is {said}, not a number{each}") from error
+        raise InputError(f"{what} is {quoted(values)}, not a number{each}") from error
 
 
 def whole(value: Any, what: str, *, least: int | None = None) -> int:
@@ -153,10 +151,9 @@ def whole(value: Any, what: str, *, least: int | None = None) -> int:
         It is none (neither are 4.0 and True), or less than ``least``.
     """
     if not isinstance(value, Integral) or isinstance(value, bool):
-        said = shortened(repr(value), 60)
-        raise InputError(f"{what} is {said}", remedy="give a whole number")
+        raise InputError(f"{what} is {quoted(value)}", remedy="give a whole number")
     if least is not None and value < least:
-        raise InputError(f"{what} is {value}", remedy=f"give {least} or more")
+        raise InputError(f"{what} is {quoted(value)}", remedy=f"give {least} or more")
     return int(value)
 
 
@@ -169,7 +166,7 @@ def of_type(value: Any, kind: type[T], what: str, remedy: str = "") -> T:
         It is of another.
     """
     if not isinstance(value, kind):
-        said = f"{what} is {shortened(repr(value), 60)}"
+        said = f"{what} is {quoted(value)}"
         raise InputError(said, remedy=remedy or f"give {kind.__name__}(...)")
     return value
 

@@ -85,6 +85,20 @@ def printable(text: str, limit: int = _LONGEST) -> str:
     return f"{shown[:half]}...{shown[-half:]}"
 
 
+def quoted(value: object, limit: int = 60) -> str:
+    """A value as Python writes it, on one short line, for errors.
+
+    Examples
+    --------
+    >>> quoted("a"), quoted(10**5000)
+    ("'a'", '<int>')
+    """
+    try:
+        return printable(" ".join(repr(value).split()), limit)
+    except Exception:  # nested too deep, more digits than Python writes, or a fault of its own
+        return f"<{type(value).__name__}>"
+
+
 def _with_short_words(told: object) -> str:
     """As text, each word that is too long cut in the middle: it quotes what was given."""
     text = str(told)

@@ -16,8 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
-from drystone.base.display import shortened
-from drystone.base.errors import FormatError, InputError
+from drystone.base.errors import FormatError, InputError, quoted
 
 PathLike: TypeAlias = str | os.PathLike[str]
 Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
@@ -147,7 +146,7 @@ def as_path(path: PathLike) -> Path:
     try:
         return Path(path)
     except TypeError as error:
-        told = shortened(repr(path), 60)
+        told = quoted(path)
         raise FormatError(f"the path is {told}", remedy="give a string or a Path") from error
 
 

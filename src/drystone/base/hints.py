@@ -17,7 +17,7 @@ from typing import Any, Literal, Union, Unpack, get_args, get_origin, get_type_h
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.base.errors import DrystoneError, InputError, printable, refuse_unknown
+from drystone.base.errors import DrystoneError, InputError, quoted, refuse_unknown
 
 _UNIONS = (types.UnionType, Union)
 _ARRAYS = (np.ndarray, NDArray)  # since numpy 2.5 the second is a type of its own
@@ -81,7 +81,7 @@ def refuse_wrong(values: Iterable[tuple[str, Any]], hints: Mapping[str, Any]) ->
     """
     for name, value in values:
         if name in hints and not fits(value, hints[name]):
-            said, wanted = f"{name} is {printable(repr(value), 60)}", told(hints[name])
+            said, wanted = f"{name} is {quoted(value)}", told(hints[name])
             wanted += f" of {name}" if wanted == "a list" else ""
             raise InputError(said, remedy=f"give {wanted}")
 

@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, Self, TypeVar, get_origin
 
-from drystone.base.arrays import of_type
+from drystone.base.arrays import number, of_type
 from drystone.base.display import OneLine
 from drystone.base.errors import ODD, InputError, counted, refuse_unknown
 from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
@@ -100,7 +100,7 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
         if not named.keys() <= own:
             _refuse_unknown(function, named)
         refuse_wrong((*zip(known, given, strict=False), *named.items()), hints_of(function))
-        limit: Any = named.get("time_limit_s", 0.0)
+        limit = number(named.get("time_limit_s", 0.0), "the time limit", finite=False)
         if not limit >= 0.0:
             raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
         try:

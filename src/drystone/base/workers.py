@@ -23,8 +23,7 @@ from itertools import chain, islice
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
 
-from drystone.base.display import shortened
-from drystone.base.errors import DrystoneError, InputError, require
+from drystone.base.errors import DrystoneError, InputError, quoted, require
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
@@ -109,7 +108,7 @@ class WorkerPool:
         if self._executor is None and self._factory is not None:
             made = self._factory()
             if not hasattr(made, "submit"):
-                said = f"what the executor's function starts is {shortened(repr(made), 60)}"
+                said = f"what the executor's function starts is {quoted(made)}"
                 raise InputError(said, remedy="give LocalWorkers(2), or an executor")
             self._executor = made
         return self._executor

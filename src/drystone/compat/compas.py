@@ -18,6 +18,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import DefectKind, InputError, require
+from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -206,7 +207,7 @@ def to_compas(
     content = {
         CompasKind.ASSEMBLY: assembly_content,
         CompasKind.BLOCK_MODEL: block_model_content,
-    }[CompasKind(kind)](contents_of(model))
+    }[member_of(CompasKind, kind, "kind")](contents_of(model))
     compas = _compas(_packages(content))
     return compas.json_loads(json.dumps(content))
 

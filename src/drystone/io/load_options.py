@@ -12,8 +12,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import texts
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, quoted
 from drystone.io.jsontext import Field, parse
 from drystone.io.load_parts import load_of_parts
 from drystone.loads import LoadCase
@@ -157,7 +156,7 @@ def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
     each = [given] if isinstance(given, str | Mapping) else given
     if not isinstance(each, list | tuple):
         remedy = "give words, such as block-1:5kN, or parts as in our JSON"
-        raise InputError(f"is {shortened(repr(given), 60)}", where="load", remedy=remedy)
+        raise InputError(f"is {quoted(given)}", where="load", remedy=remedy)
     cases = [
         load_of_words(one, assembly, gravity=gravity)
         if isinstance(one, str) and not one.startswith("{")

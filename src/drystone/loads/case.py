@@ -124,7 +124,7 @@ class LoadCase(OneLine):
             ) from error
         if given.ndim == 0:
             return cls.gravity(assembly, float(given) * STANDARD_GRAVITY)
-        return cls(wrench_of_masses(assembly, 1.0, given), "gravity", acceleration=given)
+        return cls(wrench_of_masses(assembly, given), "gravity", acceleration=given)
 
     @classmethod
     def gravity(
@@ -139,8 +139,8 @@ class LoadCase(OneLine):
         direction : (3,)
             Any length; gravity acts along it.
         """
-        down = unit(direction, "gravity direction")
-        return cls(wrench_of_masses(assembly, g, down), "gravity", acceleration=g * down)
+        down = number(g, "g") * unit(direction, "gravity direction")
+        return cls(wrench_of_masses(assembly, down), "gravity", acceleration=down)
 
     @classmethod
     def tilt(
@@ -174,9 +174,9 @@ class LoadCase(OneLine):
         g : [m/s2]
         """
         x, y = number(kx, "kx"), number(ky, "ky")
-        level = np.array([x, y, 0.0])
+        level = number(g, "g") * np.array([x, y, 0.0])
         name = f"seismic {x:g}, {y:g}"
-        return cls(wrench_of_masses(assembly, g, level), name, acceleration=g * level)
+        return cls(wrench_of_masses(assembly, level), name, acceleration=level)
 
     @classmethod
     def point_load(
@@ -279,7 +279,8 @@ class LoadCase(OneLine):
         carried = float(frozen_floats(mass, (), "mass"))
         if carried < 0.0:
             raise InputError(f"mass is {carried}", remedy="give kg of zero or more")
-        force = carried * number(g, "g") * unit(direction, "gravity direction")
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
+            force = carried * number(g, "g") * unit(direction, "gravity direction")
         load = cls.point_load(assembly, block, force, at)
         place = load.name.partition(" N on ")[2]
         return cls(load.wrench, f"{carried:g} kg on {place}", load.notes)
@@ -374,11 +375,12 @@ class LoadCase(OneLine):
         if isinstance(factor, str) or np.ndim(factor) or not isinstance(factor, SupportsFloat):
             return NotImplemented
         by = float(factor)
-        moved = None if self.motion is None else self.motion * by
         name = f"({self.name})" if " + " in self.name else self.name
-        known = self.acceleration * by
-        surface = None if self.surface is None else self.surface.by(by)
-        return LoadCase(self.wrench * by, f"{by:g} {name}", self.notes, moved, known, surface,
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
+            moved = None if self.motion is None else self.motion * by
+            surface = None if self.surface is None else self.surface.by(by)
+            wrench, known = self.wrench * by, self.acceleration * by
+        return LoadCase(wrench, f"{by:g} {name}", self.notes, moved, known, surface,
                         self.fills if by == 1.0 else ())  # fmt: skip
 
     __rmul__ = __mul__

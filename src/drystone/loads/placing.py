@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, frozen, frozen_floats, lengths, number, whole
+from drystone.base.arrays import Floats, Ints, frozen, frozen_floats, lengths, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import unit
@@ -52,8 +52,8 @@ def wrench_at(assembly: Assembly, block: int, force: Floats, point: Floats) -> F
     return wrench
 
 
-def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
-    """Wrenches (n, 6) of an acceleration of all masses, g [m/s2] times ``direction`` (3,).
+def wrench_of_masses(assembly: Assembly, acceleration: Floats) -> Floats:
+    """Wrenches (n, 6) of an acceleration (3,) [m/s2] of all masses.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
     """
     wrench = np.zeros((len(assembly), 6))
     with np.errstate(over="ignore", invalid="ignore"):
-        wrench[:, :3] = assembly.mass[:, None] * (number(g, "g") * direction)
+        wrench[:, :3] = assembly.mass[:, None] * acceleration
     for i in np.flatnonzero(~np.isfinite(wrench).all(axis=1))[:1]:
         raise InputError(
             f"block '{assembly.names[i]}' has a mass of {assembly.mass[i]:.3g} kg: its weight is "

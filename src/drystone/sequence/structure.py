@@ -10,7 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.assembly.assembly import Blocks
-from drystone.base.arrays import Bools, Floats, frozen, whole
+from drystone.base.arrays import Bools, Floats, frozen, number, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -123,7 +123,7 @@ class Structure(OneLine):
     ) -> None:
         options = CheckOptions.robust() if robust else CheckOptions()
         self.model: Model = supported_model(given, **how)
-        if not each_s >= 0.0:
+        if not number(each_s, "each_s", finite=False) >= 0.0:
             raise InputError(f"each_s is {each_s}", remedy="give seconds, none or more")
         self.robust, self.each_s = robust, each_s
         self.kept = whole(kept, "kept", least=1)

@@ -12,8 +12,8 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import rounded_up, shortened
-from drystone.base.errors import InputError
+from drystone.base.display import rounded_up
+from drystone.base.errors import InputError, quoted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
@@ -365,7 +365,7 @@ def settle_many(
     """
     single = isinstance(models, str | bytes | PathLike | Assembly | Model)
     if single or not isinstance(models, Iterable):
-        said = f"the models are {shortened(repr(models), 60)}"
+        said = f"the models are {quoted(models)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     chosen = SettlementOptions.of(options)
     clock = Clock(time_limit_s, stop)

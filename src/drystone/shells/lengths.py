@@ -8,8 +8,7 @@ from numbers import Real
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, quoted
 
 
 def arc_lengths(points: Floats) -> Floats:
@@ -46,7 +45,7 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        told = shortened(repr(values))
+        told = quoted(values, 180)
         raise InputError(
             f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
         ) from error

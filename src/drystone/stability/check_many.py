@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from typing import Any, TypeAlias, Unpack
 
 from drystone.assembly import Assembly
-from drystone.base.display import shortened
-from drystone.base.errors import DrystoneError, InputError
+from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -86,7 +85,7 @@ def check_many(
     ['stable', 'unstable']
     """
     if isinstance(models, Assembly):
-        said = f"the models are {shortened(repr(models), 60)}"
+        said = f"the models are {quoted(models)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop, progress)
     chosen = CheckOptions.of(options)

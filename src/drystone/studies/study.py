@@ -13,7 +13,7 @@ import numpy as np
 from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import of_type
 from drystone.base.display import OneLine, shortened
-from drystone.base.errors import DrystoneError, InputError
+from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -129,7 +129,7 @@ def study(
     about = {
         "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
         "options": repr(chosen), "parameters": sorted(rows[0]),
-        "build": getattr(build, "__qualname__", None) or shortened(repr(build), 120),
+        "build": getattr(build, "__qualname__", None) or quoted(build, 120),
         "content": content_of(build),
         **{name: repr(value) for name, value in sorted(how.items())},
     }  # fmt: skip
@@ -370,4 +370,4 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     plain = value is None or isinstance(value, bool | int | float | str)
-    return value if plain else shortened(repr(value), 120)
+    return value if plain else quoted(value, 120)

@@ -20,7 +20,7 @@ from drystone.answer.scene import (
     with_version,
 )
 from drystone.base.arrays import Floats, frozen_floats, number
-from drystone.base.errors import InputError, printable
+from drystone.base.errors import InputError, quoted
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
@@ -137,7 +137,7 @@ def save_figure(
     if not 0.0 <= explode < inf:
         raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
     if not (ax is None or hasattr(ax, "get_window_extent")):
-        raise InputError(f"ax is {printable(repr(ax), 60)}", remedy="give axes of matplotlib")
+        raise InputError(f"ax is {quoted(ax)}", remedy="give axes of matplotlib")
     if isinstance(subject, Answer):
         shown = subject.figure()
         if isinstance(shown, Chart):

@@ -9,8 +9,7 @@ from drystone.answer import Answer
 from drystone.answer.drawing import bare_scene
 from drystone.answer.scene import Scene, with_version
 from drystone.assembly import Assembly
-from drystone.base.display import shortened
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, quoted
 from drystone.contacts import Contacts
 from drystone.model import Model
 
@@ -48,6 +47,6 @@ def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
             return bare_scene(subject.assembly, subject.contacts, subject)
         case _:
             raise InputError(
-                f"there is no picture of {shortened(repr(subject), 60)}",
+                f"there is no picture of {quoted(subject)}",
                 remedy="give a model, an assembly, a result, a limit, a plan or a settlement",
             )
