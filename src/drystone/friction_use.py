@@ -100,14 +100,14 @@ class PressedFaces:
         within = one[0].centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
         return cls(which, loops, local, one[0].area, linear_pressure(*one, within))
 
-    def slip(self, contacts: Contacts, resultants: Resultants) -> Slip:
+    def slip(self, contacts: Contacts, resultants: Resultants, least: Floats | float = 0.0) -> Slip:
         """How much of their friction force and torque use (t,), and how they slip."""
         which, owner = self.which, self.loops.owner
         height = self.plane[owner, 0] + dot(self.corners, self.plane[owner, 1:])
         loops, corners = clipped(self.loops, self.corners, height)
         each = self.area / bearable(contacts, resultants.normal)[which]
         force = each[:, None] * _along_faces(contacts, resultants.force, which)
-        return slip_use(corners, loops, self.plane, force, each * resultants.torque[which])
+        return slip_use(corners, loops, self.plane, force, each * resultants.torque[which], least)
 
     def points(self, wanted: Bools, pole: Floats) -> FacePoints:
         """As many points of some (t,) as make their torsion about poles (t, 2) right."""

@@ -28,6 +28,9 @@ _STEPS = 40
 """Largest number of steps. Of 700 faces of seven kinds most take 2, one takes 13."""
 _SAME = 1e-5
 """Newton decrement by the power at which the steps end."""
+_AHEAD = 2.0
+"""What a power may still lessen, by the decrement: half of it for a quadratic one. Measured on
+11,556 faces of 1,132 models: the same ones use more than asked."""
 
 
 class TurnIntegrals(NamedTuple):
@@ -129,7 +132,14 @@ class Slip(NamedTuple):
     pole: Floats
 
 
-def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torque: Floats) -> Slip:
+def slip_use(
+    corners: Floats,
+    loops: Ragged,
+    plane: Floats,
+    force: Floats,
+    torque: Floats,
+    least: Floats | float = 0.0,
+) -> Slip:
     """What of the friction of m faces force and torque use, and how they slip.
 
     Parameters
@@ -142,6 +152,8 @@ def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torqu
         The pressure ``q + s . x`` by the mean one, which is not negative there.
     force, torque : (m, 2) [m2], (m,) [m3]
         By the friction coefficient and by the mean pressure. Not both zero.
+    least : (m,)
+        A use that is surely smaller is not found exactly.
 
     Examples
     --------
@@ -160,6 +172,7 @@ def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torqu
     wanted = np.column_stack([force, torque / size])
     scale = lengths(wanted)
     wanted /= scale[:, None]
+    least, bound = np.broadcast_to(least, scale.shape), scale / size**2
     power, pole = np.empty(len(size)), np.empty((len(size), 2))
     # begun with the slip of friction that grows with the speed, for a parallelogram pressed evenly
     slip = wanted.copy()
@@ -170,6 +183,7 @@ def slip_use(corners: Floats, loops: Ragged, plane: Floats, force: Floats, torqu
     for _ in range(_STEPS):
         power[left], pole[left] = now.value, now.pole
         moves = now.decrement > _SAME * now.value
+        moves &= (now.value - _AHEAD * now.decrement) * least[left] < bound[left]
         if not moves.any():
             break
         left, slip, share = left[moves], slip[moves], share[moves]

@@ -50,8 +50,9 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
         return None
     which = np.flatnonzero(much)
     faces = PressedFaces.of(contacts, resultants, which)
-    slip = faces.slip(contacts, resultants)
-    wanted = slip.use > np.maximum(MUCH, least[which])
+    enough = np.maximum(MUCH, least[which])
+    slip = faces.slip(contacts, resultants, enough)
+    wanted = slip.use > enough
     if not wanted.any():
         return None
     kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))

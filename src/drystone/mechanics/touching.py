@@ -31,10 +31,6 @@ one that is not convex touches the other elsewhere. Chosen: nearer to it the joi
 _AT_EDGE = 0.01
 """Distance from a joint, by the size of the block, within which an edge ends it. Chosen."""
 
-_MEET = 0.1
-"""Speed at which parallel edges that meet come nearer, by that of the fastest block. Chosen: ways
-are bent, and edges that pass each other hold nothing."""
-
 
 @dataclass(frozen=True)
 class Further:
@@ -168,13 +164,14 @@ def approach(assembly: Assembly, edges: ParallelEdges, motion: Floats) -> tuple[
 def with_what_touches(model: Model, motion: Floats) -> Model | None:
     """The model with edges and corners that touch, where it falls without by some motion (n, 6).
 
-    Parallel edges press along the middle one of their directions. None where nothing more touches.
+    Parallel edges that come nearer press along the middle one of their directions; those that pass
+    hold nothing. None where nothing more touches.
     """
     found = further_of(model)
     if found is None or not motion.any():
         return None
     edges = found.parallel
-    edges = edges.take(approach(model.assembly, edges, motion)[0] > _MEET)
+    edges = edges.take(approach(model.assembly, edges, motion)[0] > 0.0)
     straight = np.zeros(len(edges))
     more = joined_contacts(found.contacts, edges.contacts(straight, straight))
     if not len(more):
