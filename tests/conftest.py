@@ -1,9 +1,8 @@
 """What all tests share; read before any of them imports numpy."""
 
+import gc
 import os
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 
 import pytest
@@ -13,12 +12,14 @@ for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
 
 if sys.dont_write_bytecode:
-    # Each process that a test starts would compile all that it imports: they share it.
+    # Each process that a test starts would compile all that it imports, and each run once more:
+    # they share a folder, beside what pytest keeps from one run to the next.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    os.environ["PYTHONPYCACHEPREFIX"] = tempfile.mkdtemp(prefix="compiled-")
-    COMPILED = os.environ["PYTHONPYCACHEPREFIX"]
-else:
-    COMPILED = ""
+    kept = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
+    os.environ["PYTHONPYCACHEPREFIX"] = str(kept)
+
+if "PYTEST_XDIST_WORKER" in os.environ:  # what is read while tests are collected is no garbage
+    gc.disable()
 
 SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp", "models"}
 SLOW |= {"report", "seismic", "sequence", "settlement", "shells", "studies", "view"}
@@ -59,7 +60,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.fast)
 
 
-def pytest_unconfigure(config: pytest.Config) -> None:
-    """Remove what the processes of tests compiled; the workers of a run share it."""
-    if COMPILED:
-        shutil.rmtree(COMPILED, ignore_errors=True)
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """What was read stays until the end: the collector of garbage need not look at it again."""
+    gc.freeze()
+    gc.set_threshold(10_000, 10, 10)
+    gc.enable()
