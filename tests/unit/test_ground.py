@@ -136,6 +136,27 @@ def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> Non
         assert [one.key for one in load_layers(wall, load)] == keys
 
 
+def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:
+    """Earth and 0.311 of it is 1.311 of it; a surcharge adds to it, also where water cuts faces."""
+    wall = tower(3)
+    dry, wet, load = (
+        Earth.named(f"side=-x,k=0.5,{words}").on(wall)
+        for words in ("weight=18kN/m3", "weight=18kN/m3,water=0.7m", "weight=0kN/m3,surcharge=8kPa")
+    )
+    for earth, factor, more in ((dry, 0.311, dry), (wet, 1.0, load), (load, 1.0, wet)):
+        field = (earth + factor * more).surface
+        assert field is not None
+        alone = [one.by(by) for one, by in ((earth.surface, 1.0), (more.surface, factor)) if one]
+        most = sum(float(np.abs(one.traction).max()) for one in alone)
+        assert np.abs(field.traction).max() == pytest.approx(most)
+        assert len(field.block) == max(len(one.block) for one in alone)
+    none = Earth("-x", 0.0, 0.5).on(wall)
+    press = LoadCase.surface_load(wall, 1, 100.0)
+    field = (none + press + dry + press).surface
+    assert field is not None
+    assert np.isclose(field.traction, -200.0).any()  # of the face that is pressed twice
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [

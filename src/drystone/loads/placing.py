@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -113,12 +114,50 @@ class SurfaceLoad(OneLine):
 
     @classmethod
     def of_all(cls, several: Sequence[SurfaceLoad]) -> SurfaceLoad:
-        """The sum of some."""
-        block, point, traction = (
-            np.concatenate([getattr(one, name) for one in several])
-            for name in ("block", "point", "traction")
+        """The sum of some: on lines that lie on each other the tractions are added."""
+        return functools.reduce(cls._with, several)
+
+    def _with(self, other: SurfaceLoad) -> SurfaceLoad:
+        wrench = self.wrench + other.wrench
+        if np.array_equal(self.block, other.block) and np.array_equal(self.point, other.point):
+            return replace(self, traction=self.traction + other.traction, wrench=wrench)
+        mine, more = self._cut_at(other), other._cut_at(self)
+        apart = _OFF_BLOCK * max(float(np.abs(mine.point).max(initial=0.0)), 1e-300)
+        known = {key: i for i, key in enumerate(mine._keys(apart))}
+        at = np.array([known.get(key, -1) for key in more._keys(apart)], dtype=np.intp)
+        mine.traction[at[at >= 0]] += more.traction[at >= 0]
+        both = (
+            (getattr(one, name) for one in (mine, more)) for name in ("block", "point", "traction")
         )
-        return cls(block, point, traction, sum(one.wrench for one in several))  # type: ignore[arg-type]
+        block, point, traction = (np.concatenate([a, b[at < 0]]) for a, b in both)
+        return SurfaceLoad(block, point, traction, wrench)
+
+    def _cut_at(self, other: SurfaceLoad) -> SurfaceLoad:
+        """The same with its own arrays, and with lines cut where lines of another end on them."""
+        if not len(self.block):
+            return self
+        cuts = []
+        for block, (start, end) in zip(self.block.tolist(), self.point, strict=True):
+            way, ends = end - start, other.point[other.block == block].reshape(-1, 3) - start
+            share = ends @ way / max(float(way @ way), 1e-300)
+            on = lengths(ends - share[:, None] * way) <= _OFF_BLOCK * np.sqrt(way @ way)
+            on &= (share > _OFF_BLOCK) & (share < 1.0 - _OFF_BLOCK)
+            places = np.sort([0.0, *share[on], 1.0])
+            cuts.append(places[np.append(True, np.diff(places) > _OFF_BLOCK)])
+        of = np.repeat(np.arange(len(cuts)), [len(one) - 1 for one in cuts])
+        part = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in cuts])[..., None]
+        point, traction = (
+            one[of, :1] + part * (one[of, 1:] - one[of, :1]) for one in (self.point, self.traction)
+        )
+        return replace(self, block=self.block[of], point=point, traction=traction)
+
+    def _keys(self, apart: float) -> Iterator[tuple[float, ...]]:
+        """What lines of two loads that are less than a length [m] apart have alike."""
+        ends = np.rint(self.point / apart).reshape(-1, 6)
+        times: Counter[tuple[float, ...]] = Counter()
+        for key in map(tuple, np.column_stack([self.block, ends]).tolist()):
+            yield *key, times[key]  # a side of two triangles has two lines
+            times[key] += 1
 
     def by(self, factor: float) -> SurfaceLoad:
         """With its tractions multiplied."""
