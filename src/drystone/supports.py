@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TypeAlias
 
@@ -31,6 +31,9 @@ _THICK = 0.5
 """Thickness of the ground, by the largest block, and how far it reaches beyond the model, by its
 width. Chosen: tolerances are relative to the smaller of two blocks, which the ground never is."""
 _GROUND = "ground"
+_SHOWN = 0.12
+"""How far the ground reaches beyond a model in pictures, by its larger side in plan; a quarter of
+this is its thickness there. Chosen by eye."""
 
 Joints: TypeAlias = tuple[Ints, Ints, Floats]
 """Blocks a (m,) and b (m,), and normals (m, 3) from a to b, of all interfaces."""
@@ -104,6 +107,59 @@ def ground_of(
     laid = plane.under(assembly, up)
     named_so = [laid.names[-1] if part == asked[0] else part for part in parts]
     return laid, ",".join(named_so)
+
+
+def laid_ground(assembly: Assembly) -> int | None:
+    """Position of the ground below a model: a fixed box of that name, wider than all others."""
+    for name in (_GROUND, f"{_GROUND}-plane"):
+        if name not in assembly or len(assembly) == 1:
+            continue
+        at = assembly.index(name)
+        (low, high), (least, most) = assembly.bounds[at], _around(assembly, at)
+        wide = (low < least) & (high > most)
+        close = 1e-9 * float((high - low).max())
+        beside = (high <= least + close) | (low >= most - close)
+        whole = bool(np.isclose(assembly.volume[at], np.prod(high - low)))
+        if assembly.fixed[at] and whole and wide.sum() == 2 and (beside & ~wide).any():
+            return at
+    return None
+
+
+def _around(assembly: Assembly, left_out: int | None) -> Floats:
+    """Box (2, 3) around all blocks but one."""
+    each = assembly.bounds if left_out is None else np.delete(assembly.bounds, left_out, axis=0)
+    return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+
+
+def bounds_above_ground(assembly: Assembly) -> Floats:
+    """Box (2, 3) [m] around the blocks, without the ground laid below them."""
+    return _around(assembly, laid_ground(assembly))
+
+
+def with_thin_ground(assembly: Assembly) -> Assembly:
+    """The assembly as pictures show it: the ground laid below it is a plate, its face where it was.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> laid = GroundPlane().under(tower(2).with_fixed(()))
+    >>> [round(float(one.bounds[-1, 1, 0]), 2) for one in (laid, with_thin_ground(laid))]
+    [2.0, 1.12]
+    """
+    at = laid_ground(assembly)
+    if at is None:
+        return assembly
+    (low, high), (least, most) = assembly.bounds[at].copy(), _around(assembly, at)
+    axis = int(np.argmin((low < least) & (high > most)))
+    reach = _SHOWN * float(np.delete(most - least, axis).max())
+    under = bool(high[axis] <= 0.5 * (least[axis] + most[axis]))
+    level = high[axis] if under else low[axis]
+    depth = min(0.25 * reach, float(high[axis] - low[axis]))
+    low, high = np.maximum(low, least - reach), np.minimum(high, most + reach)
+    low[axis], high[axis] = (level - depth, level) if under else (level, level + depth)
+    blocks = list(assembly.blocks)
+    blocks[at] = replace(blocks[at], vertices=box_corners(low, high), faces=BOX)
+    return Assembly(tuple(blocks), assembly.fixed)
 
 
 def may_hold(spec: str, names: Sequence[str], bottom: Floats, top: Floats) -> Bools:

@@ -22,6 +22,7 @@ from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
+from drystone.supports import bounds_above_ground
 from drystone.ties import ties_of
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
@@ -133,7 +134,7 @@ class Question(OneLine):
     ) -> Question:
         free = ~assembly.fixed
         density = np.array([block.density for block in assembly.blocks])
-        bounds = assembly.bounds
+        low, high = bounds_above_ground(assembly)
         common, others = ((), ()) if load is None else _loads(assembly, load)
         rubs = contacts.friction[~ties_of(assembly, contacts)]
         capacity, stress = {}, {}
@@ -144,7 +145,7 @@ class Question(OneLine):
             blocks=len(assembly),
             interfaces=contacts.count,
             joints=contacts.joints.count,
-            size=tuple((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).tolist()),
+            size=tuple((high - low).tolist()),
             free_mass=float(assembly.mass[free].sum()),
             supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
             density=_ends(density),

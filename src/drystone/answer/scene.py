@@ -5,10 +5,11 @@ from __future__ import annotations
 import datetime as dt
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drystone.answer.chart import Chart
 from drystone.answer.question import UP
@@ -19,6 +20,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.version import version
 from drystone.contacts import Contacts
+from drystone.supports import bounds_above_ground, with_thin_ground
 
 ROLES = (
     "interface", "pressure", "network", "resultant", "hinge", "help", "missed", "added", "kern",
@@ -27,6 +29,9 @@ ROLES = (
 """What the colour of a layer says."""
 _COMMON = 0.97
 """Share of the values that the colours resolve if a few are far above all others. Chosen by eye."""
+
+_LONGEST = 0.35
+"""Of an arrow, by the largest side of the model. Chosen by eye."""
 
 _THIN = 0.25
 """A model whose plan is narrower than this share of its length is shown almost from the front."""
@@ -242,6 +247,20 @@ class SceneStage(OneLine):
     spot: tuple[float, float] | None = None
 
 
+def _about(stage: SceneStage, moved: Floats) -> SceneStage:
+    """The stage with its motions about other places than centroids, by (n, 3) [m]."""
+
+    def carried(motion: Floats | None) -> Floats | None:
+        if motion is None or not motion[..., 3:][..., moved.any(axis=1), :].any():
+            return motion
+        turn = Rotation.from_rotvec(motion[..., 3:].reshape(-1, 3))
+        arm = moved + np.zeros_like(motion[..., :3])
+        back = turn.apply(arm.reshape(-1, 3)).reshape(arm.shape) - arm
+        return np.concatenate([motion[..., :3] + back, motion[..., 3:]], axis=-1)
+
+    return replace(stage, motion=carried(stage.motion), path=carried(stage.path))
+
+
 @dataclass(frozen=True, eq=False)
 class Scene(OneLine):
     """A model with its stages, facts and charts.
@@ -249,6 +268,7 @@ class Scene(OneLine):
     Attributes
     ----------
     assembly
+        The ground that was laid below a model becomes a thin plate.
     contacts
     stages
         One or more; several are played one after the other.
@@ -305,6 +325,12 @@ class Scene(OneLine):
                     raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
             if stage.path is not None and (stage.motion is None or stage.path.shape[1:] != (n, 6)):
                 raise InputError(f"stage '{stage.label}': its path has no motion, or another shape")
+        shown = with_thin_ground(self.assembly)
+        if shown is not self.assembly:
+            lower = shown.centroid - self.assembly.centroid
+            stages = tuple(_about(one, lower) for one in self.stages)
+            object.__setattr__(self, "stages", stages)
+            object.__setattr__(self, "assembly", shown)
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self.stages), 'stage')}, {self.assembly!r}"
@@ -316,13 +342,18 @@ class Scene(OneLine):
         return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
 
     @cached_property
+    def _body(self) -> Floats:
+        """(2, 3) [m], box around the blocks without the ground laid below them."""
+        return bounds_above_ground(self.assembly)
+
+    @cached_property
     def plane(self) -> int | None:
         """The axis (0 or 1) across which blocks reach equally far, of a thin model; or None.
 
         One block in ten may reach less far: a prop, or a tie.
         """
-        span = self.bounds[1] - self.bounds[0]
-        away = np.abs(self.assembly.bounds - self.bounds).max(axis=1)
+        span = self._body[1] - self._body[0]
+        away = np.abs(self.assembly.bounds - self._body).max(axis=1)
         for axis in (1, 0):
             alike = np.mean(away[:, axis] <= 1e-6 * span.max()) >= 0.9
             if alike and span[axis] < _THIN * span.max():
@@ -337,7 +368,7 @@ class Scene(OneLine):
         """
         if self.plane is not None:
             return np.array([1.0, 0.0, 0.0]) if self.plane == 0 else np.array([0.0, -1.0, 0.0])
-        x, y, z = self.bounds[1] - self.bounds[0]
+        x, y, z = self._body[1] - self._body[0]
         azimuth = np.deg2rad(-60.0 if x >= y else -30.0)
         if min(x, y) < _THIN * max(x, y):
             azimuth = np.deg2rad(-75.0 if x >= y else -15.0)
@@ -357,7 +388,10 @@ class Scene(OneLine):
         return float(np.median(self.assembly.size))
 
     def arrow_scale(self, group: str) -> float:
-        """[m/N] at which the longest arrow of a group, in any stage, is as long as a block."""
+        """[m/N] at which the longest arrow of a group, in any stage, is as long as a block.
+
+        It is no longer than a third of the model, which may have a few large blocks.
+        """
         largest = max(
             (
                 layer.largest
@@ -367,7 +401,8 @@ class Scene(OneLine):
             ),
             default=0.0,
         )
-        return self.block_size / largest if largest > 0.0 else 0.0
+        longest = min(self.block_size, _LONGEST * float(np.ptp(self._body, axis=0).max()))
+        return longest / largest if largest > 0.0 else 0.0
 
     def top(self, key: str) -> float:
         """The end of the colour bar of a layer in all stages.

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
+from scipy.spatial.transform import Rotation
 
 import drystone
+from drystone.answer import Scene
 from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
@@ -258,3 +260,30 @@ def test_a_figure_is_drawn_in_axes_beside_others() -> None:
     assert not right.collections
     with pytest.raises(InputError, match=r"ax: .* drawn as a chart"):
         drystone.save_figure(drystone.limits.tilt_sweep(drystone.Model.of(tower(2)), 2), ax=left)
+
+
+def test_a_picture_shows_the_ground_as_a_plate_and_tells_the_size_of_what_stands_on_it() -> None:
+    model = drystone.Model.of(tower(3).with_fixed(()), supports="ground", friction=0.6)
+    scene = scene_of(model)
+    plate, ground = scene.assembly.blocks[-1], model.assembly.blocks[-1]
+    low, high = model.assembly.bounds[:-1, 0].min(axis=0), model.assembly.bounds[:-1, 1].max(axis=0)
+    assert plate.bounds[1, 2] == ground.bounds[1, 2] == low[2]
+    assert (scene.bounds[1] - scene.bounds[0] < 1.3 * (high - low)).all()
+    assert scene_of(model).facts["Size"] == "1 x 1 x 3 m"
+
+
+def test_a_picture_turns_the_ground_as_the_analysis_does() -> None:
+    model = drystone.Model.of(tower(1).with_fixed(()), supports="ground", friction=0.6)
+    scene = scene_of(model)
+    motion = np.zeros((2, 6))
+    motion[1] = 0.1, 0.0, 0.0, 0.0, 0.2, 0.0
+    bent = replace(scene.stages[0], motion=motion)
+    shown = Scene(model.assembly, model.contacts, (bent,))
+    turn = Rotation.from_rotvec(motion[1, 3:])
+    corner = shown.assembly.blocks[1].vertices
+    ends = [
+        at.centroid[1] + one.motion[1, :3] + turn.apply(corner - at.centroid[1])
+        for at, one in ((model.assembly, bent), (shown.assembly, shown.stages[0]))
+        if one.motion is not None
+    ]
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-12)

@@ -259,7 +259,7 @@ class BlockRenderer extends Graphics {
     const at = this.use(view.sharp ? "thin" : "edge", view);
     gl.uniform3fv(at.uEdgeColour, view.edgeColour);
     gl.uniform3fv(at.uFallColour, view.fallColour);
-    gl.uniform1f(at.uWidth ?? null, LINE_WIDTH * view.ratio);
+    gl.uniform1f(at.uWidth ?? null, Math.max(1, LINE_WIDTH * view.ratio)); // pixels: thinner lines are broken
     gl.uniform1f(at.uOpacity, opacity);
     gl.uniform1i(at.uGhost ?? null, 0);
     this.setEye(at, view);
@@ -280,7 +280,7 @@ class BlockRenderer extends Graphics {
     const at = this.use("edge", { ...view, time: 1 });
     gl.uniform3fv(at.uEdgeColour, view.ghostColour);
     gl.uniform3fv(at.uFallColour, view.fallColour);
-    gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
+    gl.uniform1f(at.uWidth, Math.max(1, LINE_WIDTH * view.ratio));
     gl.uniform1f(at.uOpacity, 0.7 * Math.sqrt(view.fine));
     gl.uniform1i(at.uGhost, 1);
     this.setEye(at, view);

@@ -2,6 +2,7 @@
 
 const MOST_POINTS = 100000; // corners looked at
 const SUPPORT = 2; // the state of a support
+const ARRIVING = 0.4; // of the way into its place on which a block is seen whole
 const AROUND = 0.15; // of supports, by the size of what is free
 
 // Places (three numbers each) with the model taken apart by `spread`.
@@ -51,7 +52,7 @@ function someCorners(use) {
   }
 }
 
-// Where a motion that plays by itself leads or the forces of a stage are, and where blocks come from that are placed.
+// Where a motion that plays by itself leads or the forces of a stage are, and the way of blocks that are placed.
 function motionEnds() {
   const places = [];
   const { centroid } = data.blocks;
@@ -62,7 +63,7 @@ function motionEnds() {
     if (arrives) {
       for (let block = 0; block < data.count; block++) {
         if (vec.length(way(block)) === 0) continue;
-        places.push(...vec.add(middle(block), vec.scale(way(block), 1.3)));
+        places.push(...vec.add(middle(block), vec.scale(way(block), ARRIVING)));
       }
       continue;
     }
@@ -76,16 +77,22 @@ function motionEnds() {
   return places;
 }
 
-// Both ends of the arrows that are shown.
+// Both ends of the arrows that are shown, and where a motion that plays carries those of its blocks.
 function arrowEnds() {
   const places = [];
-  for (const layer of data.stages.flatMap((one) => one.layers)) {
-    if (layer.kind !== "arrows" || !shown(layer)) continue;
-    for (let i = 0; i < layer.position.length; i += 3) {
-      const from = layer.position.subarray(i, i + 3);
-      const v = vec.scale(layer.vector.subarray(i, i + 3), layer.scale * page.stretch);
-      const ends = layer.single ? [-1] : [-0.5, 0.5];
-      for (const share of ends) places.push(...vec.add(from, vec.scale(v, share)));
+  for (const { layers, plays, motion } of data.stages) {
+    for (const layer of layers) {
+      if (layer.kind !== "arrows" || !shown(layer)) continue;
+      for (let i = 0; i < layer.position.length; i += 3) {
+        const from = layer.position.subarray(i, i + 3);
+        const v = vec.scale(layer.vector.subarray(i, i + 3), layer.scale * page.stretch);
+        const block = plays && motion && layer.block ? 6 * layer.block[i / 3] : -1;
+        for (const share of layer.single ? [-1] : [-0.5, 0.5]) {
+          const end = vec.add(from, vec.scale(v, share));
+          places.push(...end);
+          if (block >= 0) places.push(...vec.add(end, motion.subarray(block, block + 3)));
+        }
+      }
     }
   }
   return places;

@@ -136,7 +136,7 @@ void main() {
   float seen = uByValue == 1 ? smoothstep(0.0, 0.06, value) * 0.85 + 0.15
     : uHead > 0.0 ? smoothstep(2.0, 14.0, size / uRatio) : 1.0;
   colour = uColour * seen;
-  float width = uByValue == 1 ? max(0.9 * uRatio, uWidth * value)
+  float width = uByValue == 1 ? max(max(1.0, 0.9 * uRatio), uWidth * value)
     : uHead > 0.0 ? uWidth * min(1.0, 0.4 + size / (60.0 * uRatio)) : uWidth;
   vec2 n = across(d);
   float head = uHead > 0.0 ? min(max(uHead, 1.6 * width), 0.6 * size) : 0.0;

@@ -152,7 +152,7 @@ class Renderer extends BlockRenderer {
     const arrows = layer.kind === "arrows";
     const width = layer.value ? NETWORK_WIDTH : 1.4 * LINE_WIDTH;
     gl.uniform4f(at.uColour, ...premultiplied);
-    gl.uniform1f(at.uWidth, width * layer.width * view.fine * view.ratio);
+    gl.uniform1f(at.uWidth, Math.max(view.hurried ? 1 : 0, width * layer.width * view.fine * view.ratio));
     gl.uniform1f(at.uScale, arrows ? layer.scale * view.stretch : 1);
     gl.uniform1f(at.uHead, arrows ? HEAD * Math.sqrt(layer.width) * view.fine * view.ratio : 0);
     gl.uniform1i(at.uInward, layer.inward ? 1 : 0);

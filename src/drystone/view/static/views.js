@@ -1,23 +1,32 @@
 // Where the page looks from: fitted and straight views, and the view as text.
 
+const NEARLY = 1.06; // a view from so much farther away is as good
+
 const flightTime = () => (still.matches ? 0 : FLIGHT);
 
-// What the texts over the picture leave free, as shares of it: left, right, top, bottom.
+// What the texts over the picture leave free, as shares of it: left, right, top, bottom. Where the legend is small
+// the model stands above it, or beside it, in the middle or not.
 function insets() {
   const { width, height } = sizeOf();
   const shareOf = (id) => byId(id).offsetHeight / height;
   const top = Math.min(0.3, shareOf("verdict") + 8 / height);
   const legend = byId("legend");
-  const beside = width > height && legend.offsetWidth < 0.3 * width;
-  const bottom = beside ? 64 / height : Math.min(0.35, shareOf("legend") + 8 / height);
-  const left = beside ? (legend.offsetWidth + 8) / width : 16 / width;
-  return { left, right: Math.max(24, beside ? 40 : 24) / width, top, bottom };
+  const above = { left: 16 / width, right: 24 / width, top, bottom: Math.min(0.35, shareOf("legend") + 8 / height) };
+  if (width <= height || legend.offsetWidth >= 0.3 * width) return [above];
+  const beside = (legend.offsetWidth + 8) / width;
+  const low = { top, bottom: 64 / height };
+  const middle = { left: 40 / width, right: 40 / width };
+  return [
+    { ...low, left: beside, right: beside }, { ...above, ...middle }, { ...low, left: beside, right: 40 / width },
+  ];
 }
 
 function fit(azimuth = camera.azimuth, elevation = camera.elevation, soon = flightTime()) {
   const { width, height } = sizeOf();
   showLegend(data, stage(), theme(), told(camera.axes(azimuth, elevation))); // the picture fits above it
-  camera.go(camera.fitted(azimuth, elevation, width / height, insets()), soon);
+  const views = insets().map((free) => camera.fitted(azimuth, elevation, width / height, free));
+  const least = Math.min(...views.map(({ distance }) => distance));
+  camera.go(views.find(({ distance }) => distance <= NEARLY * least), soon);
   camera.fits = `${width},${height}`;
 }
 
