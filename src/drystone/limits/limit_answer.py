@@ -156,7 +156,8 @@ class Limit(LimitValues, Answer):
     def news(self) -> Role:
         """Not good where a load is not carried as it was given; how much is, is the answer."""
         stands, first = self.best.stands, super().news
-        short = self.quantity.name == "load factor" and stands is not None and stands < 1.0
+        every = None if stands is None else self.quantity.acting + stands
+        short = self.quantity.name == "load factor" and every is not None and every < 1.0
         return Role.UNSURE if short and first is Role.GOOD else first
 
     def sentences(self) -> Sequence[Sentence]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
+from drystone.base.units import NUMBER
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.geometry.frames import axis_words, rotation_about, unit
@@ -40,6 +42,8 @@ class Quantity(OneLine):
         What one divided by the limit is called; empty when it has no meaning.
     remark
         What the answer says of how it is varied.
+    acting
+        How much of it the model has already, beside what is varied.
     """
 
     name: str
@@ -48,6 +52,7 @@ class Quantity(OneLine):
     replaces: tuple[str, ...] = ()
     inverse: str = ""
     remark: str = ""
+    acting: float = 0.0
 
     @property
     def words(self) -> str:
@@ -56,6 +61,9 @@ class Quantity(OneLine):
 
     def told(self, number: str) -> str:
         """A value in words."""
+        if self.acting:
+            every = self.acting + float(number)
+            return f"{self.words} {number} on top of what acts: {every:.10g} in all"
         if self.phrase:
             return self.phrase.format(number)
         return f"{self.words} {number}{f' {self.unit}' if self.unit else ''}"
@@ -151,9 +159,17 @@ class LoadFactor(OneLine):
 
     model: Model
     live: LoadCase
-    quantity: ClassVar[Quantity] = Quantity(
-        "load factor", replaces=("load", "acceleration", "loads")
-    )
+
+    @cached_property
+    def quantity(self) -> Quantity:
+        """The factor, and how much of the live load the model has: by its name, if it fits."""
+        load, name = self.model.load, self.live.name
+        parts = [one.removesuffix(name).rstrip(" *") for one in load.name.split(" + ")
+                 if one.endswith(name)]  # fmt: skip
+        known = [1.0 if not one else float(one) if NUMBER.fullmatch(one) else 0.0 for one in parts]
+        along = float((load.wrench * self.live.wrench).sum() / (self.live.wrench**2).sum())
+        acting = sum(known) if sum(known) <= along * (1.0 + 1e-9) else 0.0
+        return Quantity("load factor", replaces=("load", "acceleration", "loads"), acting=acting)
 
     def __call__(self, value: float) -> Model:
         """The model at a factor."""

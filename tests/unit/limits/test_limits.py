@@ -21,6 +21,7 @@ from drystone import (
     check,
     solve_rbe,
 )
+from drystone.answer import Role
 from drystone.limits import (
     Bracket,
     Evaluation,
@@ -409,6 +410,18 @@ def test_a_live_load_may_be_words_as_in_the_command() -> None:
     case = LoadCase(LoadCase.seismic(model.assembly, 0.5).wrench, "wind")
     named = Model(model.assembly, model.contacts, cases=(LoadCase.gravity(model.assembly), case))
     assert limit_load(named, "wind").best.stands == pytest.approx(1.2, rel=1e-3)
+
+
+def test_the_limit_of_a_load_that_acts_already_tells_what_stands_in_all() -> None:
+    """A block of 23,544 N slides at 14,126 N: 10 kN that act are 1.4126 times, and carried."""
+    only, model = LimitOptions(equilibrium_only=True), Model.of(tower(2), friction=0.6)
+    push = LoadCase.point_load(model.assembly, "block-1", (1e4, 0.0, 0.0))
+    for factor, more, every in ((1.0, "0.4126", "1.4126"), (0.5, "0.9125", "1.4125")):
+        found = limit_load(model.with_load(model.load + factor * push), push, options=only)
+        assert found.title.endswith(f" load factor {more} on top of what acts: {every} in all")
+        assert found.news is Role.GOOD
+    other = limit_load(model, (9.81, 0.0, 0.0), options=only)  # it is called gravity too
+    assert "on top" not in other.title
 
 
 def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
