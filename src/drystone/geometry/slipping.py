@@ -24,6 +24,9 @@ from drystone.geometry.pressure import DESCENT
 _FAR = 2e-3
 """Least turn of a slip by its velocity over the size of the face. Poles that are farther off change
 the power by half the square of it, and rounding spoils the integrals."""
+_NARROW = 0.01
+"""Least width of a strip by the size of the face. A narrower one is used alike to 5e-5, the square
+of the width, and rounding spoils the integrals about a far pole: to 7 % at a width of 2e-5."""
 _STEPS = 40
 """Largest number of steps. Of 700 faces of seven kinds most take 2, one takes 13."""
 _SAME = 1e-5
@@ -169,6 +172,7 @@ def slip_use(
     size = loops.max(lengths(corners))
     corners = corners / size[owner, None]
     plane = plane * np.stack([np.ones_like(size), size, size], axis=1)
+    corners, plane = _widened(corners, loops, plane)
     wanted = np.column_stack([force, torque / size])
     scale = lengths(wanted)
     wanted /= scale[:, None]
@@ -196,6 +200,20 @@ def slip_use(
         share = np.where(good, 1.0, 0.5 * share)
         now = then.where(good, now)
     return Slip(scale / (power * size**2), pole * size[:, None])
+
+
+def _widened(corners: Floats, loops: Ragged, plane: Floats) -> tuple[Floats, Floats]:
+    """Faces of size 1 whose pressed strips are no narrower than :data:`_NARROW`, with their force.
+
+    They are stretched from the origin along the slope of the pressure.
+    """
+    slope = plane[:, 1:]
+    along = (slope / np.maximum(lengths(slope), 1e-300)[:, None])[loops.owner]
+    place = dot(corners, along)
+    width = loops.max(place) - loops.min(place)
+    wider = np.maximum(_NARROW / np.where(width > 0.0, width, _NARROW), 1.0)[:, None]
+    stretch = ((wider[loops.owner, 0] - 1.0) * place)[:, None] * along
+    return corners + stretch, np.hstack([plane[:, :1], slope / wider]) / wider
 
 
 class _Power(NamedTuple):

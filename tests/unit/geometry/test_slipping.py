@@ -90,6 +90,20 @@ def test_closed_forms() -> None:
     assert pulled.use == pytest.approx([0.5, 1.0], rel=1e-4)
 
 
+@pytest.mark.parametrize("width", [1e-2, 2e-5, 1e-9])
+def test_a_strip_of_any_width_resists_as_the_line_that_it_nearly_is(width: float) -> None:
+    """A line of length 2 that turns about one of its points f resists f and (1 - f^2) / 2."""
+    force = np.array([0.3, 0.6, 0.9, 0.99])
+    turn = np.array([[0.8, 0.6], [-0.6, 0.8]])
+    strip = (np.array([[-1, -1], [1, -1], [1, 2], [-1, 2]]) * [1.0, width / 3.0]) @ turn
+    slope = turn[1] / width**2
+    plane = np.tile([2.0 / (3.0 * width), *-slope], (4, 1))
+    across, torque = force[:, None] * turn[1], (1.0 - force**2) / 2.0
+    found = slip_use(np.tile(strip, (4, 1)), Ragged.from_counts([4] * 4), plane, across, torque)
+    assert found.use == pytest.approx(1.0, abs=1e-4)
+    assert found.pole == pytest.approx(-force[:, None] * turn[0], abs=2e-3)
+
+
 def test_faces_are_found_one_by_one() -> None:
     rng = np.random.default_rng(5)
     faces = [pressed(*case) for case in FACES]
