@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -13,9 +13,15 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.design.changes import Change, Surgery
-from drystone.design.margin import LARGE_REGION, DesignMargin, quick_check, rest_found
+from drystone.design.margin import (
+    LARGE_REGION,
+    DesignMargin,
+    quick_check,
+    rest_found,
+    soon_at_rest,
+)
 from drystone.design.regions import interfaces_of, local_model
-from drystone.design.search import least, least_from_above
+from drystone.design.search import bracket, least, least_from_above
 from drystone.design.words import joint_name, names_of
 from drystone.model import Model
 from drystone.results import Result
@@ -43,6 +49,30 @@ class Tried(OneLine):
     kind: str
     what: str
     skipped: str = ""
+
+
+_HARD, _SPARE = 3.0, 0.8
+"""A region jams where a joint presses with this many times its load, and it falls with this share
+of the friction."""
+
+
+class Jam(NamedTuple):
+    """How a region jams: its joints press each other, and friction alone holds it.
+
+    Attributes
+    ----------
+    times
+        Largest force of a joint by the load of the region.
+    less
+        Share by which its friction is less where it falls.
+    """
+
+    times: float
+    less: float
+
+    def __str__(self) -> str:
+        less = f"falls with {100.0 * self.less:.0f} % less friction"
+        return f", but jams: it presses with {self.times:.2g} times the weight, and {less}"
 
 
 class Bench:
@@ -165,6 +195,26 @@ class Bench:
             larger = np.linalg.norm(now, axis=1) > np.linalg.norm(force, axis=1)
             force[larger], point[larger] = now[larger], at[larger]
         return force, point
+
+    def jam(self, change: Change, value: float) -> Jam | None:
+        """How the local model jams after a change that holds it; a large one is not examined."""
+        if self.large:
+            return None
+        try:
+            made = self.changed(change.make(value), change.beyond)
+        except InputError:  # it is possible on the whole model only
+            return None
+        load = np.linalg.norm(made.load.wrench[made.assembly.free, :3].sum(axis=0))
+        forces = rest_found(made, self.stop).resultants.force
+        most = np.linalg.norm(forces, axis=1).max(initial=0.0)
+
+        def stands(share: float) -> bool:
+            rough = share * made.contacts.friction
+            return soon_at_rest(made.with_friction(rough), self.stop).stable
+
+        if most <= _HARD * load or not load or stands(_SPARE):
+            return None
+        return Jam(float(most / load), 1.0 - bracket(stands, _SPARE, 1.0, 0.01)[0])
 
     def kept_at(self, interfaces: Sequence[int]) -> str:
         """The names of blocks at interfaces of the local model that may not be changed."""

@@ -47,6 +47,8 @@ class Kept(OneLine):
         ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
     held
         Names of blocks of other regions that were held during the search.
+    jams
+        Largest force of a joint by the load of the region, where it holds by jamming; else 0.
     """
 
     kind: str
@@ -58,6 +60,7 @@ class Kept(OneLine):
     volume: float = 0.0
     cost: float = 0.0
     held: tuple[str, ...] = ()
+    jams: float = 0.0
 
     def _summary(self) -> str:
         return f"'{self.description}', cost {self.cost:.3g}"

@@ -204,7 +204,7 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
             ],
             "friction": needs.friction,
             "ballast": ballast and {"block": names[ballast.at[0]], "force": ballast.value},
-            "turn": turn and {**joint(turn.at[0]), "degrees": turn.value},
+            "turn": turn and {**joint(turn.at[0]), "degrees": turn.value, "jams": turn.jams},
             "glue": [
                 {"joints": [joint(k) for k in glue.at], "strength": glue.value}
                 for glue in needs.glue

@@ -280,7 +280,8 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         ways.append(f"a weight of {newtons(needs.ballast.value)} on '{name}'")
     if needs.turn is not None:
         name = joint_name(model, blocks, needs.turn.at[0])
-        ways.append(f"{name} turned by {rounded_up(needs.turn.value, 2):g} degrees")
+        jams = " (which jams)" if needs.turn.jams else ""
+        ways.append(f"{name} turned by {rounded_up(needs.turn.value, 2):g} degrees{jams}")
     if needs.glue:
         ways.append(glue_words(model, needs.glue[0].at, needs.glue[0].value))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""

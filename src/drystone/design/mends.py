@@ -180,8 +180,8 @@ class Mends(Answer):
     diagnosis
         Of the structure, or of the first case of the margin in which it falls.
     mends
-        Each has one change. Per region, in order of cost; of equal cost and kind the smallest
-        value first.
+        Each has one change. Per region, in order of cost, those that jam last; of equal cost and
+        kind the smallest value first.
     tried
         Kinds that do not hold a region, by the names of its blocks.
     message
@@ -391,10 +391,10 @@ def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
     return more
 
 
-def _rank(made: Changed) -> tuple[float, int, float]:
-    """Cost, then kind, then size; costs that differ by rounding are equal."""
+def _rank(made: Changed) -> tuple[bool, float, int, float]:
+    """Those that jam last; cost, then kind, then size; costs that differ by rounding are equal."""
     one = made.change
-    return round(one.cost, 9), KINDS.index(one.kind), one.value
+    return one.jams > 0.0, round(one.cost, 9), KINDS.index(one.kind), one.value
 
 
 def kept_blocks(model: Model, keep: int | str | Sequence[int | str]) -> frozenset[int]:

@@ -66,10 +66,13 @@ class Need(OneLine):
         glued joint carries this pull and this shear, spread over its area.
     at
         The block that is weighted, or the interfaces that are glued or turned.
+    jams
+        Largest force of a joint by the load of the region, where it holds by jamming; else 0.
     """
 
     value: float
     at: tuple[int, ...]
+    jams: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +188,10 @@ def _glue(bench: Bench, pulls: Sequence[Pull]) -> tuple[Need, ...]:
 def _smallest(bench: Bench, changes: Sequence[Change], at: Sequence[int]) -> Need | None:
     """The smallest of the least values of some changes, each of a block or of a joint."""
     best = bench.smallest(changes)
-    return None if best is None else Need(best[1], (at[list(changes).index(best[0])],))
+    if best is None:
+        return None
+    jam = bench.jam(*best)
+    return Need(best[1], (at[list(changes).index(best[0])],), jam.times if jam else 0.0)
 
 
 def pulls_of_region(bench: Bench) -> tuple[Pull, ...]:

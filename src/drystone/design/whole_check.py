@@ -111,6 +111,8 @@ class _WholeCheck:
             gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
             cost += FRICTION * float(gained.sum())
         how = ", which holds only after settling" if found.settles else ""
+        jam = bench.jam(candidate, found.value)
+        how += str(jam or "")
         kept = Kept(
             candidate.kind,
             tuple(model.assembly.names[i] for i in bench.region),
@@ -121,6 +123,7 @@ class _WholeCheck:
             volume,
             cost,
             self._still(made),
+            jam.times if jam else 0.0,
         )
         held = f" ({named(kept.held)} held meanwhile)" if kept.held else ""
         words = kept.description + held

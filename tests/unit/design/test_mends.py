@@ -51,6 +51,23 @@ def test_a_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(falle
     assert [one.cost for one in changes] == sorted(one.cost for one in changes)
 
 
+def test_a_mend_that_jams_is_told_and_comes_last(fallen: Mends) -> None:
+    """A slab lies with an eighth of its length on a joint that is turned."""
+    base, slab = box((1.0, 1.0, 1.0), name="base"), box((0.4, 1.0, 0.15), (0.95, 0.0, 1.0), "slab")
+    model = Model.of(Assembly((base, slab)).with_fixed([0]), friction=0.6)
+    found = find_mends(model, options=MendOptions(kinds=("turn", "glue")))
+    held, jams = found.mends
+    assert (held.change.kind, jams.change.kind) == ("glue", "turn")
+    assert held.change.cost > jams.change.cost
+    weight = 9.81 * float(model.assembly.mass[1])
+    forces = np.linalg.norm(jams.result.resultants.force, axis=1)
+    assert jams.change.jams == pytest.approx(forces.max() / weight, rel=0.02)
+    assert jams.change.description.endswith("times the weight, and falls with 1 % less friction")
+    assert check(jams.model.with_friction(0.594)).falls
+    assert "turned by 17 degrees (which jams)" in found.diagnosis.reasons[0]
+    assert not any(one.change.jams for one in (held, *fallen.mends))
+
+
 def test_a_block_that_falls_only_once_another_one_is_held_is_in_the_way_of_no_mend(
     tmp_path: Path,
 ) -> None:
