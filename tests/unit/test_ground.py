@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, check
+from drystone import Assembly, InputError, Model, check
 from drystone.answer.drawing import load_layers
 from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.models import segmental_bridge, tower
 from drystone.models.simple import box
+from drystone.report.sketches import dimensions_picture
+from drystone.view import scene_of
 
 
 def base_moment(assembly: Assembly, load: LoadCase) -> np.ndarray:
@@ -134,6 +136,20 @@ def test_pressure_is_drawn_as_a_field_whose_size_is_that_of_the_formula() -> Non
     push = LoadCase.point_load(wall, 2, (0.0, 10.0, 0.0))
     for load, keys in ((earth, ["surface"]), (earth + push, ["loads", "surface"])):
         assert [one.key for one in load_layers(wall, load)] == keys
+
+
+def test_a_wall_is_seen_from_its_end_with_an_arrow_at_each_end_of_a_face() -> None:
+    blocks = [box((1.0, 0.5, 0.4), (0.0, 0.0, 0.4 * i), f"b{i}") for i in range(3)]
+    wall = Assembly(tuple(blocks), (True, False, False))
+    earth = Earth.named("side=-y,weight=18kN/m3,k=0.5,surcharge=5kPa").on(wall)
+    model = Model.of(wall, load=LoadCase.gravity(wall) + earth)
+    scene = scene_of(model)
+    assert scene.toward.tolist() == [1.0, 0.0, 0.0]
+    (drawn,) = (one for one in scene.stages[0].layers if one.key == "surface")
+    assert drawn.vector is not None
+    assert not drawn.vector[:, 0].any()  # a face of two triangles has one upright line
+    assert drawn.count == 7 * len(model.assembly.free)
+    assert dimensions_picture(model).caption.endswith(drawn.label)
 
 
 def test_pressures_on_the_same_faces_are_added_in_their_picture() -> None:

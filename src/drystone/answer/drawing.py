@@ -24,6 +24,9 @@ from drystone.model import Model
 PLAYED = 0.3
 """Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
 
+_BARB = 0.06
+"""Longest head of an arrow of pressure, by the same size; chosen by eye."""
+
 
 def state_of(assembly: Assembly) -> Ints:
     """State (n,) of the blocks where nothing was computed: free, or a support."""
@@ -127,19 +130,32 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
 
 
 def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
-    """Tractions on faces as fields: lines that end on them, their heads joined."""
+    """Tractions on faces as fields: arrows that end on them, their tails joined."""
     field = load.surface
     if field is None or not field.traction.any():
         return ()
     most = float(lengths(field.traction.reshape(-1, 3)).max())
-    tails = field.point - 0.6 * float(np.median(assembly.size)) / most * field.traction
-    start = np.concatenate([tails[:, 0], tails[:, 1], tails[:, 0]])
-    end = np.concatenate([field.point[:, 0], field.point[:, 1], tails[:, 1]])
+    size = float(np.median(assembly.size))
+    push = 0.6 * size / most * field.traction
+    tails, along = field.point - push, field.point[:, 1] - field.point[:, 0]
+    reach = lengths(push.reshape(-1, 3)).reshape(-1, 2, 1)
+    aside = along[:, None] / np.maximum(lengths(along), 1e-300)[:, None, None]
+    head = np.minimum(0.35 * reach, _BARB * size)
+    barb = [head * (-push / np.maximum(reach, 1e-300) + side * aside) for side in (0.4, -0.4)]
+    start = np.concatenate(
+        [tails[:, 0], tails[:, 1], tails[:, 0], *2 * [*field.point.swapaxes(0, 1)]]
+    )
+    way = [
+        push[:, 0],
+        push[:, 1],
+        tails[:, 1] - tails[:, 0],
+        *(one[:, i] for one in barb for i in (0, 1)),
+    ]
     label = f"pressure on faces, up to {quantity(most, 'Pa')}"
     return (
         Layer(
-            "surface", label, LayerKind.LINES, "load", start, end - start,
-            block=np.tile(field.block, 3), width=0.7,
+            "surface", label, LayerKind.LINES, "load", start, np.concatenate(way),
+            block=np.tile(field.block, 7), width=0.7,
         ),
     )  # fmt: skip
 

@@ -348,10 +348,14 @@ class Scene(OneLine):
 
     @cached_property
     def plane(self) -> int | None:
-        """The axis (0 or 1) across which blocks reach equally far, of a thin model; or None.
+        """The axis (0 or 1) along which one looks first, level; or None.
 
-        One block in ten may reach less far: a prop, or a tie.
+        No pressure on faces acts along it, but across it: a wall of any length is seen from its
+        end. Or blocks reach equally far along it, and the model is thin. One block in ten may reach
+        less far: a prop, or a tie.
         """
+        if self._profile is not None:
+            return self._profile
         span = self._body[1] - self._body[0]
         away = np.abs(self.assembly.bounds - self._body).max(axis=1)
         for axis in (1, 0):
@@ -359,6 +363,18 @@ class Scene(OneLine):
             if alike and span[axis] < _THIN * span.max():
                 return axis
         return None
+
+    @cached_property
+    def _profile(self) -> int | None:
+        """The level axis along which no pressure on faces acts, where it acts across it."""
+        pressed = [
+            one.vector for stage in self.stages for one in stage.layers if one.key == "surface"
+        ]
+        along = np.max(
+            [np.zeros(3), *(np.abs(one).max(axis=0) for one in pressed if one is not None)], axis=0
+        )
+        end = int(np.argmin(along[:2]))
+        return end if along[end] < 1e-6 * along[1 - end] else None
 
     @cached_property
     def toward(self) -> Floats:

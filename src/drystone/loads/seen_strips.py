@@ -143,9 +143,26 @@ class SeenStrips(OneLine):
         t = frozen(np.stack([low, high], axis=1))
         return SeenStrips(self.axes, self.block, t, s, width, r, self.slope)
 
+    def _joined(self) -> SeenStrips:
+        """One strip for those of a plane face between the same places along t: its triangles."""
+        least = _SAME * max(float(np.abs(self.t).max(initial=0.0)), 1e-300)
+        plane = self.r - (self.slope[:, :1] * self.t + self.slope[:, 1:] * self.s)
+        alike = np.rint(np.column_stack([self.t, plane]) / least)
+        key = np.column_stack([self.block, alike, np.rint(self.slope / _SAME)])
+        _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        low, high = np.full((2, len(first), 2), np.inf)
+        np.minimum.at(low, group.ravel(), self.s - 0.5 * self.width)
+        np.minimum.at(high, group.ravel(), -self.s - 0.5 * self.width)
+        one = self._chosen(first)
+        s = 0.5 * (low - high)
+        r = one.r + one.slope[:, 1:] * (s - one.s)
+        return SeenStrips(
+            one.axes, one.block, one.t, frozen(s), frozen(-high - low), frozen(r), one.slope
+        )
+
     def surface(self, assembly: Assembly, traction: Traction) -> SurfaceLoad:
         """The traction along the middles of strips of free blocks, where it is not zero."""
-        mine = self._chosen(~assembly.fixed[self.block])
+        mine = self._chosen(~assembly.fixed[self.block])._joined()
         steep = np.repeat(mine.slope, 2, axis=0)
         inside = np.eye(2) + 1e-6 * np.array([[-1.0, 1.0], [1.0, -1.0]])  # where levels end
         t, r = ((one @ inside).ravel() for one in (mine.t, mine.r))
@@ -153,7 +170,7 @@ class SeenStrips(OneLine):
         point = np.stack([mine.t, mine.s, mine.r], axis=2) @ self.axes
         pressed = seen.reshape(-1, 2, 3)
         some = pressed.any(axis=(1, 2))
-        wrench = mine.wrenches(assembly, traction)
+        wrench = self._chosen(~assembly.fixed[self.block]).wrenches(assembly, traction)
         return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
 
     def wrenches(self, assembly: Assembly, traction: Traction) -> Floats:

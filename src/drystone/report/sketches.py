@@ -12,6 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Scene, SceneStage
 from drystone.answer.chart import Chart
 from drystone.answer.drawing import bare_scene
+from drystone.answer.scene import Layer
 from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import quantity
@@ -49,7 +50,9 @@ def answer_pictures(answer: Answer) -> Iterator[Picture]:
 def loads_picture(model: Model) -> Picture:
     """The model with its loads as arrows."""
     scene = bare_scene(model.assembly, model.contacts, model)
-    scene = replace(scene, stages=tuple(replace(one, message="") for one in scene.stages))
+    (stage,) = scene.stages
+    loads = tuple(one for one in stage.layers if one.key != "interfaces")
+    scene = replace(scene, stages=(replace(stage, message="", layers=loads),))
     return _picture(_drawn(scene), f"Loads: {model.load.name}")
 
 
@@ -57,7 +60,8 @@ def dimensions_picture(model: Model) -> Picture:
     """An elevation and a side view with the overall dimensions of the free blocks."""
     from matplotlib.figure import Figure  # slow to import
 
-    scene = bare_scene(model.assembly, model.contacts)
+    scene = bare_scene(model.assembly, model.contacts, model)
+    pressed = [one for one in scene.stages[0].layers if one.key == "surface"]
     span, middle = scene.bounds[1] - scene.bounds[0], scene.bounds.mean(axis=0)
     assembly = model.assembly
     told = assembly.bounds[~assembly.fixed] if len(assembly.free) else assembly.bounds
@@ -69,15 +73,20 @@ def dimensions_picture(model: Model) -> Picture:
     grid = figure.add_gridspec(
         1, 2, width_ratios=shares.tolist(), left=0.06, right=0.97, bottom=0.08, top=0.9
     )
+    away = 0.08 * float(span.max())
     for number, (along, toward) in enumerate(views):
         axes: Any = figure.add_subplot(grid[0, number])
-        draw(scene, (_WIDTH, 3.1), toward=toward, layers=(), inside=axes, scaled=False)
+        seen = [one for one in pressed if not _end_on(one, toward)]
+        keys = [one.key for one in seen]
+        draw(scene, (_WIDTH, 3.1), toward=toward, layers=keys, inside=axes, scaled=False)
         axes.set_title("elevation" if number == 0 else "side view", fontsize=8)
         flat = [along, 2]
-        _dimensions(axes, ends[:, flat], 0.5 * span[flat], 0.08 * float(span.max()))
-    return _picture(
-        figure, f"Overall dimensions of the free blocks; {'xy'[front]} and z in the elevation"
-    )
+        reach = [np.abs(one.position - middle).max(axis=0) for one in seen]
+        half = np.max([0.5 * span, *reach], axis=0)[flat]
+        _dimensions(axes, ends[:, flat], half, away)
+        _axes_of(axes, -half - 2.6 * away, 1.2 * away, "xyz"[along])
+    earth = f", and {pressed[0].label}" if pressed else ""
+    return _picture(figure, f"Overall dimensions of the free blocks{earth}")
 
 
 def signs_picture() -> Picture:
@@ -136,8 +145,19 @@ def _eye(scene: Scene, stage: SceneStage) -> Floats | None:
     if not hidden:
         return None
     side = np.cross(stage.up, scene.toward)
+    beside = [np.abs(one @ side).max(initial=0.0) for one in known if one is not None]
+    if scene.plane is not None and max(beside) <= 1e-6 * max(
+        float(lengths(one).max(initial=0.0)) for one in known if one is not None
+    ):
+        return _toward(scene.plane)
     eye: Floats = unit(scene.toward + 0.8 * side + 0.4 * stage.up, "view direction")
     return eye
+
+
+def _end_on(layer: Layer, toward: Floats) -> bool:
+    """Whether some vector of a layer is seen end on."""
+    vector = np.zeros((1, 3)) if layer.vector is None else layer.vector
+    return bool((np.abs(vector @ toward) > 0.5 * lengths(vector).max()).any())
 
 
 def _toward(along: int) -> Floats:
@@ -169,6 +189,14 @@ def _dimensions(axes: Any, ends: Floats, half: Floats, away: float) -> None:
     axes.set_aspect("equal", adjustable="box")
     axes.set_xlim(-x - 3.0 * away, x + away)
     axes.set_ylim(-y - 3.0 * away, y + away)
+
+
+def _axes_of(axes: Any, corner: Floats, size: float, across: str) -> None:
+    """The directions of a view in its lower left corner."""
+    for end, name in (((size, 0.0), across), ((0.0, size), "z")):
+        tip = corner + end
+        _arrow(axes, tuple(corner), tuple(tip))
+        axes.text(*(tip + 0.2 * size), name, fontsize=8)
 
 
 def _arrow(axes: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
