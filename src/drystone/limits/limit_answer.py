@@ -19,6 +19,7 @@ from drystone.checks import crushing_share
 from drystone.limits.limit_types import Bracket, Evaluation, LimitValues, plain
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.results.stage import first_motion_words
 from drystone.settlement import Outcome
 
 _MOST_DIGITS = 9
@@ -181,6 +182,8 @@ class Limit(LimitValues, Answer):
             names = named(falling.falling_names, _LISTED)
             every = len(falling.falling) == (~falling.assembly.fixed).sum() > 1
             said.append(Sentence(f"gives way: {'all free blocks' if every else names}"))
+            moves = first_motion_words(falling)
+            said += [Sentence(f"first motion: {moves}")] if moves else []
             said.append(Sentence(falling.message))
         if falling is not None and falling.mechanism is not None:
             share = crushing_share(falling.model, falling.mechanism)

@@ -30,7 +30,6 @@ from drystone.joints import (
     force_network,
     hinged,
 )
-from drystone.model import Model
 from drystone.results.reactions import reaction_layer
 from drystone.results.solution import Solution
 from drystone.ties import ties_of
@@ -63,7 +62,7 @@ def stage_of(result: Solution, headline: str, label: str = "result") -> SceneSta
     if result.verdict is Verdict.UNSTABLE:
         motion = _falling_motion(result)
         if motion is not None:
-            layers += _fall_layers(result.model, motion)
+            layers += _fall_layers(result, motion)
         known = {layer.key for layer in layers}  # the joints that move are marked already
         layers += [one for one in force_layers(result) if one.key not in known]
         return replace(stage, motion=motion, plays=True, layers=tuple(layers))
@@ -109,10 +108,35 @@ def _needed(result: Solution) -> Floats | None:
     return kept
 
 
-def _fall_layers(model: Model, motion: Floats) -> tuple[Layer, ...]:
+def first_motion_words(result: Solution) -> str:
+    """What joints do in the first motion of what falls, and towards where all slide.
+
+    Examples
+    --------
+    >>> from drystone.limits import limit_tilt
+    >>> from drystone.models import tower
+    >>> first_motion_words(limit_tilt(tower(2), "x", friction=0.6).best.falling)
+    'slides towards -y'
+    """
+    motion = _falling_motion(result)
+    if motion is None:
+        return ""
+    hinge, slide, _ = moving_joints(result.model, motion)
+    kinds = ("turns about an edge", hinge), ("slides", slide)
+    told = [words for words, some in kinds if some.any()]
+    way = motion[list(result.falling), :2].sum(axis=0)
+    along = int(np.abs(way).argmax())
+    if told == ["slides"] and abs(way[along]) > 0.99 * float(np.linalg.norm(way)):
+        told = [f"slides towards {'-' if way[along] < 0.0 else ''}{'xy'[along]}"]
+    return " and ".join(told)
+
+
+def _fall_layers(result: Solution, motion: Floats) -> tuple[Layer, ...]:
     """The hinges and the sliding joints of a first motion."""
-    hinge, slide, place = moving_joints(model, motion)
-    return marks(place, hinge, "turns about an edge", slide, "slides")
+    hinge, slide, place = moving_joints(result.model, motion)
+    proved = motion is result.mechanism and result.contacts.friction.any()
+    opens = "; the proof opens it by the angle of friction, real sliding does not" if proved else ""
+    return marks(place, hinge, "turns about an edge", slide, f"slides{opens}")
 
 
 def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, ...]:

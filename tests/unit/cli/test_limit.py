@@ -168,7 +168,7 @@ def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
     assert "degrees about x" in out
     assert "[deg]" in out  # brackets are no markup
     assert "equilibrium, check" in out  # three values that agree are one row
-    assert "gives way: block-1" in out
+    assert "gives way: block-1\nfirst motion: slides towards -y\n" in out
     assert main(["limit", "sweep", model, "--directions", "2", "--equilibrium-only"]) == 0
     assert "weakest" in capsys.readouterr().out
     assert main(["limit", "imperfections", model, "--offset", "0.01", "--draws", "2"]) == 0
