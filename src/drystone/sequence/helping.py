@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import or_
 
 from drystone.base.progress import Stopped
 from drystone.sequence.order_search import OrderSearch
@@ -90,7 +92,9 @@ def mended(order: Trimmed, search: OrderSearch) -> Trimmed:
 
 
 def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) -> int:
-    """Props with which scaffolding carries a stage: at most one more; those it has if none does.
+    """Props with which scaffolding carries a stage: one more, else under all that falls on fewer.
+
+    Those it has where none does.
 
     Parameters
     ----------
@@ -101,17 +105,32 @@ def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) ->
         after those that were propped at other stages for the same reason.
     search
     """
-    props, placed = node.props, node.placed
-    if search.failure(placed, props, followed=True) is None:
+    props, placed, newest = node.props, node.placed, mask_of(last)
+    fails = search.failure(placed, props, followed=True)
+    if fails is None:
         return props
-    newest = mask_of(last)
-    near = search.widened(props | newest) & placed & ~props & search.proppable
-    for block in sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1)):
-        wider = props | 1 << block
+    able = placed & ~props & search.proppable
+    near = search.widened(props | newest) & able
+    near = near & mask_of(fails.falling) or near  # only what falls is mended by a prop
+    ranked = sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1))
+    for added in (more & able, *(1 << block for block in ranked)):
+        wider = props | added
         stands = _stands(replace(node, props=wider), search, full=False)
         if stands and search.failure(placed, wider, followed=True) is None:
             return wider
-    return props
+    return _under_what_falls(node, able, fails, search)
+
+
+def _under_what_falls(node: Node, able: int, fails: StageAnswer, search: OrderSearch) -> int:
+    """Props under all that falls, until scaffolding carries it; those it has if it never does."""
+    props = node.props
+    while props != node.props | able:
+        props |= mask_of(fails.falling) & able & ~props or able
+        answer = search.failure(node.placed, props, followed=True)
+        if answer is None:
+            return props
+        fails = answer
+    return node.props
 
 
 def _finished(
@@ -133,9 +152,7 @@ def _finished(
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
     """Propped blocks, held blocks and simultaneous placements of an order."""
-    ever = 0
-    for mask in props:
-        ever |= mask
+    ever = reduce(or_, props, 0)
     several = [node.group for node in path if len(node.group) > 1]
     held = mask_of(block for group in several for block in group) & ~ever
     return ever.bit_count(), held.bit_count(), sum(len(group) - 1 for group in several)
@@ -166,9 +183,7 @@ def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
 
 def _props_in_time(path: Sequence[Node], needed: Sequence[int], search: OrderSearch) -> list[int]:
     """Props at each stage, from the first to the last stage that needs them."""
-    ever = 0
-    for mask in needed:
-        ever |= mask
+    ever = reduce(or_, needed, 0)
     active = [0] * len(path)
     for block in members(ever):
         when = [i for i, mask in enumerate(needed) if mask >> block & 1]
@@ -201,9 +216,7 @@ def _needed(node: Node, search: OrderSearch) -> int:
 
 def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None:
     """Remove props from their first and last stages while all stages stand."""
-    ever = 0
-    for mask in active:
-        ever |= mask
+    ever = reduce(or_, active, 0)
     for block in members(ever):
         bit = 1 << block
         when = [i for i, mask in enumerate(active) if mask & bit]

@@ -229,25 +229,17 @@ def _standing(
     """A strut towards the ground, which stands on the first block that it meets."""
     names = model.assembly.names
     met = first_met(surface, block, head, foot)
-    if met is None:
-        return Strut(
-            names[block], options.limit, head.tolist(), foot.tolist(), friction=options.friction
-        )
-    axis = (head - foot) / np.linalg.norm(head - foot)
-    if met.normal @ axis < math.cos(math.atan(options.friction)):
-        raise InputError(
-            f"a strut from '{names[met.block]}' would slide: its face there is too steep",
-            where=f"block '{names[block]}'",
-            remedy="use a clamp, or let the struts stand on another block",
-        )
-    return Strut(
-        names[block],
-        options.limit,
-        head.tolist(),
-        met.point.tolist(),
-        names[met.block],
-        options.friction,
-    )
+    if met is not None:
+        axis = (head - foot) / np.linalg.norm(head - foot)
+        if met.normal @ axis < math.cos(math.atan(options.friction)):
+            raise InputError(
+                f"a strut from '{names[met.block]}' would slide: its face there is too steep",
+                where=f"block '{names[block]}'",
+                remedy="use a clamp, or let the struts stand on another block",
+            )
+        foot = met.point
+    on = None if met is None else names[met.block]
+    return Strut(names[block], options.limit, head.tolist(), foot.tolist(), on, options.friction)
 
 
 def _on_block(

@@ -23,10 +23,17 @@ from drystone.sequence import (
     scaffolding,
     with_scaffold,
 )
+from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.helping import mended, trimmed
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.order_search import OrderSearch
+from drystone.sequence.rules import bind
 from drystone.sequence.scaffold_places import Support
 from drystone.sequence.scaffold_seats import surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
-from drystone.sequence.stages import mask_of, members
+from drystone.sequence.stage_tree import Node
+from drystone.sequence.staged_model import StagedModel
+from drystone.sequence.stages import Stage, check_both, mask_of, members
 from drystone.shells.shell_by_name import shell_by_name
 
 PIER = box((1.0, 1.0, 1.0), name="pier")
@@ -252,6 +259,24 @@ def test_a_stage_that_no_scaffolding_within_its_limit_carries_is_told(arch_plan)
     assert "could not be shown to stand, the first when" in found.message
     assert any("N, its limit is 1 N" in step.answer.message for step in found.steps)
     assert "a strut carries" in found.message
+
+
+def test_where_one_more_strut_does_not_carry_a_leaning_strip_all_that_falls_is_propped():
+    """An ideal prop at the tip of half an arch holds all of it; a strut pushes and does not."""
+    whole = shell_by_name("barrel", courses=12, blocks=1).model(friction=0.6)
+    strip = whole.subset([i for i, name in enumerate(whole.assembly.names) if name < "c07"])
+    model = StagedModel(strip, check_both)
+    bound = bind(Rules(hands=1), model, RemovalTest(model))
+    with Evaluator(model) as evaluator:
+        given = (evaluator, bound, 40.0, 16)
+        ideal = OrderSearch(*given, scaffold=ScaffoldedStages(strip, "strut"), carried=False)
+        on_struts = OrderSearch(*given, scaffold=ideal.scaffold)
+        complete = evaluator.answer(Stage(model.everything))
+        order = trimmed(ideal.run(ideal.prop(Node(model.everything, 0), complete)), ideal)
+        assert on_struts.failure(order.path[-1].placed, order.props[-1]) is not None
+        found = mended(order, on_struts)
+    assert not any(found.failures)
+    assert found.cost == order.cost
 
 
 def test_where_no_prop_carries_no_more_blocks_are_propped_than_with_ideal_props():
