@@ -106,8 +106,7 @@ def mend(
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
-            what = f"there is no mend {apply}: {len(mends.mends)} were found"
-            raise InputError(what, where="--apply", remedy="give the number of one that is listed")
+            raise _not_listed(apply, mends)
         from drystone.stability import check
 
         one = mends.mends[apply - 1]
@@ -120,6 +119,16 @@ def mend(
     if pages is not None:
         told = replace(told, files=partial(_with_pages, told.files, mends, pages), into=pages)
     return told
+
+
+def _not_listed(apply: int, mends: Mends) -> InputError:
+    """What is said of a number that no mend has."""
+    if mends.mends:
+        what, remedy = f"{len(mends.mends)} were found", "give the number of one that is listed"
+    else:
+        tried = ", ".join(dict.fromkeys(one.kind for _, one in mends.tried))
+        what, remedy = f"{tried or 'nothing'} failed", "leave it out, with --all, to see why"
+    return InputError(f"there is no mend {apply}: {what}", where="--apply", remedy=remedy)
 
 
 def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:

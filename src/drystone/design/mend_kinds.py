@@ -13,6 +13,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError, counted
 from drystone.design.bench import Bench, Held, Tried
 from drystone.design.block_surgery import merge_blocks, thicken_blocks
+from drystone.design.changed_model import acceleration_of, changed
 from drystone.design.changes import (
     MOST,
     ROUGHEST,
@@ -36,6 +37,10 @@ _FIRST = 6
 """Number of struts of one block that are tried, the shortest first, and of pairs of blocks between
 which a tie is tried, those that move apart fastest first."""
 
+_SLID = (0.2, 0.5, 1.0)
+"""Slides that are tried before the least one is searched, by the way to the middle of the joint. It
+is found to a tenth of that: at the least itself a block is about to tip."""
+
 _THICKER = (0.1, 0.3, 1.0)
 """Increases of thickness that are tried before the least one is searched, relative to that of the
 block."""
@@ -52,6 +57,10 @@ def _support(asked: KnownNeeds) -> Proposals:
             change = Change.single("support", block_added(body), words, length, added=1)
             changes.append(replace(change, beyond=() if on in bench.blocks else (on,)))
     why = f"{len(changes)} blocks that fit were tried, the shortest first"
+    if not changes:
+        why = "no block fits between it and another one"
+        if "ground" not in bench.model.assembly:
+            why += "; the supports 'ground' lay a plane below, on which one may stand"
     yield Tries(changes, why, Take.FIRST)
 
 
@@ -149,6 +158,49 @@ def _friction(asked: KnownNeeds) -> Proposals:
     which = "all its joints" if len(free) == count else "the joints that may change"
     why = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
     yield Tries(every, why, known=None if bench.large else known[:1], last=True)
+
+
+def _slide(asked: KnownNeeds) -> Proposals:
+    """The blocks of the region slid as one along a joint below, towards the middle of it."""
+    bench, own = asked.bench, asked.bench.own
+    stay = bench.kept(own)
+    if stay:
+        yield _kept("slide", "its blocks", stay)
+        return
+
+    def make(along: Floats, distance: float, model: Model, blocks: Ints, _: Ints) -> Model:
+        some = {int(i): model.assembly.blocks[i] for i in blocks[own]}
+        shift = distance * along
+        return changed(model, {i: one.transformed(translation=shift) for i, one in some.items()})
+
+    def words(other: int, distance: float) -> str:
+        what = f"{names_of(bench.local, own)} slid by {1e3 * distance:.0f} mm"
+        return f"{what} on {names_of(bench.local, [other])}, towards the middle of the joint"
+
+    contacts, ways = bench.local.contacts, list(_ways_below(bench))
+    outer = np.isin(contacts.block_a, own) != np.isin(contacts.block_b, own)
+    changes = []
+    for other, way in ways:
+        far = math.hypot(*way)
+        slid, told = partial(make, way / far), partial(words, other)
+        steps = tuple(share * far for share in _SLID)
+        changes.append(Change("slide", slid, told, steps, 0.1 * far, joints=int(outer.sum())))
+    why = "it falls up to the middle of the joint below it" if ways else "no joint is below it"
+    yield Tries(changes, why, Take.SMALLEST)
+
+
+def _ways_below(bench: Bench) -> Iterator[tuple[int, Floats]]:
+    """Blocks on which the region lies, and the ways (3,) [m] to the middles of the joints there."""
+    local, own = bench.local, bench.own
+    mass, up = local.assembly.mass[own], -acceleration_of(local)
+    middle = mass @ local.assembly.centroid[own] / mass.sum()
+    contacts = local.contacts
+    for k, (a, b) in enumerate(zip(contacts.block_a, contacts.block_b, strict=True)):
+        normal = contacts.frame[k, 0] * (1.0 if b in own else -1.0)
+        way = contacts.centroid[k] - middle
+        way -= way @ normal * normal
+        if (a in own) != (b in own) and normal @ up > 0.5 * np.linalg.norm(up) and way.any():
+            yield int(a if b in own else b), way
 
 
 def _joints(asked: KnownNeeds, kind: str) -> Proposals:
@@ -264,6 +316,7 @@ _PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
     "prop": _prop,
     "tie": _tie,
     "friction": _friction,
+    "slide": _slide,
     "turn": partial(_joints, kind="turn"),
     "wedge": partial(_joints, kind="wedge"),
     "let-in": partial(_joints, kind="let-in"),
@@ -276,7 +329,7 @@ _PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
 
 _LARGEST = {
     **dict.fromkeys(("support", "merge"), SMALL_REGION),
-    **dict.fromkeys(("turn", "wedge", "let-in", "thicker"), LARGE_REGION),
+    **dict.fromkeys(("slide", "turn", "wedge", "let-in", "thicker"), LARGE_REGION),
     "ballast": SEARCHED,
 }
 """The largest number of blocks of a region on which a kind is tried, where there is one. Chosen: a

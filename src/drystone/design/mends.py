@@ -146,8 +146,8 @@ class MendOptions(Options):
         Margin with which it has to stand: ``tilt=2deg`` to each side, ``load=1.2`` times the load,
         ``friction=0.9x``, or ``sensitive``, where STABLE after settling is enough.
     kinds
-        Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
-        ballast, glue and merge (all).
+        Kinds of mends to try, of support, prop, tie, friction, slide, turn, wedge, let-in,
+        thicker, ballast, glue and merge (all).
     keep
         Blocks that may not be changed: names and patterns, separated by commas, or positions. Their
         joints are not changed either; what is added may touch them.

@@ -51,13 +51,19 @@ def test_a_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(falle
     assert [one.cost for one in changes] == sorted(one.cost for one in changes)
 
 
-def test_a_mend_that_jams_is_told_and_comes_last(fallen: Mends) -> None:
-    """A slab lies with an eighth of its length on a joint that is turned."""
+def test_a_slab_is_slid_back_and_a_mend_that_jams_comes_last(fallen: Mends, tmp_path: Path) -> None:
+    """It tips 0.15 m beyond the edge, 0.175 m from the middle of its joint."""
     base, slab = box((1.0, 1.0, 1.0), name="base"), box((0.4, 1.0, 0.15), (0.95, 0.0, 1.0), "slab")
     model = Model.of(Assembly((base, slab)).with_fixed([0]), friction=0.6)
-    found = find_mends(model, options=MendOptions(kinds=("turn", "glue")))
-    held, jams = found.mends
-    assert (held.change.kind, jams.change.kind) == ("glue", "turn")
+    kinds = ("turn", "glue", "slide", "support")
+    found = find_mends(model, options=MendOptions(kinds=kinds))
+    slid, held, jams = found.mends
+    assert [one.change.kind for one in found.mends] == ["slide", "glue", "turn"]
+    assert slid.change.value == pytest.approx(0.9 * 0.175)
+    assert (slid.change.cost, slid.change.volume) == pytest.approx((1.0, 0.0))
+    moved = slid.model.assembly.centroid - model.assembly.centroid
+    assert moved == pytest.approx(np.array([[0.0, 0.0, 0.0], [-0.1575, 0.0, 0.0]]))
+    assert again(slid.model, tmp_path).stable
     assert held.change.cost > jams.change.cost
     weight = 9.81 * float(model.assembly.mass[1])
     forces = np.linalg.norm(jams.result.resultants.force, axis=1)
@@ -65,7 +71,9 @@ def test_a_mend_that_jams_is_told_and_comes_last(fallen: Mends) -> None:
     assert jams.change.description.endswith("times the weight, and falls with 1 % less friction")
     assert check(jams.model.with_friction(0.594)).falls
     assert "turned by 17 degrees (which jams)" in found.diagnosis.reasons[0]
-    assert not any(one.change.jams for one in (held, *fallen.mends))
+    assert not any(one.change.jams for one in (slid, held, *fallen.mends))
+    ((_, support),) = found.tried
+    assert "the supports 'ground' lay a plane below" in support.what
 
 
 def test_a_block_that_falls_only_once_another_one_is_held_is_in_the_way_of_no_mend(
@@ -363,7 +371,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
 
 def test_blocks_to_keep_are_not_changed() -> None:
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
-    kinds = ("let-in", "glue", "thicker", "friction", "merge", "turn")
+    kinds = ("let-in", "glue", "thicker", "friction", "merge", "turn", "slide")
     for keep in ("out", "lowest, [o]*"):  # read as supports are
         options = MendOptions(kinds=kinds, keep=(keep,))
         found = find_mends(Assembly((base, out)).with_fixed([0]), friction=0.6, options=options)
@@ -447,6 +455,7 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
         (["--margin", "wind=3"], "is no margin"),
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
         (["--kind", "prop", "--apply", "7"], "there is no mend 7"),
+        (["--kind", "tie", "--kind", "support", "--apply", "1"], "no mend 1: tie, support failed"),
         (["--apply", "0"], "--apply: is 0; give a number of 1 or more"),
         (["--pages", f"{__file__}/pages"], "is no folder; name another folder"),
     ],
