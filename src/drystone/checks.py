@@ -374,12 +374,16 @@ def _resistance(contacts: Contacts, opening: Floats, slide: Floats) -> Floats:
     return np.where(pressed, np.maximum(least, shear * slide - normal * opening), least)
 
 
-def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
+def moving_joints(
+    model: Model, motion: Floats, toward: Floats | None = None
+) -> tuple[Bools, Bools, Floats]:
     """Joints at which a first motion hinges about an edge, and joints at which it slides.
 
     Parameters
     ----------
     motion : (n, 6) [m, rad]
+    toward : (3,)
+        Where an eye is that is to see the places of hinges, which else are inside.
 
     Returns
     -------
@@ -387,7 +391,8 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
         Interfaces whose blocks turn about corners that stay closed; whose blocks slide along each
         other. Those that slide on an edge are both, those that lift off wholly are neither.
     place : (m, 3) [m]
-        Middle of the corners that stay closed; where there are none, of all corners.
+        Middle of the corners that stay closed, or the one nearest to the eye; where there are
+        none, of all corners.
     """
     contacts = model.contacts
     if contacts.count == 0:
@@ -407,6 +412,9 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
     along = (sliding > small) & (np.abs(moved[:, 0]) < friction * sliding + small)
     slide = moving & ~resting & corners.any(along)
     edge = np.where(resting[interface], still, closed)
+    if toward is not None:
+        near = np.where(edge, contacts.point @ toward, -np.inf)
+        edge = near >= corners.max(near)[interface]
     kept = np.where(hinge[interface], edge, True).astype(float)
     place: Floats = corners.sum(kept[:, None] * contacts.point) / corners.sum(kept)[:, None]
     return hinge, slide, place

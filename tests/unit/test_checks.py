@@ -60,3 +60,14 @@ def test_a_corner_that_only_just_touches_may_press_in_proportion(
     force[:, 0] = 0.5 * weight * overlap
     force[0, 0] = 2.0 * weight * share
     assert (check_forces(model, force, turned).complementarity == 0.0) == proven
+
+
+def test_the_place_of_a_hinge_is_its_end_that_an_eye_sees() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    turned = motion(turn=(0, 0.1, 0), move=(0.05, 0, 0.05))
+    (_, _, middle), (hinge, _, end) = (
+        moving_joints(model, turned, toward) for toward in (None, np.array([0.7, -0.7, 0.1]))
+    )
+    assert hinge.tolist() == [True]
+    assert np.ptp([middle[0], end[0]], axis=0) == pytest.approx([0.0, 0.5, 0.0])
+    assert end[0, 1] < middle[0, 1]

@@ -203,6 +203,8 @@ def help_layer(
     needy = np.flatnonzero(np.linalg.norm(wrench[:, :3], axis=1) > 0.0)
     if len(needy) == 0:
         return ()
+    if len(needy) > 1:  # one alone holds less, or nothing
+        label += f" on {len(needy)} blocks at once"
     return (
         Layer(
             "help", label, LayerKind.ARROWS, "help", assembly.centroid[needy], wrench[needy, :3],

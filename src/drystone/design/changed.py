@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
+from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
@@ -172,21 +174,11 @@ class Changed(Answer):
         return {**asdict(self.change), **told}
 
     def layers(self) -> Scene:
-        """The changed structure, the edges of the blocks as they were, and what was added."""
+        """The changed structure, the edges that are gone or new, and what was added."""
         before, result = self.before, self.result
-        kept = {id(block) for block in result.assembly.blocks}
-        lines = [
-            block.vertices[edges_of(block.faces)]
-            for block in before.assembly.blocks
-            if id(block) not in kept
-        ]
         stage = result.stage("mended")
         layers = [*stage.layers, *_marked(before, result.model), *_weights(before, result.model)]
-        if lines:
-            ends = np.concatenate(lines)
-            start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
-            label = "edges before"
-            layers.append(Layer("before", label, LayerKind.LINES, "missed", start, along))
+        layers += _outlines(before.assembly, result.assembly)
         names = result.assembly.names
         added = np.array([name not in before.assembly for name in names], dtype=bool)
         added &= stage.state != State.FALLING
@@ -197,6 +189,47 @@ class Changed(Answer):
             facts["File"] = replace(result.asked, file=before.origin.file).facts()["File"]
         shown = {name: text for name, text in facts.items() if text}
         return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)
+
+
+def _outlines(before: Assembly, after: Assembly) -> list[Layer]:
+    """The edges of blocks that changed, or are gone, as they were, and those that are new."""
+    was = {block.name: block for block in before.blocks}
+    now = {block.name: block for block in after.blocks}
+    layers = []
+    for key, label, colour, old, new in (
+        ("before", "edges before", "missed", was, now),
+        ("now", "edges now", "load", now, was),
+    ):
+        parts = [
+            _without(block.vertices[edges_of(block.faces)], other.vertices[edges_of(other.faces)])
+            if other is not None
+            else block.vertices[edges_of(block.faces)]
+            for name, block in old.items()
+            if (other := new.get(name)) is not block and (other is not None or key == "before")
+        ]
+        ends = np.concatenate([*parts, np.zeros((0, 2, 3))])
+        if len(ends):
+            start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+            layers.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=1.2))
+    return layers
+
+
+def _without(edges: Floats, others: Floats) -> Floats:
+    """Parts (p, 2, 3) of edges (e, 2, 3) that do not lie on others (f, 2, 3)."""
+    left = []
+    for start, end in edges:
+        size = float(np.linalg.norm(end - start))
+        way = (end - start) / size
+        along = (others - start) @ way
+        off = np.linalg.norm(others - start - along[..., None] * way, axis=2).max(axis=1)
+        spans = np.sort(along[off < EQUAL * size], axis=1)
+        places = np.unique(np.clip([0.0, size, *spans.ravel()], 0.0, size))
+        for low, high in pairwise(places.tolist()):
+            middle = 0.5 * (low + high)
+            hidden = ((spans[:, 0] < middle) & (middle < spans[:, 1])).any()
+            if not hidden and high - low > EQUAL * size:
+                left.append([start + low * way, start + high * way])
+    return np.array(left).reshape(-1, 2, 3)
 
 
 def _marked(before: Model, after: Model) -> list[Layer]:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _WIDEST = 5.0
 """[points], line of the largest force in a network."""
+_ADDED = 0.85
+"""Least opacity of blocks that were added, in the colour of the legend."""
 _SHADES = 12
 """Number of colours of forces: a triangle is divided until each part has one colour."""
 _FINEST = 0.02
@@ -51,6 +53,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> list[tuple[int, Floats]]:
     height = None if sheet.plane is None else sheet.plane.heights(corners)
     state = stage.state[present][faces.owner[patches.face]]
     fills, edge = _shaded(sheet, sheet.states[state], faces.normals[patches.face])
+    fills[state == State.ADDED, 3] = np.maximum(fills[state == State.ADDED, 3], _ADDED)
     wide = np.where(state == State.FALLING, 1.2, 0.5) * sheet.thin
     between = _between(sheet, layers, patches, faces.owner, present)
     paths: list[Line] = []

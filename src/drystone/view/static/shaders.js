@@ -109,6 +109,7 @@ void main() {
   if (kind == 6u && mod(gl_FragCoord.x + gl_FragCoord.y, 9.0 * uRatio) < 3.0 * uRatio) shown = uHatch;
   // Glass: what is seen at a low angle is denser, so that outlines stay clear.
   float opacity = uOpacity < 1.0 ? min(1.0, uOpacity + 0.3 * rim * rim * rim) : 1.0;
+  if (kind == 8u) opacity = max(opacity, 0.85); // what was added
   if (!gl_FrontFacing) { shown = uCutColour; opacity = uOpacity < 1.0 ? 0.5 * uOpacity : 1.0; }
   result = vec4(shown * opacity, opacity);
 }`;
