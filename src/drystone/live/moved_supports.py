@@ -287,7 +287,7 @@ class CoarseSteps:
         """Blocks and forces where supports have moved, and the share of their way that is done.
 
         They go on from where they were last, or from rest where that is nearer. At least one
-        increment is tried, and none is begun after ``seconds``.
+        increment is made, and none is begun after it where ``seconds`` have passed.
 
         Parameters
         ----------

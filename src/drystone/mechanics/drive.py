@@ -150,7 +150,7 @@ class Driver(Follower):
     def shift_at_once(self, motion: Floats, late: Callable[[], bool]) -> float:
         """Move the supports by (n, 6) in long increments; the share of the way that is done.
 
-        At least one increment is tried, and none is begun when it is late.
+        At least one increment is made, however short, and none is begun after it when it is late.
         """
         done, step = 0.0, 1.0
         while done < 1.0 - 1e-12 and step > LEAST_SHARE:
@@ -162,7 +162,7 @@ class Driver(Follower):
                 self.accept(found, step * motion)
                 done += step
                 step *= LONGER
-            if late():
+            if done > 0.0 and late():
                 break
         return done
 

@@ -221,6 +221,12 @@ def test_a_block_that_meets_another_is_shown_with_the_interfaces_of_the_model() 
 def test_of_many_blocks_coarse_steps_give_the_forces_at_once() -> None:
     model = drystone.Model.of(arch(0.2, 50), friction=0.9)
     steps = CoarseSteps(model)
+    motion = np.zeros((len(model), 6))
+    motion[model.assembly.index(FOOT), 0] = 2e-4
+    hurried = steps.moved(motion, 0.0)  # the first increment is too long, and no time is left
+    assert hurried is not None
+    assert 0.0 < hurried[1] < 1.0
+    steps = CoarseSteps(model)
     normal = []
     for size in (1e-9, 2e-4, 1e-4):  # it is dragged to and fro
         made = asked(model, wish_of(moves=[{"block": FOOT, "by": [size, 0.0, 0.0]}]))
