@@ -86,8 +86,7 @@ def rotation_about(axis: Floats, angle_deg: float) -> Floats:
     x, y, z = unit(axis, "axis")
     angle = np.deg2rad(number(angle_deg, "the angle"))
     turn = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    rotation: Floats = np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)
-    return rotation
+    return np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)
 
 
 def rotations(vectors: Floats) -> Floats:
@@ -95,8 +94,7 @@ def rotations(vectors: Floats) -> Floats:
     axis, angle = arrays.unit(vectors)
     turn = skew(axis)
     sine, less = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
-    matrices: Floats = np.eye(3) + sine * turn + less * (turn @ turn)
-    return matrices
+    return np.eye(3) + sine * turn + less * (turn @ turn)
 
 
 def skew(vectors: Floats) -> Floats:

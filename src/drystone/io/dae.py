@@ -9,6 +9,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections import ChainMap
 from collections.abc import Iterator, MutableMapping, Sequence
+from functools import cache
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import TypeAlias
@@ -159,6 +160,7 @@ def _mesh(
     named = ChainMap({one.get("id", ""): one for one in mesh.iter() if one.get("id")}, named)
     points: list[Floats] = []
     loops: list[Loop] = []
+    read = cache(lambda shared: _positions(shared, named, where))
     for part in mesh:
         if part.tag not in _FACES:
             continue  # lines bound no body
@@ -167,7 +169,7 @@ def _mesh(
         if shared is None:
             raise FormatError("has faces without vertices", where=where, remedy="export it again")
         first = sum(map(len, points))
-        points.append(_positions(shared, named, where))
+        points.append(read(shared))
         offset = [_whole([one.get("offset", "0")], where)[0] for one in part.findall("input")]
         stride, own = max(offset) + 1, offset[[*part.findall("input")].index(inputs["VERTEX"])]
         unfolded.take(len(points[-1]), 0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise, product
 from pathlib import Path
 from typing import TypeAlias
@@ -50,7 +51,12 @@ class Entity:
 
     def text(self, code: int) -> str:
         """The first text of a code, or nothing."""
-        return next((text for key, text in self.tags if key == code), "")
+        return self._first.get(code, "")
+
+    @cached_property
+    def _first(self) -> dict[int, str]:
+        """By code; a block with a large polyline is placed very often."""
+        return dict(reversed(self.tags))
 
     def number(self, code: int, default: float = 0.0) -> float:
         """The first number of a code."""

@@ -153,7 +153,7 @@ class Driver(Follower):
         At least one increment is made, however short, and none is begun after it when it is late.
         """
         done, step = 0.0, 1.0
-        while done < 1.0 - 1e-12 and step > LEAST_SHARE:
+        while done < 1.0 - 1e-12 and step > LEAST_SHARE and not (done > 0.0 and late()):
             step = min(step, 1.0 - done)
             found, _ = self.increment(None, step * motion)
             if found is None:
@@ -162,8 +162,6 @@ class Driver(Follower):
                 self.accept(found, step * motion)
                 done += step
                 step *= LONGER
-            if done > 0.0 and late():
-                break
         return done
 
     def now(self) -> DrivenState:
