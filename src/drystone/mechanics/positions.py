@@ -58,13 +58,12 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
     face of b there. A corner that is no longer on both faces is out of reach.
     """
-    turn_a, turn_b = (_of_corners(pose.turn, block) for block in (bodies.block_a, bodies.block_b))
-    place_a, place_b = (
-        _of_corners(pose.place, block) for block in (bodies.block_a, bodies.block_b)
-    )
+    blocks = bodies.block_a, bodies.block_b
+    turn_a, turn_b = (_of_corners(pose.turn, block) for block in blocks)
+    place_a, place_b = (_of_corners(pose.place, block) for block in blocks)
     arm_a, arm_b, begin = bodies.by_corner
     on_a = place_a + _product(turn_a, arm_a)
-    frame = np.stack([_product(turn_a, axis) for axis in begin])
+    frame = np.array([_product(turn_a, axis) for axis in begin])
     # from the corner of a to that of b, and the normal of the face of b
     apart = _product(frame, place_b + _product(turn_b, arm_b) - on_a)
     normal = _product(frame, _product(turn_b, begin[0]))
@@ -84,13 +83,12 @@ def _of_corners(values: Floats, block: Ints) -> Floats:
 
     With the corner as the last index sums over k take a fifth of the time of products of matrices.
     """
-    return np.moveaxis(values, 0, -1).take(block, axis=-1)
+    return values.transpose(*range(1, values.ndim), 0).take(block, axis=-1)
 
 
 def _product(matrix: Floats, vector: Floats) -> Floats:
     """(3, k) of matrices (3, 3, k) and vectors (3, k)."""
-    result: Floats = matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1] + matrix[:, 2] * vector[2]
-    return result
+    return matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1] + matrix[:, 2] * vector[2]
 
 
 def _inclined(normal: Floats) -> Floats:
@@ -102,8 +100,8 @@ def _inclined(normal: Floats) -> Floats:
     u = -n[1] * n
     u[1] += 1.0
     u /= _sizes(u.T)
-    v = np.stack([n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]])
-    return np.stack([n, u, v])
+    v = np.array([n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]])
+    return np.array([n, u, v])
 
 
 def _sizes(vectors: Floats) -> Floats:
