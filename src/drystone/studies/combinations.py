@@ -26,7 +26,8 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
 from drystone.studies.combination_file import Combination, read_combinations
 
-Need = Literal["size", "friction", "none"]
+Need = Literal["both", "size", "friction", "none"]
+_OF = {"size": "size of the joints", "friction": "friction"}
 _ORDER = {Verdict.UNSTABLE: 0, Verdict.UNDECIDED: 1}
 _COARSE = LimitOptions(equilibrium_only=True, width=1e-3)
 
@@ -44,12 +45,10 @@ class Combinations(Answer):
         The combinations.
     results
         Of each the verdict, with friction and strength divided.
-    needed
-        Of each the least share of the size of the joints, or of their friction, at which some
-        forces balance the loads, brittle joints cracked; NaN where it does not stand, was not
-        asked, or falls when its brittle joints crack.
-    needed_of
-        Which of the two.
+    needs
+        Of each the least shares of the size of the joints and of their friction, as far as asked,
+        at which some forces balance the loads, brittle joints cracked; NaN where it does not stand,
+        or falls when its brittle joints crack.
     stopped
         Why not all were checked; else empty.
     """
@@ -58,8 +57,7 @@ class Combinations(Answer):
     file: str
     each: tuple[Combination, ...]
     results: tuple[Result, ...]
-    needed: tuple[float, ...]
-    needed_of: Need = "size"
+    needs: Mapping[str, tuple[float, ...]]
     stopped: str = ""
 
     def _summary(self) -> str:
@@ -69,6 +67,13 @@ class Combinations(Answer):
     def governs(self) -> int:
         """Position of the combination that falls, is undecided, or needs most."""
         return self._worst_first[0]
+
+    @property
+    def needed(self) -> tuple[float, ...]:
+        """The larger share of each; NaN where none is known."""
+        shares = np.array([[np.nan] * len(self.results), *self.needs.values()])
+        largest: list[float] = np.fmax.reduce(shares).tolist()
+        return tuple(largest)
 
     @cached_property
     def _worst_first(self) -> list[int]:
@@ -99,11 +104,14 @@ class Combinations(Answer):
         said.append(Sentence(f"governs: {one.situation.name}: {one.words}"))
         said.append(Sentence(f"there: {self.governing.title}"))
         if np.isfinite(share) and share > 0.0:
-            what = "size of the joints" if self.needed_of == "size" else "friction"
             cracked = ", its joints cracked" if self.governing.contacts.brittle else ""
-            safety, needs = rounded_down(1.0 / share), np.ceil(1e3 * share - 1e-9) / 1e3
-            said.append(Sentence(f"it needs {needs:.1%} of the {what}{cracked}: safety {safety:g}"))
-        elif self.needed_of != "none" and self.governing.stable and self.governing.contacts.brittle:
+            shares = " and ".join(
+                f"{np.ceil(1e3 * one[self.governs] - 1e-9) / 1e3:.1%} of the {_OF[of]}"
+                for of, one in self.needs.items()
+            )
+            safety = rounded_down(1.0 / share)
+            said.append(Sentence(f"it needs {shares}{cracked}: safety {safety:g}"))
+        elif self.needs and self.governing.stable and self.governing.contacts.brittle:
             said.append(
                 Sentence("what it needs is not known: it falls when its brittle joints crack")
             )
@@ -122,9 +130,10 @@ class Combinations(Answer):
             "situation": [self.each[i].situation.name for i in order],
             "factors": [self.each[i].words for i in order],
             "verdict": [self.results[i].verdict.value for i in order],
-            "needs": np.array(self.needed)[order],
         }
-        return [Table("combinations", columns, {"needs": "1"}, {"needs": True})]
+        shares = {f"needs_of_{of}": np.array(one)[order] for of, one in self.needs.items()}
+        alike = dict.fromkeys(shares, "1"), dict.fromkeys(shares, True)
+        return [Table("combinations", columns | shares, *alike)]
 
     def layers(self) -> Scene:
         """The combination that governs."""
@@ -140,7 +149,7 @@ class Combinations(Answer):
             "situation": self.each[self.governs].situation.name,
             "source": self.each[self.governs].situation.source,
             "needed": self.needed[self.governs],
-            "needed_of": self.needed_of,
+            "needs": {of: one[self.governs] for of, one in self.needs.items()},
             "falling": self.governing.falling_names,
             "stopped": self.stopped,
         }
@@ -157,7 +166,7 @@ def combinations(
     given: Given,
     file: PathLike,
     *,
-    needed_of: Need = "size",
+    needed_of: Need = "both",
     options: CheckOptions | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -175,7 +184,7 @@ def combinations(
         TOML with the cases and their factors.
     needed_of
         What is said of a combination that stands: the share of the ``size`` of all joints that it
-        needs for equilibrium, or of their ``friction``; or ``none``.
+        needs for equilibrium, of their ``friction``, or both; or none, which takes least time.
     options
         Of every check.
 
@@ -190,35 +199,40 @@ def combinations(
         replaced = one.of(model)
         replaced.require_still()
     clock = Clock(time_limit_s, stop, progress)
-    found: list[tuple[Result, float]] = []
-    task = partial(_checked, needed_of=needed_of, options=options)
+    found: list[tuple[Result, list[float]]] = []
+    asked = [of for of in _OF if needed_of in (of, "both")]
+    task = partial(_checked, asked=asked, options=options)
     with WorkerPool(executor) as pool:
         for pair in pool.answers(task, (one.of(model) for one in each), clock.late):
             found.append(pair)
             clock.tell("checking combinations", len(found), len(each))
     if not found:
         raise InputError(clock.reason or "nothing was checked", remedy="give it more time")
-    results, needed = zip(*found, strict=True)
+    results, shares = zip(*found, strict=True)
+    needs = dict(zip(asked, zip(*shares, strict=True), strict=True)) if asked else {}
     return Combinations(
-        model, str(file), tuple(each[: len(results)]), results, needed, needed_of,
+        model, str(file), tuple(each[: len(results)]), results, needs,
         clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 
 
 @one_blas_thread()
-def _checked(model: Model, needed_of: Need, options: CheckOptions | None) -> tuple[Result, float]:
-    """The verdict on a model, and the share that it needs."""
+def _checked(
+    model: Model, asked: Sequence[str], options: CheckOptions | None
+) -> tuple[Result, list[float]]:
+    """The verdict on a model, and the shares that it needs."""
     result = check(model, options=options)
-    if needed_of == "none" or not result.stable:
-        return result, float("nan")
+    if not result.stable:
+        return result, [float("nan")] * len(asked)
     model = model.cracked() if model.contacts.brittle else model
-    found = (
+    found = [
         limit_shrink(model, options=_COARSE)
-        if needed_of == "size"
+        if of == "size"
         else limit_friction(model, scaled=True, options=_COARSE)
-    )
-    stands = found.equilibrium.stands
-    return result, float("nan") if stands is None else stands
+        for of in asked
+    ]
+    stands = [one.equilibrium.stands for one in found]
+    return result, [float("nan") if one is None else one for one in stands]
 
 
 OFFERED = Offered(combinations, "arch.json cases.toml", ("needed_of",))

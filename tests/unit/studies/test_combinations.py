@@ -63,6 +63,19 @@ def test_friction_and_strength_are_divided(tmp_path: Path) -> None:
     assert one.contacts.friction.tolist() == pytest.approx([1.6])
 
 
+def test_what_is_needed_is_told_of_the_size_of_joints_and_of_their_friction(tmp_path: Path) -> None:
+    """1.5 x 6 kN by 0.9 W = 0.425 is the slope of the thrust: of half a joint, and of 0.6."""
+    path = written(tmp_path, 'situations = ["EQU"]', WEIGHT, PUSH.format(6000))
+    found = combinations(Model.of(tower(2), friction=0.6), path)
+    slope = 1.5 * 6000.0 / (0.9 * 23544.0)
+    size, friction = (found.needs[of][found.governs] for of in ("size", "friction"))
+    assert (size, friction) == pytest.approx((slope, slope / 0.6), abs=2e-3)
+    assert found.needed[found.governs] == friction
+    told = "it needs 42.5% of the size of the joints and 70.9% of the friction: safety 1.41"
+    assert told in " ".join(one.text for one in found.sentences())
+    assert {"needs_of_size", "needs_of_friction"} < set(found.tables()[0].columns)
+
+
 def test_what_is_needed_does_not_count_mortar_that_breaks(tmp_path: Path) -> None:
     """As dry, which at 15,000 N it does not balance."""
     glued = STACK.with_capacity(JointCapacity.of(STACK.contacts, tension=1e5))
