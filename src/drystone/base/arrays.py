@@ -38,16 +38,7 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
     InputError
         Not numbers, another shape, NaN or infinite (the first offending position is named).
     """
-    try:
-        if isinstance(values, str | bytes):  # numpy would read "0.6" as a number
-            raise TypeError
-        given = np.asarray(values)
-        if np.iscomplexobj(given):
-            raise TypeError
-        array = np.array(given, dtype=np.float64, order="C", copy=True)
-    except (TypeError, ValueError, OverflowError) as error:
-        got = f"got {type(values).__name__}"
-        raise InputError(f"{what} must be numbers", remedy=got) from error
+    array = floats(values, what)
     expected = tuple(shape)
     if array.ndim == 2 and array.size == 0 and expected[0] in (None, 0):
         array = array.reshape(0, expected[1] if expected[1] is not None else 0)
@@ -60,10 +51,24 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
     if not finite.all():
         position = tuple(int(i) for i in np.argwhere(~finite)[0])
         raise InputError(
-            f"{what}{list(position)} is {array[position]}", remedy="give finite numbers only"
+            f"{what}{list(position) or ''} is {array[position]}", remedy="give finite numbers only"
         )
     array.setflags(write=False)
     return array
+
+
+def floats(values: Any, what: str) -> Floats:
+    """A C-ordered float64 copy of ``values``, of any shape and not frozen."""
+    try:
+        if isinstance(values, str | bytes):  # numpy would read "0.6" as a number
+            raise TypeError
+        given = np.asarray(values)
+        if np.iscomplexobj(given):
+            raise TypeError
+        return np.array(given, dtype=np.float64, order="C", copy=True)
+    except (TypeError, ValueError, OverflowError) as error:
+        said = f"{what} must be numbers, got {quoted(values)}"
+        raise InputError(said, remedy="give numbers, evenly nested") from error
 
 
 def frozen_points(values: Any, shape: Sequence[int | None], what: str) -> Floats:
@@ -79,7 +84,7 @@ def frozen_points(values: Any, shape: Sequence[int | None], what: str) -> Floats
     if far.any():
         position = tuple(int(i) for i in np.argwhere(far)[0])
         raise InputError(
-            f"{what}{list(position)} is {array[position]:g}",
+            f"{what}{list(position) or ''} is {array[position]:g}",
             remedy=f"give metres, up to {FARTHEST:g}",
         )
     return array
@@ -155,6 +160,12 @@ def whole(value: Any, what: str, *, least: int | None = None) -> int:
     if least is not None and value < least:
         raise InputError(f"{what} is {quoted(value)}", remedy=f"give {least} or more")
     return int(value)
+
+
+def refuse_many(count: int, name: str, most: int = 1_000_000_000) -> None:
+    """Refuse a count above ``most``, which no memory and no time is for; a seed is any number."""
+    if name != "seed" and not -most <= count <= most:
+        raise InputError(f"is {quoted(count)}", where=name, remedy=f"give up to {most:,}")
 
 
 def of_type(value: Any, kind: type[T], what: str, remedy: str = "") -> T:

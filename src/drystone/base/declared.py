@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 from drystone.base import units
-from drystone.base.arrays import number, of_type, whole
+from drystone.base.arrays import number, of_type, refuse_many, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.hints import is_many, kinds_of
@@ -132,6 +132,8 @@ class Declared(OneLine):
             value = value_of(given, self.hint, self.unit)
         except InputError as error:
             raise error.located(error.where or self.name) from error
+        if isinstance(value, int):
+            refuse_many(value, self.name)
         for least, fits in ((self.above, self.above.__lt__), (self.least, self.least.__le__)):
             if isinstance(value, int | float) and math.isfinite(least) and not fits(value):
                 limit = "zero" if least == 0.0 else f"{least:g}"

@@ -8,9 +8,11 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, Self, TypeVar, get_origin
 
-from drystone.base.arrays import number, of_type
+import numpy as np
+
+from drystone.base.arrays import frozen_points, number, of_type, refuse_many
 from drystone.base.display import OneLine
-from drystone.base.errors import ODD, InputError, counted, refuse_unknown
+from drystone.base.errors import ODD, DrystoneError, InputError, counted, refuse_unknown
 from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
 from drystone.base.progress import with_keywords
 
@@ -111,6 +113,43 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
 
     asked.__doc__ = with_keywords(function.__doc__, known)
     return asked
+
+
+def hold(room: dict[str, Any]) -> None:
+    """Let each function that a package offers refuse values of another type, and too large ones.
+
+    A number is up to 1e30, a count up to a million.
+    """
+    for name in room["__all__"]:
+        if inspect.isfunction(room[name]) and not hasattr(room[name], "__wrapped__"):
+            room[name] = _held(room[name])
+            room[name].__module__ = room["__name__"]  # where it is found when it was sent on
+
+
+def _held(make: Callable[..., R]) -> Callable[..., R]:
+    hints, known = hints_of(make), inspect.signature(make).parameters
+
+    @functools.wraps(make)
+    def held(*given: Any, **named: Any) -> R:
+        refuse_unknown(named, known, f"{make.__name__} has")
+        asked = {**dict(zip(known, given, strict=False)), **named}
+        refuse_wrong(asked.items(), hints)
+        for name, value in asked.items():
+            if hints.get(name) is float:
+                asked[name] = float(frozen_points(value, (), name))
+            elif hints.get(name) is int:
+                refuse_many(value, name, 1_000_000)
+        with np.errstate(all="ignore"):  # what overflows is refused where blocks are made
+            try:
+                return make(*given[len(known) :], **asked)
+            except ODD as error:
+                blame(make, given, named, error)
+                if isinstance(error, DrystoneError) or any(map(callable, asked.values())):
+                    raise
+                said = f"{make.__name__} cannot be made of these values"
+                raise InputError(said, remedy=str(error)) from error
+
+    return held
 
 
 def _refuse_unknown(function: Callable[..., Any], named: Mapping[str, Any]) -> None:

@@ -104,7 +104,12 @@ def one_of(choices: Iterable[str], what: str = "") -> OptionKind:
 
 def _workers(text: str) -> int | str:
     """A number of processes, or the address of a scheduler."""
-    return text if "://" in text else int(COUNT.read(text))
+    if "://" in text:
+        return text
+    count = int(COUNT.read(text))
+    if count > 1_000:
+        raise InputError(f"is {count}", remedy="give a number of processes")
+    return count
 
 
 def target(*suffixes: str) -> OptionKind:

@@ -4,6 +4,7 @@ Every family is a function that returns an :class:`~drystone.assembly.Assembly` 
 with planar faces that touch exactly; lengths are in metres, gravity is along -z.
 """
 
+from drystone.base.settings import hold
 from drystone.models.arches import arch, buttressed_arch
 from drystone.models.bridges import segmental_bridge
 from drystone.models.curved import cube_curve, curve_three_blocks
@@ -64,3 +65,5 @@ __all__ = [
     "welded",
     "winding_column",
 ]
+
+hold(globals())

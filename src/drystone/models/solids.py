@@ -104,7 +104,7 @@ def welded(
     >>> len(block.vertices), round(block.volume, 4)
     (4, 0.1667)
     """
-    faces = [np.asarray(loop, dtype=np.float64).reshape(-1, 3) for loop in loops]
+    faces = [frozen_floats(loop, (None, 3), "loop") for loop in loops]
     points = np.concatenate(faces)
     extent = float(np.ptp(points, axis=0).max())
     first, member = distinct(points, WELD * extent)

@@ -1,5 +1,6 @@
 """Shells: a surface divided into courses and staggered blocks with planar or faceted joints."""
 
+from drystone.base.settings import hold
 from drystone.shells.cell_sizes import shape_volume
 from drystone.shells.fabrication import (
     FlatFace,
@@ -84,3 +85,5 @@ __all__ = [
     "write_blocks",
     "write_unrolled",
 ]
+
+hold(globals())

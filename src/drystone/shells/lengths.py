@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from numbers import Real
 
 import numpy as np
 
-from drystone.base.arrays import Floats
-from drystone.base.errors import InputError, quoted
+from drystone.base.arrays import Floats, floats, number
+from drystone.base.errors import InputError
 
 
 def arc_lengths(points: Floats) -> Floats:
@@ -26,12 +25,9 @@ def refuse_unless_positive(where: str = "", **metres: float) -> None:
         There is such a length; it is named.
     """
     for name, value in metres.items():
-        if not (_is_number(value) and math.isfinite(value) and value > 0.0):
-            raise InputError(
-                f"the {name.replace('_', ' ')} is {value if _is_number(value) else repr(value)}",
-                where=where,
-                remedy="give metres above zero",
-            )
+        said = f"the {name.replace('_', ' ')}"
+        if not 0.0 < number(value, said, finite=False) < math.inf:
+            raise InputError(f"{said} is {value}", where=where, remedy="give metres above zero")
 
 
 def numbers(values: object, what: str, where: str = "") -> Floats:
@@ -43,13 +39,6 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
         They are no numbers, or ragged.
     """
     try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        told = quoted(values, 180)
-        raise InputError(
-            f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
-        ) from error
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
+        return floats(values, what)
+    except InputError as error:
+        raise error.located(where) from error

@@ -301,9 +301,6 @@ def build_shell(
         )
     refuse_joggle_at_sides(shape, body)
     layouts = [layout] * len(shape.patches) if isinstance(layout, Layout) else list(layout)
-    wrong = [plan for plan in layouts if not isinstance(plan, Layout)]
-    if wrong:
-        raise InputError(f"a layout is {wrong[0]!r}", remedy="give a Layout")
     if len(layouts) != len(shape.patches):
         raise InputError(f"{len(layouts)} layouts for {len(shape.patches)} patches")
     patterns = []

@@ -113,7 +113,7 @@ def test_a_corner_of_the_plan_needs_a_column_of_the_net():
     ("given", "words"),
     [
         ({"density": 0.0}, "the density of a net is 0.0"),
-        ({"density": float("nan")}, "the density of a net is nan"),
+        ({"density": float("nan")}, "density is nan"),
         ({"edge_density": -1.0}, "the edge density of a net is -1.0"),
         ({"columns": 9.5}, "columns is 9.5; give a whole number"),
     ],
