@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, frozen
 from drystone.base.display import OneLine, rounded_up
 from drystone.base.errors import counted
+from drystone.base.units import quantity
 from drystone.checks import block_speed, corner_motion
 from drystone.contacts import Contacts
 from drystone.design.needs import Needs
@@ -192,7 +193,8 @@ def sentence(
 ) -> str:
     """The motion of a region, its cause, and what would hold it, as text."""
     subject = ("block " if len(blocks) == 1 else "blocks ") + names_of(model, blocks)
-    parts = [f"{subject} {_motion(model, blocks, joints)}", _cause(model, blocks, joints)]
+    parts = [f"{subject} {_motion(model, blocks, joints)}", _beyond(model, blocks, joints)]
+    parts.append(_cause(model, blocks, joints))
     return "; ".join(part for part in (*parts, _remedy(model, blocks, needs)) if part)
 
 
@@ -229,6 +231,25 @@ def _verb(kind: JointMotion, mine: Sequence[JointState], several: bool, edges: b
     rest = rest.replace("its", "their") if several else rest
     rest = rest.replace("an edge", "edges").replace("joint", "joints") if edges else rest
     return f"{first.removesuffix('s') if several else first} {rest}"
+
+
+def _beyond(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
+    """How far the centre of one block that its weight alone pulls is beyond the edge of a joint."""
+    turns = [one for one in joints if one.edge is not None]
+    force, moment = model.load.wrench[blocks[0]].reshape(2, 3)
+    aside = float(np.linalg.norm([*force[:2], *moment / model.assembly.size[blocks[0]]]))
+    if len(blocks) > 1 or len(turns) != 1 or aside > -STILL * force[2]:
+        return ""
+    (one,) = turns
+    first, last = np.asarray(one.edge)
+    out = np.cross(last - first, (0.0, 0.0, 1.0))
+    out *= -np.sign((model.contacts.centroid[one.interface] - first) @ out)
+    reach = (model.assembly.centroid[blocks[0]] - first) @ out
+    if reach <= STILL * model.assembly.size[blocks[0]] * np.linalg.norm(out):
+        return ""
+    over = quantity(float(reach / np.linalg.norm(out)), "m")
+    neighbour = names_of(model, [one.neighbour])
+    return f"its centre is {over} beyond the edge of its joint with {neighbour}"
 
 
 def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
@@ -271,6 +292,10 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     if not ways and len(blocks) == 1 and float(np.linalg.norm(needs.force)) > 0.0:
         missing = f"a force of {force_words(needs.force)} at {place(needs.point)} is missing"
         force, moment = np.linalg.norm(needs.wrench[0].reshape(2, 3), axis=1)
+        low, high = model.assembly.bounds[blocks[0]]
+        if ((needs.point < low) | (needs.point > high)).any():  # nothing can push there
+            missing = f"a force of {force_words(needs.force)} at its centre and a moment of"
+            missing += f" {newtons(float(moment))} m are missing"
         if force * model.assembly.size[blocks[0]] < STILL * moment:
             missing = f"a moment of {newtons(float(moment))} m is missing"
     if needs.friction is not None:

@@ -239,7 +239,7 @@ def _thicker(asked: KnownNeeds) -> Proposals:
     def words(share: float) -> str:
         names, local = names_of(bench.model, bench.region), bench.local.assembly
         beside = names_of(bench.local, np.flatnonzero(local.fixed).tolist())
-        told = f"{names} thicker by {100.0 * share:.0f} %, on both faces"
+        told = f"{names} thicker by {100.0 * share:.0f} %, half of it on each face"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
     why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"

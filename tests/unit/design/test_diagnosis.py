@@ -280,3 +280,15 @@ def test_a_diagnosis_has_the_verdict_of_the_check() -> None:
     found = diagnose(model, options=DiagnosisOptions(needs=False))
     assert found.result.verdict is check(model).verdict is Verdict.UNDECIDED
     assert found.regions
+
+
+@pytest.mark.parametrize("load", [None, (3.0, 0.0, -9.81)])
+def test_a_block_whose_centre_is_beyond_its_support_is_told_how_far(load: object) -> None:
+    """The force that is missing is told at the block, where its line passes beside the block."""
+    base = box((1.0, 1.0, 0.2), name="base")
+    out = box((1.0, 1.0, 0.2), (0.65, 0.0, 0.2), "out")
+    model = Model.of(Assembly((base, out), (True, False)), friction=0.9, load=load)
+    told = only(diagnose(model, options=DiagnosisOptions(needs=False))).sentence
+    where = "its centre is 150 mm beyond the edge of its joint with 'base'"
+    assert (where in told) == (load is None)
+    assert re.search(r" at its centre and a moment of [\d.]+ k?N m are missing", told)
