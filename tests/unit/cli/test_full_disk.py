@@ -23,14 +23,16 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="a limit of the size of 
 
 
 def chosen() -> list[Case]:
-    """Each command with those two of its files that fewest have been asked of before."""
+    """Each command with a file that fewest have been asked of before, and each option of one."""
     asked: Counter[str] = Counter()
     some: list[Case] = []
+    more: list[Case] = []
     for _, group in groupby(interrupted.cases(every_suffix=False), lambda case: case.command):
-        few = sorted(group, key=lambda case: (not case.is_journal, asked[case.option]))[:2]
-        asked.update(case.option for case in few)
-        some += few
-    return some
+        one, *others = sorted(group, key=lambda case: (not case.is_journal, asked[case.option]))
+        asked[one.option] += 1
+        some.append(one)
+        more += others
+    return [*some, *(case for case in more if not asked[case.option])]
 
 
 CASES = chosen()
