@@ -65,8 +65,6 @@ def test_a_family_is_sent_on_by_its_name() -> None:
         "models segmental-bridge --set span=1e300",
         "shell barrel --blocks 99999999999999999999999",
         "limit thickness arch --scan 99999999999999999999999",
-        "study arch --workers 99999999999999999999999",
-        "tune tower --vary edge=0.5:1 --trials 99999999999999999999999",
     ],
 )
 def test_a_number_that_is_too_large_is_no_fault(
