@@ -238,7 +238,7 @@ def _fitted(natural: Any, width: float) -> Any:
 
 def _plan_words(plan: JointPlan) -> str:
     between = " – ".join(shortened(name, 24) for name in plan.blocks)
-    return f"joint {plan.joint}: {between}, {plan.width:.3g} m wide"
+    return f"joint {plan.joint}: {between}, {plan.width:.3g} m wide, {plan.axes}"
 
 
 def _plan(plan: JointPlan) -> Any:

@@ -154,6 +154,8 @@ class JointPlan(OneLine):
     corners, kern : (c, 2), (d, 2) [m], along u and v
     pressed : (2,) [m]
         Centre of pressure.
+    axes
+        Where u and v point, in words.
     """
 
     joint: int
@@ -161,6 +163,7 @@ class JointPlan(OneLine):
     corners: Floats
     kern: Floats
     pressed: Floats
+    axes: str
 
     def _summary(self) -> str:
         return f"joint {self.joint}, {self.width:.3g} m wide"
@@ -186,7 +189,16 @@ def joint_plan(result: Result, table: Table, i: int) -> JointPlan:
     position = np.array([table[axis][i] for axis in "xyz"])
     at = contacts.frame[i, 1:] @ (position - origin[i])
     names = (str(table["block_a"][i]), str(table["block_b"][i]))
-    return JointPlan(i, names, corners, kern(corners), at)
+    right, up = map(_direction, contacts.frame[i, 1:])
+    return JointPlan(i, names, corners, kern(corners), at, f"right: {right}, up: {up}")
+
+
+def _direction(unit: Floats) -> str:
+    """A direction (3,) as an axis of the model with its sign, or its parts."""
+    axis = int(np.abs(unit).argmax())
+    if abs(unit[axis]) > 0.995:
+        return f"{'-' if unit[axis] < 0.0 else '+'}{'xyz'[axis]}"
+    return "(" + ", ".join(f"{part + 0.0:.2g}" for part in unit.round(2)) + ")"
 
 
 def plan_figure(plan: JointPlan) -> str:
@@ -207,7 +219,7 @@ def plan_figure(plan: JointPlan) -> str:
         f'<polygon class="kern" points="{path(plan.kern)}"/>'
         f'<circle class="force" cx="{x:.1f}" cy="{y:.1f}" r="5"/></svg>'
         f"<figcaption>joint {plan.joint}: {' – '.join(map(name_text, plan.blocks))}"
-        f"<br>{plan.width:.3g} m wide</figcaption></figure>"
+        f"<br>{plan.width:.3g} m wide, {plan.axes}</figcaption></figure>"
     )
 
 

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, JointCapacity, LoadCase, Result, Verdict, solve_rbe
@@ -66,3 +67,15 @@ def test_without_forces_there_is_no_page(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no forces"):
         save_report(empty, tmp_path / "joints.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_plan_tells_where_its_directions_point(tmp_path: Path) -> None:
+    path = tmp_path / "joints.html"
+    save_report(solved(tower(2)), path)  # the joint is level: u and v are along x and y
+    found = re.search(r"wide, right: ([+-])([xy]), up: ([+-])([xy])<", path.read_text("utf-8"))
+    assert found is not None
+    right, up = (
+        float(f"{sign}1") * np.eye(3)["xyz".index(axis)]
+        for sign, axis in (found.groups()[:2], found.groups()[2:])
+    )
+    assert np.cross(right, up).tolist() == [0.0, 0.0, 1.0]  # seen against the normal, from above

@@ -128,6 +128,17 @@ function svg(tag, attributes) {
   return made;
 }
 
+// Where u and v of a plan point: an axis of the model with its sign, or its parts.
+function planAxes(data, joint) {
+  const frame = data.contacts.frame.subarray(9 * joint + 3, 9 * joint + 9);
+  const [right, up] = [frame.subarray(0, 3), frame.subarray(3, 6)].map((way) => {
+    const axis = way.findIndex((part) => Math.abs(part) > 0.995);
+    if (axis < 0) return `(${[...way].map((part) => Number(part.toFixed(2)) + 0).join(", ")})`;
+    return `${way[axis] < 0 ? "-" : "+"}${"xyz"[axis]}`;
+  });
+  return `right: ${right}, up: ${up}`;
+}
+
 // A joint seen against its normal, u to the right and v up: outline, kern, corner forces, resultant.
 function jointPlan(data, stage, joint) {
   const { contacts } = data;
@@ -171,7 +182,8 @@ function jointPlan(data, stage, joint) {
   const wide = plain(2 * reach, "m");
   const words = stage.force
     ? "Dashed: kern. Discs: corner forces by area. Dot: centre of pressure." : "Dashed: kern.";
-  figure.append(picture, element("figcaption", `${words} The outline fits into a square of ${wide}.`));
+  const told = `${words} Axes: ${planAxes(data, joint)}. The outline fits into a square of ${wide}.`;
+  figure.append(picture, element("figcaption", told));
   return figure;
 }
 
@@ -241,7 +253,7 @@ function plansOf(data, stage, rows) {
     if (joint === undefined) continue;
     const plan = jointPlan(data, stage, joint);
     plan.addEventListener("click", action);
-    plan.lastChild.textContent = `${name}, ${value}`;
+    plan.lastChild.textContent = `${name}, ${value}; ${planAxes(data, joint)}`;
     plans.append(plan);
   }
   return plans;
