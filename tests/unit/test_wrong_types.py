@@ -354,5 +354,7 @@ def test_numbers_of_other_kinds_are_taken_or_refused(tmp_path: Path) -> None:
             drystone.Structure(MODEL, each_s=wrong)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="give finite numbers"):
         MODEL.load * 1e308
+    with pytest.raises(InputError, match="too large for a floating-point number"):
+        LoadCase.seismic(TOWER, 1e308)
     with pytest.raises(InputError, match="give finite numbers"):
         LoadCase.extra_mass(TOWER, "block-1", 1e308)

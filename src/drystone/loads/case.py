@@ -174,7 +174,8 @@ class LoadCase(OneLine):
         g : [m/s2]
         """
         x, y = number(kx, "kx"), number(ky, "ky")
-        level = number(g, "g") * np.array([x, y, 0.0])
+        with np.errstate(over="ignore"):  # what overflows is refused below
+            level = number(g, "g") * np.array([x, y, 0.0])
         name = f"seismic {x:g}, {y:g}"
         return cls(wrench_of_masses(assembly, level), name, acceleration=level)
 
