@@ -72,8 +72,9 @@ def measured(
     factor = None if match is None else units[match[2]] if match[2] else plain
     value = math.nan if match is None or factor is None else float(match[1]) * factor
     if not math.isfinite(value):
-        examples = [f"0.15{unit}" for unit in units][:3]
-        alone = ["0.15"] if plain is not None else []
+        size = "0.15" if match is None else match[1]
+        examples = [f"{size}{unit}" for unit in units][:3]
+        alone = [size] if plain is not None else []
         raise InputError(
             f"{what} '{text}' is not a number with a unit",
             remedy=f"write {', '.join([*alone, *examples])}",

@@ -34,7 +34,7 @@ from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.geometry.surface import worth_drawing
 from drystone.io.build import Built
 from drystone.model import Model
-from drystone.supports import ground_of, select
+from drystone.supports import ground_of, laid_ground, select
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +103,14 @@ class Inspection(Answer):
         return [block for block in self.built.blocks if block is not None]
 
     @property
+    def _own(self) -> list[Block]:
+        """Those of the file, without the ground."""
+        if self.built is not None and self.built.defects:
+            return self._blocks
+        ground = laid_ground(self.assembly)
+        return [one for i, one in enumerate(self._blocks) if i != ground]
+
+    @property
     def _defects(self) -> tuple[InputError, ...]:
         return () if self.built is None else self.built.defects
 
@@ -134,12 +142,13 @@ class Inspection(Answer):
         """Sizes, defects by kind, what the contact search found and missed."""
         blocks, fixed = self._blocks, sum(self._fixed)
         told = [f"{counted(len(blocks), 'block')}, {fixed} of them fixed"]
-        if blocks:
-            bounds = np.array([block.bounds for block in blocks])
+        if own := self._own:
+            bounds = np.array([block.bounds for block in own])
             extent = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
-            volume = sum(float(block.volume) for block in blocks)
-            weight = sum(float(block.mass) for block in blocks)
+            volume = sum(float(block.volume) for block in own)
+            weight = sum(float(block.mass) for block in own)
             told += [units.extent(extent), f"{volume:,.4g} m3", units.mass(weight)]
+            told += ["without the ground"] if len(own) < len(blocks) else []
         said = [Sentence(", ".join(told), Role.BAD if self._defects else Role.GOOD)]
         said += self._told_defects()
         lines = [] if self.found is None else list(self.found.report.summary())
@@ -174,7 +183,7 @@ class Inspection(Answer):
         """Where the blocks are, the defects, the contact report and the sweep."""
         blocks = self._blocks
         return {
-            "volume": sum(float(one.volume) for one in blocks),
+            "volume": sum(float(one.volume) for one in self._own),
             "places": [
                 {
                     "block": one.name,

@@ -262,6 +262,8 @@ def _says(value: Any) -> bool:
 
 
 def _told(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.10g}"
     return "yes" if value is True else shortened(str(value), 60)
 
 

@@ -133,7 +133,8 @@ class Limit(LimitValues, Answer):
         """What was asked, without what the limit varies."""
         if not self.states:
             return Question.of_nothing(self.options, self.when)
-        return super().asked.without(*self.quantity.replaces)
+        asked = super().asked.without(*self.quantity.replaces)
+        return replace(asked, load=self.quantity.load or asked.load)
 
     @property
     def _open(self) -> bool:

@@ -44,6 +44,8 @@ class Quantity(OneLine):
         What the answer says of how it is varied.
     acting
         How much of it the model has already, beside what is varied.
+    load
+        What was asked to act, where it is varied.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Quantity(OneLine):
     inverse: str = ""
     remark: str = ""
     acting: float = 0.0
+    load: str = ""
 
     @property
     def words(self) -> str:
@@ -169,7 +172,8 @@ class LoadFactor(OneLine):
         known = [1.0 if not one else float(one) if NUMBER.fullmatch(one) else 0.0 for one in parts]
         along = float((load.wrench * self.live.wrench).sum() / (self.live.wrench**2).sum())
         acting = sum(known) if sum(known) <= along * (1.0 + 1e-9) else 0.0
-        return Quantity("load factor", replaces=("load", "acceleration", "loads"), acting=acting)
+        asked, replaces = f"{load.name}, and {name} times a factor", ("acceleration", "loads")
+        return Quantity("load factor", replaces=replaces, acting=acting, load=asked)
 
     def __call__(self, value: float) -> Model:
         """The model at a factor."""

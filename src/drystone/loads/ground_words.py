@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from drystone.base import units
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, meant
 from drystone.loads.case import STANDARD_GRAVITY
 
 Reader = Callable[[str], Any]
@@ -35,9 +35,13 @@ def read_words(text: str, what: str, known: Mapping[str, Reader], example: str) 
     found: dict[str, Any] = {}
     for part in text.split(","):
         name, _, value = (one.strip() for one in part.partition("="))
-        if not value or name not in known or name in found:
-            names = f"of {', '.join(known)}, each once; such as {example}"
-            raise InputError(f"'{part}' is not NAME=VALUE", remedy=f"give some {names}")
+        names = f"give some of {', '.join(known)}, each once; such as {example}"
+        if not value:
+            raise InputError(f"'{part}' is not NAME=VALUE", remedy=names)
+        if name not in known:
+            raise InputError(f"{what} has no '{name}'", remedy=meant(name, known, names))
+        if name in found:
+            raise InputError(f"'{name}' is given twice", remedy=names)
         try:
             found[name] = known[name](value)
         except InputError as error:

@@ -18,17 +18,22 @@ from drystone.joints import plane_pressure
 from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.results import Result
+from drystone.supports import laid_ground
 
 
 def weights(model: Model) -> Table:
-    """Volume, mass and weight of free blocks and supports, a row for each density."""
+    """Volume, mass and weight of free blocks and supports, a row for each density.
+
+    The ground that supports lay has none.
+    """
     assembly = model.assembly
+    own = np.arange(len(assembly)) != laid_ground(assembly)
     density = np.array([block.density for block in assembly.blocks]).round(6)
     g = float(np.linalg.norm(common_acceleration(assembly, model.load)))
     rows = []
     for fixed in (False, True):
-        for one in np.unique(density[assembly.fixed == fixed]).tolist():
-            mine = (density == one) & (assembly.fixed == fixed)
+        for one in np.unique(density[own & (assembly.fixed == fixed)]).tolist():
+            mine = (density == one) & (assembly.fixed == fixed) & own
             volume = float(assembly.volume[mine].sum())
             what = "supports" if fixed else "free blocks"
             rows.append((what, int(mine.sum()), one, volume, one * volume / 1e3, one * volume * g))
@@ -64,7 +69,45 @@ def balance(result: Result) -> Table:
         "force": np.vstack([force, force.sum(axis=0)]),
         "moment": np.vstack([moment, moment.sum(axis=0)]),
     }
-    return Table("equilibrium of all free blocks", columns, {"force": "N", "moment": "N m"})
+    title = "equilibrium of all free blocks, moments about the origin"
+    return Table(title, columns, {"force": "N", "moment": "N m"})
+
+
+def as_one_block(result: Result) -> Table | None:
+    """Sliding and overturning of all free blocks as one, about the edge of their level foot.
+
+    ``None`` where the foot is not level, or nothing pushes sideways.
+    """
+    assembly, contacts = result.assembly, result.contacts
+    foot = assembly.fixed[contacts.block_a] != assembly.fixed[contacts.block_b]
+    at = contacts.point[foot[contacts.interface]]
+    load, free = result.load.wrench, ~assembly.fixed
+    total = load[free, :3].sum(axis=0)
+    push, down = float(np.hypot(*total[:2])), -float(total[2])
+    level = np.abs(contacts.frame[foot, 0, 2]) > 1.0 - 1e-9
+    flat = len(at) > 0 and level.all() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
+    if not flat or down <= 0.0 or push < 1e-6 * down:
+        return None
+    way = np.array([*total[:2], 0.0]) / push
+    reach = at @ way
+    arm = assembly.centroid[free] - (float(reach.max()) * way + at[0] * [0.0, 0.0, 1.0])
+    holds = float((load[free, 2] * (arm @ way)).sum())
+    turns = float((load[free, :2] @ way[:2] * arm[:, 2]).sum())
+    turns += float(load[free, 3:].sum(axis=0) @ np.cross([0.0, 0.0, 1.0], way))
+    friction = float(contacts.friction[foot].min())
+    told = [
+        ("vertical load, V", quantity(down, "N")),
+        ("horizontal load, H", quantity(push, "N")),
+        ("least friction of the foot, f", f"{friction:.4g}"),
+        ("sliding, f V / H", f"{friction * down / push:.4g}"),
+        ("moment of vertical loads about the toe, Mv", quantity(holds, "N m")),
+        ("moment of horizontal loads and couples, Mh", quantity(turns, "N m")),
+        ("overturning, Mv / Mh", f"{holds / turns:.4g}" if turns > 0.0 else "-"),
+        ("from the toe to the resultant, (Mv - Mh) / V", quantity((holds - turns) / down, "m")),
+        ("a third of the foot: the kern ends there", quantity(float(np.ptp(reach)) / 3.0, "m")),
+    ]
+    columns = {"quantity": [one for one, _ in told], "value": [one for _, one in told]}
+    return Table("all free blocks as one on their foot", columns)
 
 
 def least_strength(result: Result) -> tuple[float, int]:

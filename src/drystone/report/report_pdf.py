@@ -134,13 +134,14 @@ class _Paper:
 
     def part(self, part: Part) -> list[Any]:
         """What is printed of a part."""
-        from reportlab.platypus import Spacer
+        from reportlab.platypus import CondPageBreak, Spacer
 
         match part:
             case str():
                 return [self.text(part)]
             case Heading():
-                return [self.text(part.text, "heading")]
+                room = CondPageBreak(1.5 * _ROOM)  # with the head of a table below it
+                return [room, self.text(part.text, "heading")]
             case Table():
                 return self.table(part)
             case Picture():

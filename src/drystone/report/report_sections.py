@@ -18,7 +18,13 @@ from drystone.loads.applied import applied_loads
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import Document, Heading, Part, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrusts, least_strength, weights
+from drystone.report.hand_checks import (
+    as_one_block,
+    balance,
+    crown_thrusts,
+    least_strength,
+    weights,
+)
 from drystone.report.title_block import TitleBlock
 from drystone.results import Result
 from drystone.sequence import StagedModel
@@ -305,4 +311,6 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
         yield result.reactions()
     yield Heading("Hand checks")
     yield balance(result)
+    whole = as_one_block(result)
+    yield from () if whole is None else (whole,)
     yield from (one.table() for one in crown_thrusts(result))

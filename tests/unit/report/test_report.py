@@ -15,11 +15,17 @@ from drystone.answer import Answer
 from drystone.base.table import Table
 from drystone.cli import main
 from drystone.limits import Limit, LimitOptions, limit_load, limit_train
-from drystone.loads import Fill, Train
+from drystone.loads import Earth, Fill, Train
 from drystone.models import arch, box, segmental_bridge, tower, vault, wall
 from drystone.report import TitleBlock, assess, write_report
 from drystone.report.document import Document, Picture, Section
-from drystone.report.hand_checks import balance, crown_thrusts, least_strength, weights
+from drystone.report.hand_checks import (
+    as_one_block,
+    balance,
+    crown_thrusts,
+    least_strength,
+    weights,
+)
 from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
@@ -65,6 +71,31 @@ def test_a_report_has_input_loads_method_verdict_proof_and_hand_checks(
     assert page.count('src="data:image/png') == 6
     assert "unit right" not in page  # a question is asked before anything is signed
     assert not re.search(r"https?://", page)
+
+
+def test_a_wall_is_checked_by_hand_for_sliding_and_overturning_as_one_block() -> None:
+    """Cubes of 1 m on one that is fixed: W = 2 x 23,544 N, and 9 kN/m2 x 2^2 / 2 of earth."""
+    load = LoadCase.gravity(tower(3)) + Earth("-x", 18e3, 0.5).on(tower(3))
+    table = as_one_block(drystone.check(Model.of(tower(3), friction=0.6, load=load)))
+    assert table is not None
+    told = dict(zip(table["quantity"].tolist(), table["value"].tolist(), strict=True))
+    assert told["vertical load, V"] == "47.1 kN"
+    assert told["sliding, f V / H"] == f"{0.6 * 47088.0 / 18e3:.4g}"
+    assert told["overturning, Mv / Mh"] == f"{47088.0 * 0.5 / (18e3 * 2.0 / 3.0):.4g}"
+    arm = 0.5 - 12e3 / 47088.0
+    assert told["from the toe to the resultant, (Mv - Mh) / V"] == f"{1e3 * arm:.3g} mm"
+    assert as_one_block(drystone.check(Model.of(tower(3), friction=0.6))) is None
+
+
+def test_the_ground_below_a_model_has_no_weight_in_a_report(tmp_path: Path) -> None:
+    drystone.write(tower(2), tmp_path / "tower.obj")
+    model = drystone.read(tmp_path / "tower.obj", supports="ground", density=2200.0, friction=0.6)
+    table = weights(model)
+    assert table["of"].tolist() == ["free blocks"]
+    assert table["volume"].tolist() == pytest.approx([2.0])
+    assert model.origin.reading["density"] == "2200"
+    answer = limit_load(model, "seismic:1,0", options=LimitOptions(equilibrium_only=True))
+    assert answer.asked.facts()["Load"] == "gravity, and seismic 1, 0 times a factor"
 
 
 def test_the_summary_names_the_load_and_the_factor_that_stand(answers: list[Answer]) -> None:
