@@ -15,6 +15,7 @@ from drystone.base.progress import Stopped
 from drystone.design.changes import Change, Surgery
 from drystone.design.margin import (
     LARGE_REGION,
+    SPARE,
     DesignMargin,
     quick_check,
     rest_found,
@@ -51,9 +52,9 @@ class Tried(OneLine):
     skipped: str = ""
 
 
-_HARD, _SPARE = 3.0, 0.8
-"""A region jams where a joint presses with this many times its load, and it falls with this share
-of the friction."""
+_HARD = 3.0
+"""A region jams where a joint presses with this many times its load, and it falls with
+:data:`SPARE` of the friction."""
 
 
 class Jam(NamedTuple):
@@ -212,9 +213,9 @@ class Bench:
             rough = share * made.contacts.friction
             return soon_at_rest(made.with_friction(rough), self.stop).stable
 
-        if most <= _HARD * load or not load or stands(_SPARE):
+        if most <= _HARD * load or not load or stands(SPARE):
             return None
-        return Jam(float(most / load), 1.0 - bracket(stands, _SPARE, 1.0, 0.01)[0])
+        return Jam(float(most / load), 1.0 - bracket(stands, SPARE, 1.0, 0.01)[0])
 
     def kept_at(self, interfaces: Sequence[int]) -> str:
         """The names of blocks at interfaces of the local model that may not be changed."""

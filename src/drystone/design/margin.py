@@ -28,6 +28,9 @@ each face."""
 LARGE_REGION = 40
 """Number of blocks of a region above which less is tried: each trial takes a second with 350."""
 
+SPARE = 0.8
+"""Share of the friction with which what is proposed had better stand, too. Chosen."""
+
 QUICK = CheckOptions(samples=0, settle=False)
 """One stiffness: if a model stands with it, it stands; the full check follows."""
 

@@ -18,7 +18,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts
 from drystone.design.changed_model import changed, fresh_name, usual_friction
-from drystone.design.margin import LARGE_REGION, soon_at_rest
+from drystone.design.margin import LARGE_REGION, SPARE, soon_at_rest
 from drystone.free_faces import FreePart, free_parts
 from drystone.geometry.convex_pieces import solid_of
 from drystone.geometry.frames import frames_from_normals, rotation_about
@@ -251,7 +251,8 @@ def seats(
 ) -> Iterator[PropSeat]:
     """Places for a prop against a block: on each free part of its faces that move forward.
 
-    On a part they lie on a line through its middle, along its steepest direction.
+    On a part they lie on a line through its middle, in the direction in which it moves forward
+    faster, else its steepest one.
 
     Parameters
     ----------
@@ -268,19 +269,22 @@ def seats(
     half = 0.5 * PLATE * body.size
     load = model.load.wrench[block, :3]
     for part in free_parts(model, block):
-        speed = motion[:3] + np.cross(motion[3:], part.middle - body.centroid)
-        forward = bool(part.normal @ speed > _AGAINST * np.linalg.norm(speed))
+        velocity = motion[:3] + np.cross(motion[3:], part.middle - body.centroid)
+        speed = max(float(np.linalg.norm(velocity)), 1e-300)
+        forward = bool(part.normal @ velocity > _AGAINST * speed)
         lower = bool(part.normal @ load > _AGAINST * np.linalg.norm(load))
         if part.area >= half**2 and (lower and not forward if low else forward):
-            yield from _heads(part, block, half, shares)
+            faster = np.cross(part.normal, motion[3:]) * body.size / speed
+            lines = [part.frame[1:] @ one for one in (faster, np.array([0.0, 0.0, -1.0]))]
+            along = next((one for one in lines if np.linalg.norm(one) > _AGAINST), np.eye(2)[0])
+            yield from _heads(part, half, along / np.linalg.norm(along), shares)
 
 
-def _heads(part: FreePart, block: int, half: float, shares: Sequence[float]) -> Iterator[PropSeat]:
-    """Heads of a size on a free part of a face, where they fit."""
+def _heads(
+    part: FreePart, half: float, along: Floats, shares: Sequence[float]
+) -> Iterator[PropSeat]:
+    """Heads of a size on a free part of a face, where they fit, on a line along u and v (2,)."""
     frame, shape, centre = part.frame, part.shape, part.inside
-    down = frame[1:] @ np.array([0.0, 0.0, -1.0])
-    steep = float(np.linalg.norm(down))
-    along = down / steep if steep > _AGAINST else np.array([1.0, 0.0])
     reach = (np.array(shape.exterior.coords) - centre) @ along
     for share in shares:
         at = centre + share * (reach.max() if share > 0.0 else -reach.min()) * along
@@ -288,7 +292,7 @@ def _heads(part: FreePart, block: int, half: float, shares: Sequence[float]) -> 
         if head.geom_type == "Polygon" and head.area > half**2:
             ring = np.array(shapely.geometry.polygon.orient(head).exterior.coords)[:-1]
             outline = frozen(part.origin + ring @ frame[1:])
-            yield PropSeat(block, outline, frozen(frame[0]), part.covered)
+            yield PropSeat(part.block, outline, frozen(frame[0]), part.covered)
 
 
 def propped(model: Model, seat: PropSeat) -> Model:
@@ -323,7 +327,8 @@ def find_props(
 ) -> PropSearch:
     """The one prop with the smallest force that holds a model, else a few that hold it together.
 
-    Of a large model it is the first one.
+    One that does not hold it with 20 % less friction comes last. Of a large model it is the first
+    one that holds it.
 
     Places are free parts of faces, also of those that joints cover partly. A single prop is tried
     on the faces that move forward, then on others that look along the load. Where none is enough,
@@ -357,7 +362,11 @@ def find_props(
             if forces and len(blocks) > LARGE_REGION:  # each trial is slow
                 break
         if forces:
-            return PropSearch((min(forces, key=lambda one: one.size),), "")
+            forces.sort(key=lambda one: one.size)
+            slippery = model.with_friction(SPARE * model.contacts.friction)
+            several = forces if len(forces) > 1 else []
+            firm = (one for one in several if _forces(slippery, [one.seat], stop))
+            return PropSearch((next(firm, forces[0]),), "")
         tried += places
     said = f"one prop at {counted(len(tried), 'place')} on free parts of faces"
     covered = sum(one.covered for one in tried)
