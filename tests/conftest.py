@@ -21,6 +21,9 @@ if sys.dont_write_bytecode:
 if "PYTEST_XDIST_WORKER" in os.environ:  # what is read while tests are collected is no garbage
     gc.disable()
 
+if os.name == "nt":  # these limit the size of files, the memory or the time of processes
+    collect_ignore = ["unit/cli/test_full_disk.py", "unit/test_benchmark_speed.py"]
+
 SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp", "models"}
 SLOW |= {"report", "seismic", "sequence", "settlement", "shells", "studies", "view"}
 SLOW |= {"test_answers.py", "test_benchmark_speed.py", "test_bricks.py", "test_display.py"}

@@ -19,8 +19,6 @@ from drystone.models import tower
 from drystone.report.document import Picture
 from drystone.view import save_figure
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="a limit of the size of files")
-
 
 def chosen() -> list[Case]:
     """Each command with a file that fewest have been asked of before, and each option of one."""
