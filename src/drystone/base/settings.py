@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, Self, TypeVar, get_origin
 
 import numpy as np
 
-from drystone.base.arrays import frozen_points, number, of_type, refuse_many
+from drystone.base.arrays import frozen_floats, number, of_type, refuse_many
 from drystone.base.display import OneLine
 from drystone.base.errors import ODD, DrystoneError, InputError, counted, refuse_unknown
 from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
@@ -118,7 +118,7 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
 def hold(room: dict[str, Any]) -> None:
     """Let each function that a package offers refuse values of another type, and too large ones.
 
-    A number is up to 1e30, a count up to a million.
+    A number is finite, a count up to a million.
     """
     for name in room["__all__"]:
         if inspect.isfunction(room[name]) and not hasattr(room[name], "__wrapped__"):
@@ -136,7 +136,7 @@ def _held(make: Callable[..., R]) -> Callable[..., R]:
         refuse_wrong(asked.items(), hints)
         for name, value in asked.items():
             if hints.get(name) is float:
-                asked[name] = float(frozen_points(value, (), name))
+                asked[name] = float(frozen_floats(value, (), name))
             elif hints.get(name) is int:
                 refuse_many(value, name, 1_000_000)
         with np.errstate(all="ignore"):  # what overflows is refused where blocks are made
