@@ -23,8 +23,8 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.verdict import check
 from drystone.supports import select
 
-_ANGLES = (10.0, 90.0)
-"""Coefficients that may be angles. Chosen: no stone has fewer degrees, and 5 is for no sliding."""
+_FRICTION = 3.0
+"""Chosen: rough stone on stone has at most 1.5."""
 _UNIT = re.compile(r"is the unit right \(--units (\w+)\)\?$")
 """In the remark of a reader on a model of an improbable size."""
 _MOST = 500
@@ -67,7 +67,7 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
         What it was read from, and the arguments; see :func:`drystone.read`.
     """
     friction = how.get("friction")
-    if isinstance(friction, float | int) and _ANGLES[0] <= friction < _ANGLES[1]:
+    if isinstance(friction, float | int) and friction > _FRICTION:
         degrees = f"{friction:g}deg"
         yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?",
                     {"friction": degrees})  # fmt: skip
