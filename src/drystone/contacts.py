@@ -349,7 +349,7 @@ class Contacts(OneLine):
         mask = np.zeros(self.count, dtype=bool)
         try:
             mask[interfaces] = True
-        except IndexError as error:
+        except (IndexError, OverflowError) as error:
             remedy = f"give positions up to {self.count - 1}, or a mask ({self.count},)"
             raise InputError("no such interfaces", remedy=remedy) from error
         a, b = self.block_a[mask], self.block_b[mask]

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each, whole
+from drystone.base.arrays import Bools, Floats, Ints, frozen, number, one_or_each, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted, quoted
 
@@ -101,8 +101,9 @@ class JointCapacity(OneLine):
 
     def scaled(self, share: float) -> JointCapacity:
         """Every capacity times a share; what has no limit keeps none."""
+        by = number(share, "the share")
         shares = {
-            name: np.where(getattr(self, name) < NO_LIMIT, share * getattr(self, name), NO_LIMIT)
+            name: np.where(getattr(self, name) < NO_LIMIT, by * getattr(self, name), NO_LIMIT)
             for name in DRY
         }
         return self.with_values(shares)
@@ -227,7 +228,10 @@ class JointCapacity(OneLine):
 
     def select(self, interfaces: Bools | Ints) -> JointCapacity:
         """Those of some interfaces (mask or positions)."""
-        return self.with_values({name: getattr(self, name)[interfaces] for name in DRY})
+        try:
+            return self.with_values({name: getattr(self, name)[interfaces] for name in DRY})
+        except (IndexError, OverflowError) as error:
+            raise InputError("no such interfaces", remedy="give positions, or a mask") from error
 
     def summed(self, joint: Ints) -> JointCapacity:
         """Those of joints (m,) that consist of several interfaces."""

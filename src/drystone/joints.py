@@ -253,6 +253,8 @@ def thrust_line(
 ) -> ThrustLine:
     """The line of :meth:`drystone.Result.thrust_line`."""
     order = chain(assembly, contacts) if blocks is None else assembly.indices(blocks).tolist()
+    if not order:
+        raise InputError("no blocks are given", remedy="give those along the line, in their order")
     point, force = np.zeros((len(order) - 1, 3)), np.zeros((len(order) - 1, 3))
     for i, (a, b) in enumerate(pairwise(order)):
         onward = (contacts.block_a == a) & (contacts.block_b == b)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import re
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
@@ -29,8 +30,10 @@ from drystone import (
     solve_rbe,
 )
 from drystone.base.settings import Options
+from drystone.limits import Imperfections
 from drystone.models import tower
 from drystone.programs import RBEOptions
+from drystone.report import write_report
 from drystone.shells import Layout, ShellBody
 
 TOWER = tower(2)
@@ -341,6 +344,24 @@ def test_a_value_that_python_cannot_write_is_told_by_its_kind(make: Callable[[],
 def test_a_count_that_no_memory_holds_is_refused(bits: int) -> None:
     with pytest.raises(InputError, match=r"^count is .*; memory holds fewer$"):
         drystone.JointCapacity.dry(2**bits)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: MODEL.subset(np.array(7)), "there is no block 7"),
+        (lambda: MODEL.contacts.select(2**63), "no such interfaces"),
+        (lambda: drystone.JointCapacity.dry(2).select(2**63), "no such interfaces"),
+        (lambda: drystone.JointCapacity.dry(2).select(5), "no such interfaces"),
+        (lambda: drystone.JointCapacity.dry(2).scaled("2"), "the share is '2', not a number"),
+        (lambda: check(MODEL).thrust_line(blocks=[]), "no blocks are given"),
+        (lambda: Imperfections(tolerance=1e308), "give zero to 1e+30"),
+        (lambda: write_report(2**70, "x.html"), "answers"),
+    ],
+)
+def test_odd_values_of_methods_are_refused(make: Callable[[], object], words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        make()
 
 
 def test_numbers_of_other_kinds_are_taken_or_refused(tmp_path: Path) -> None:

@@ -183,6 +183,8 @@ class Assembly(Card):
         """
         if isinstance(blocks, str | Integral):
             blocks = [blocks]
+        if isinstance(blocks, np.ndarray):
+            blocks = np.atleast_1d(blocks)
         if not isinstance(blocks, Iterable):
             said = quoted(blocks)
             raise InputError(f"blocks are {said}", remedy="give names or positions of blocks")

@@ -14,7 +14,7 @@ from scipy.special import betaincinv
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
-from drystone.base.arrays import Floats, frozen, frozen_floats, whole
+from drystone.base.arrays import FARTHEST, Floats, frozen, frozen_floats, whole
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import Ragged
@@ -81,8 +81,9 @@ class Imperfections(Options):
             if not 0.0 <= getattr(self, name) <= top:
                 raise InputError(f"{name} is {getattr(self, name)}", remedy=f"give 0 to {top:g}")
         for name in ("offset", "turn", "tolerance"):
-            if not 0.0 <= getattr(self, name) < float("inf"):
-                raise InputError(f"{name} is {getattr(self, name)}", remedy="give zero or more")
+            if not 0.0 <= getattr(self, name) <= FARTHEST:
+                remedy = f"give zero to {FARTHEST:g}"
+                raise InputError(f"{name} is {getattr(self, name)}", remedy=remedy)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from pathlib import Path
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes, write_text
+from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
 from drystone.report.document import Document, Part, Picture, Section
@@ -20,6 +21,7 @@ from drystone.studies import study_chart, study_map
 from drystone.view.plots import chart_png
 
 
+@checked_call
 def write_report(
     answers: Answer | Sequence[Answer], path: PathLike, *, about: TitleBlock | None = None
 ) -> None:
