@@ -22,6 +22,7 @@ from drystone.limits import Imperfections
 from drystone.mcp.answers import TOOLS, answer
 from drystone.mcp.folder import MODEL, Folder
 from drystone.models import tower
+from drystone.sequence import plan
 
 BESIDE: dict[str, tuple[Any, ...]] = {
     "assembly_envs": (1,),
@@ -195,6 +196,13 @@ def test_a_misspelt_name_anywhere_in_a_file_of_ours_is_refused(tmp_path: Path) -
         file.write_text(json.dumps(wrong), encoding="utf-8")
         with pytest.raises(InputError, match="unknown field 'frction'; known are"):
             drystone.read(file)
+
+
+def test_a_field_of_options_among_the_options_is_told_where_it_belongs() -> None:
+    with pytest.raises(
+        InputError, match=r"give options=PlanOptions\(rules=Rules\(hands=\.\.\.\)\)"
+    ):
+        plan(tower(2), hands=1)  # type: ignore[call-arg]
 
 
 def test_a_field_of_the_options_is_told_where_it_belongs() -> None:

@@ -152,16 +152,26 @@ def _held(make: Callable[..., R]) -> Callable[..., R]:
     return held
 
 
+def _place_in(options: type, name: str) -> str:
+    """How options, or options among them, are given a field, or made by a name; empty where not."""
+    own = options.__name__
+    known = hints_of(options) if hasattr(options, "__dataclass_fields__") else {}
+    if name in known:
+        return f"{own}({name}=...)"
+    if isinstance(vars(options).get(name), classmethod):
+        return f"{own}.{name}()"
+    inner = ((x, _place_in(kind, name)) for x, hint in known.items() for kind in kinds_of(hint)
+             if isinstance(kind, type))  # fmt: skip
+    return next((f"{own}({x}={given})" for x, given in inner if given), "")
+
+
 def _refuse_unknown(function: Callable[..., Any], named: Mapping[str, Any]) -> None:
     """Refuse keywords that a function does not have, also those that belong into its options."""
     hints = hints_of(function)
     options = kinds_of(hints.get("options", object))[0]
     for name in named.keys() - hints.keys():
-        is_field = name in getattr(options, "__dataclass_fields__", {})
-        if is_field or isinstance(vars(options).get(name), classmethod):
-            given = f"({name}=...)" if is_field else f".{name}()"
-            raise InputError(
-                f"'{name}' is no argument of {function.__name__}, but of its options",
-                remedy=f"give options={options.__name__}{given}",
-            )
+        given = _place_in(options, name)
+        if given:
+            said = f"'{name}' is no argument of {function.__name__}, but of its options"
+            raise InputError(said, remedy=f"give options={given}")
     refuse_unknown(named, (*hints,), f"{function.__qualname__.removesuffix('.__init__')} has")

@@ -174,17 +174,20 @@ class Plan(PlannedSteps, Answer):
         if not self.steps:
             return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
         said = [Sentence(self.told, self.role), Sentence(self.message)]
-        if any(self.help) and not self.proved:
-            tried = "course" if self.rules.order is Order.TOP else "top"
-            more = (
-                f"another order may need less help: --order {tried}, or --best, which takes longer"
-            )
-            said.append(Sentence(more))
+        if any(self.help) and not (self.proved or self.impossible):
+            said.append(Sentence(f"another order may need less help: {self._other_orders}"))
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
         said += [Sentence(one) for one in why[:_REASONS]]
         if len(why) > _REASONS:
             said.append(Sentence(f"and {counted(len(why) - _REASONS, 'more step')} with help"))
         return [*said, *lost]
+
+    @property
+    def _other_orders(self) -> str:
+        """Options that were not asked for."""
+        tried = "course" if self.rules.order is Order.TOP else "top"
+        best = "" if "patience" in self.asked.options else ", or --best, which takes longer"
+        return f"--order {tried}{best}"
 
     def tables(self) -> Sequence[Table]:
         """The blocks in the order of assembly, or those that are known to be placed last."""

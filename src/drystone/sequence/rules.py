@@ -165,7 +165,8 @@ def strength(rules: Rules, model: StagedModel) -> tuple[int, Ints, Floats]:
 def too_heavy(rules: Rules, model: StagedModel, blocks: Sequence[int]) -> str:
     """What too heavy blocks weigh, and what would lift them; masses are rounded up."""
     mass = float(model.assembly.mass[list(blocks)].max())
-    said = f"{counted(len(blocks), 'block')} weigh up to {rounded_up(mass):g} kg"
+    verb = "weighs" if len(blocks) == 1 else "weigh up to"
+    said = f"{counted(len(blocks), 'block')} {verb} {rounded_up(mass):g} kg"
     if rules.robots:
         near = [
             robot.payload for robot in rules.robots for b in blocks

@@ -32,6 +32,8 @@ def measures(words: str) -> Mapping[str, str]:
         As :func:`limit_of_words`.
     """
     offered, _ = _asked(words)
+    if offered is LIMITS["tilt"]:
+        return dict.fromkeys(("stands", "falls"), "deg")
     return _MEASURES[get_type_hints(offered.analysis)["return"]]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -125,6 +126,7 @@ def study(
     rows = _rows(parameters)
     found = ("verdict", *_columns(limit), "mechanism", "message", "time_s")
     _require(rows[0], found, build)
+    _require_taken(rows[0], build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
     about = {
         "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
@@ -293,6 +295,18 @@ def _require(names: Iterable[str], taken: Sequence[str], build: Any) -> None:
         if name not in _READING and not callable(build):
             remedy = "give a function of it in place of the model"
             raise InputError("is no option of reading", where=name, remedy=remedy)
+
+
+def _require_taken(names: Iterable[str], build: Any) -> None:
+    """Refuse parameters that a function does not take, or that it takes besides."""
+    if not callable(build):
+        return
+    try:
+        inspect.signature(build).bind(**{name: 0 for name in names if name not in _READING})
+    except TypeError as error:
+        who = getattr(build, "__name__", "the function")
+        remedy = "give each of its parameters, by its name"
+        raise InputError(f"{who} {error}", where="parameters", remedy=remedy) from error
 
 
 def _require_same(

@@ -100,6 +100,8 @@ def test_a_data_frame_is_a_table_of_parameters_and_a_model_has_options_of_readin
         (pier, {"parameters": [{"width": 1.0}, {"height": 1.0}]}, "row 1 has other parameters"),
         (pier, {"parameters": {"verdict": [1.0]}}, "is a column of the answer"),
         (tower(2), {"parameters": {"width": [1.0]}}, "is no option of reading"),
+        (pier, {"parameters": {"widht": [1.0]}}, "pier missing a required argument: 'width'"),
+        (arch, {"parameters": {"hight": [1.0]}}, "arch got an unexpected .* 'hight'"),
     ],
 )
 def test_what_is_no_study_is_refused(build: object, asked: dict[str, object], message: str) -> None:
@@ -133,7 +135,7 @@ def test_one_and_two_parameters_are_drawn_as_curves(tmp_path: Path) -> None:
     lines = [one for one in chart.marks if one.kind is MarkKind.LINE]
     assert [one.label for one in lines] == ["friction 0.3", "friction 0.9"]
     assert lines[0].x.tolist() == [0.4, 0.5]
-    assert chart.units == ("", "")
+    assert chart.units == ("", "deg")
     save_chart(chart, tmp_path / "study.svg")
     assert (tmp_path / "study.svg").exists()
     one = study_chart(found.take([0, 2]), across="width", by="friction", up="falls")
@@ -184,7 +186,8 @@ def test_two_parameters_are_drawn_as_a_map_and_written_as_a_page(tmp_path: Path)
     rows = {"width": [0.5, 0.4], "friction": [0.3, 0.9]}
     found = study(pier, rows, limit="tilt --axis y")
     drawn = study_map(found)
-    assert (drawn.columns, drawn.rows, drawn.quantity) == (("0.4", "0.5"), ("0.3", "0.9"), "stands")
+    assert (drawn.columns, drawn.rows) == (("0.4", "0.5"), ("0.3", "0.9"))
+    assert drawn.quantity == "stands [deg]"
     slides, wide, narrow = (math.degrees(math.atan(one)) for one in (0.3, 0.25, 0.2))
     expected = [min(slides, narrow), min(slides, wide), narrow, wide]
     assert drawn.values.ravel() == pytest.approx(expected, abs=0.1)
@@ -209,7 +212,7 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert main([*told, "--limit", "tilt", *files]) == 0
     assert "4 rows, 0 refused" in capsys.readouterr().out
     lines = (tmp_path / "study.csv").read_text("utf-8").splitlines()
-    assert lines[0].startswith("number,count,edge,friction,verdict,stands,falls")
+    assert lines[0].startswith("number,count,edge,friction,verdict,stands [deg],falls [deg]")
     assert len(lines) == 5
     assert (tmp_path / "study.html").exists()
     assert main(["study", "tower", "--set", "edge=1:2"]) == 2
