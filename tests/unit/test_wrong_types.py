@@ -314,7 +314,7 @@ class Odd:
 def nested() -> list[Any]:
     """A list in a list, deeper than Python writes it."""
     found: list[Any] = []
-    for _ in range(5000):
+    for _ in range(100_000):
         found = [found]
     return found
 
