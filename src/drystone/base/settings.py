@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, Self, TypeVar, get_origin
 
 import numpy as np
 
-from drystone.base.arrays import frozen_floats, number, of_type, refuse_many
+from drystone.base.arrays import number, of_type, refuse_many
 from drystone.base.display import OneLine
 from drystone.base.errors import ODD, DrystoneError, InputError, counted, refuse_unknown
 from drystone.base.hints import blame, hints_of, kinds_of, refuse_wrong
@@ -136,7 +136,7 @@ def _held(make: Callable[..., R]) -> Callable[..., R]:
         refuse_wrong(asked.items(), hints)
         for name, value in asked.items():
             if hints.get(name) is float:
-                asked[name] = float(frozen_floats(value, (), name))
+                asked[name] = number(value, name)
             elif hints.get(name) is int:
                 refuse_many(value, name, 1_000_000)
         with np.errstate(all="ignore"):  # what overflows is refused where blocks are made

@@ -129,9 +129,7 @@ def _all(table: Table) -> Iterator[Part]:
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
     for one in worst_first(answers):
         yield from _told(one, model)
-    carried = Question.of(model).facts().get("Joint capacity")
-    if carried:
-        yield f"Joints carry {carried}."
+    yield from _carried(model)
     if any(
         isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
     ):
@@ -207,6 +205,11 @@ def _materials(model: Model) -> Iterator[Part]:
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
     if not model.contacts.crushes.any():
         yield "No strength in compression was given: stone is taken as infinitely strong."
+    yield from _carried(model)
+
+
+def _carried(model: Model) -> Iterator[str]:
+    """What joints carry beyond friction, and whether they break."""
     carried = Question.of(model).facts().get("Joint capacity")
     if carried:
         yield f"Joints carry {carried}."

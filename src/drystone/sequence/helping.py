@@ -113,7 +113,7 @@ def _carried(node: Node, last: Sequence[int], more: int, search: OrderSearch) ->
     near = search.widened(props | newest) & able
     near = near & mask_of(fails.falling) or near  # only what falls is mended by a prop
     ranked = sorted(members(near), key=lambda b: (not more >> b & 1, not newest >> b & 1))
-    for added in (more & able, *(1 << block for block in ranked)):
+    for added in filter(None, (more & able, *(1 << block for block in ranked))):
         wider = props | added
         stands = _stands(replace(node, props=wider), search, full=False)
         if stands and search.failure(placed, wider, followed=True) is None:
