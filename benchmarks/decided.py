@@ -13,7 +13,7 @@ from collections import Counter
 from benchmarks.settlement import PAGE, known_limits
 from benchmarks.tables import TABLES, write_part, write_table
 from drystone import LoadCase, Model, Verdict, check
-from drystone.reproduce.published_tilts import Study, studies
+from drystone.reproduce.tilt_cases import Study, studies
 
 SHARES = (0.25, 0.5, 0.75, 0.9)
 

@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.scan import first_loss
 from benchmarks.tables import TABLES, read_table, write_part, write_table
 from drystone import LoadCase, Model, settle
-from drystone.reproduce.published_tilts import Study, studies
+from drystone.reproduce.tilt_cases import Study, studies
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "settlement.md"

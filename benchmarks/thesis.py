@@ -27,7 +27,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.programs import FrictionCone, RBEOptions, solve_cra, solve_rbe
 from drystone.reproduce import SECTIONS, reproduce
-from drystone.reproduce.published_tilts import Study, studies
+from drystone.reproduce.tilt_cases import Study, studies
 from drystone.settlement import Carrier, Outcome, settle
 from drystone.stability import check
 

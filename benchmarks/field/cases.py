@@ -22,7 +22,7 @@ from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.io.drystone_json_write import contacts_content
 from drystone.models.arches import voussoirs_between
-from drystone.reproduce.published_tilts import studies
+from drystone.reproduce.tilt_cases import studies
 
 Vector: TypeAlias = tuple[float, float, float]
 

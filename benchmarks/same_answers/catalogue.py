@@ -21,7 +21,7 @@ from benchmarks.same_answers import asking
 from benchmarks.same_answers.asking import Answer
 from benchmarks.workloads import random_pile
 from drystone import Assembly, JointCapacity, LoadCase, Model, models, read, shells
-from drystone.reproduce.published_tilts import XY30, X, Y, studies
+from drystone.reproduce.tilt_cases import XY30, X, Y, studies
 
 PARTS = ("verdicts", "limits", "plans", "mends", "settlements")
 STEEP = float(np.tan(np.deg2rad(43.0)))

@@ -19,8 +19,7 @@ from scipy.sparse.linalg import lsmr
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicStatus
-from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.program import ConicStatus, ProgramBuilder
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 """Local direction of a normal force."""

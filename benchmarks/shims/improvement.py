@@ -26,8 +26,7 @@ from benchmarks.shims.compatible import (
 )
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ProgramBuilder, Variable
+from drystone.solvers.program import ConicOptions, ConicStatus, ProgramBuilder, Variable
 
 EQUAL = 1e-6
 """Relative difference of overlaps that counts as zero."""

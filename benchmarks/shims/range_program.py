@@ -22,8 +22,7 @@ from benchmarks.shims.compatible import NORMAL, slide_directions, unit_wrenches
 from benchmarks.shims.improvement import add_trust_region, turned_friction
 from drystone.base.arrays import Floats, Ints
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ProgramBuilder, Term
+from drystone.solvers.program import ConicOptions, ConicStatus, ProgramBuilder, Term
 
 ELASTIC_WEIGHT = 3.0
 """Cost of unbalanced load, relative to the load of its block; cohesion costs 1. Chosen."""

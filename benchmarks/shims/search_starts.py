@@ -31,7 +31,7 @@ from drystone.mechanics import law
 from drystone.mechanics.rest import find_rest
 from drystone.mechanics.rest_state import RestOptions
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import ConicOptions, ConicStatus
 from drystone.stability.problem import Problem
 
 Found = TypeVar("Found")

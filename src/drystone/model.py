@@ -18,9 +18,9 @@ from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.block_overlaps import overlap_lines
-from drystone.detection.inexact import inexact_lines
-from drystone.detection.reasons import Missed
+from drystone.detection.misses import inexact_lines
 from drystone.detection.resample import resampled_lines
+from drystone.detection.tolerances import Missed
 from drystone.detection.unjoined import among
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase

@@ -107,7 +107,7 @@ class _Limits(_Program):
         """The limits, and the command for families of models."""
         from drystone.limits import LIMITS  # the program starts without numpy
 
-        return {**LIMITS, "thickness": "thickness_command"}
+        return {**LIMITS, "thickness": "shell_command"}
 
 
 limit = _Limits(
@@ -131,8 +131,8 @@ app.places = {
         "Check every combination of actions with partial factors",
     ),
     "convert": "file_commands",
-    "cut": "shaping_commands",
-    "dataset": "dataset_command",
+    "cut": "mend_command",
+    "dataset": "scaffold_command",
     "demo": "models_command",
     "fall": "motion_commands",
     "forces": (
@@ -164,14 +164,14 @@ app.places = {
         "Load against displacement, until the load is zero again",
     ),
     "recut": (
-        "drystone.design.recuts",
+        "drystone.design.cuts",
         "Change joints until every block is placed alone and stands at once",
     ),
-    "report": "report_command",
+    "report": "study_command",
     "reproduce": "models_command",
     "scaffold": "scaffold_command",
     "settle": "motion_commands",
-    "shape": "shaping_commands",
+    "shape": "mend_command",
     "sharpen": (
         "drystone.design.sharpening",
         "Make wedges of plane joints with tension, until a model stands",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from drystone.base.display import differing
@@ -12,7 +13,7 @@ from drystone.base.errors import InputError
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
-from drystone.cli.offered import Of, Option
+from drystone.cli.offered import OUTPUT, Analysis, Of, Option
 from drystone.cli.told import Told
 from drystone.cli.waiting import Waiting
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from drystone.answer import Sentence
     from drystone.base.table import Table
     from drystone.sequence import PlanOptions, ScaffoldOptions, Support
+
 
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 _ORDERS = ("top", "course", "boundary", "fewest-props")
@@ -138,3 +140,33 @@ def _failing(table: Table, first: Mapping[str, object] | None, limit: float) -> 
         if all(row["failed_stages"] > 0 and row["cost"] == row["cost"] for row in mine):
             said = f"{kind}: in no order tried does every stage stand{within}; use {other}{more}"
             yield Sentence(said, Role.UNSURE)
+
+
+@command(
+    "drystone dataset arch.json --out data --rows 100",
+    "drystone dataset arch.json --rows 20 --out planned --planned",
+)
+def dataset(
+    *,
+    subject: Subject,
+    out: Annotated[
+        Path,
+        Option("Folder of the data set. Where it has part of it, the work goes on.", OUTPUT,
+               kind=kinds.FOLDER),
+    ],
+    asked: Annotated[
+        Analysis,
+        Of("drystone.sequence.dataset", shown=("options.rows", "options.seed", "options.planned",
+                                               "executor")),
+    ],
+    waiting: Waiting,
+) -> Told:  # fmt: skip
+    """Write subsets of structures, verdicts, friction left and orders of assembly, with a README.
+
+    Each MODEL is a structure. Exit code 0: the data set is complete. 1: it is not yet.
+    """
+    models = [replace(subject, files=one).prepared(waiting) for one in subject.each]
+    waiting.checkpoint = out / "README.md"
+    found = asked.of(waiting, models, out, doing="orders")
+    notes = [note for model in models for note in model.notes]
+    return Told(found, subject=f"{out}", notes=notes)

@@ -22,8 +22,7 @@ from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
-from drystone.io.compas_contacts import frame_of, joined
-from drystone.io.compas_forces import COMPONENTS, forces_of, solved
+from drystone.io.compas_contacts import COMPONENTS, forces_of, frame_of, joined, solved
 from drystone.io.compas_json_write import assembly_content, block_model_content
 from drystone.io.draft import Contents
 from drystone.io.registry import contents_of

@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from drystone.design.block_surgery import tilted_cuts as tilted_cuts
     from drystone.design.buildable import BuildableOptions as BuildableOptions
     from drystone.design.buildable import make_buildable as make_buildable
-    from drystone.design.built import Buildable as Buildable
-    from drystone.design.built import Help as Help
+    from drystone.design.changed import Buildable as Buildable
     from drystone.design.changed import Changed as Changed
+    from drystone.design.changed import Help as Help
     from drystone.design.changed import Kept as Kept
     from drystone.design.cuts import CutOptions as CutOptions
+    from drystone.design.cuts import RecutOptions as RecutOptions
     from drystone.design.cuts import cut_until_free as cut_until_free
+    from drystone.design.cuts import recut_joints as recut_joints
     from drystone.design.diagnosed import Diagnosis as Diagnosis
     from drystone.design.diagnosed import Region as Region
     from drystone.design.diagnosis import DiagnosisOptions as DiagnosisOptions
@@ -51,11 +53,9 @@ if TYPE_CHECKING:
     from drystone.design.needs import Needs as Needs
     from drystone.design.needs import Pull as Pull
     from drystone.design.props import PropForce as PropForce
-    from drystone.design.recuts import RecutOptions as RecutOptions
-    from drystone.design.recuts import recut_joints as recut_joints
+    from drystone.design.shape_values import FamilyMoves as FamilyMoves
     from drystone.design.shape_values import ShapeAim as ShapeAim
     from drystone.design.shape_values import ShapeOptions as ShapeOptions
-    from drystone.design.shape_variables import FamilyMoves as FamilyMoves
     from drystone.design.shaping import shape as shape
     from drystone.design.shared_planes import Moves as Moves
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
@@ -67,14 +67,12 @@ if TYPE_CHECKING:
     from drystone.design.tuning import tune as tune
 
 _NAMES = {
-    "changed": "Changed Kept",
+    "changed": "Buildable Changed Help Kept",
     "block_surgery": "Cut cut_block faces_toward insert_block merge_blocks move_face split_block "
     "thicken_blocks tilted_cuts",
-    "built": "Buildable Help",
-    "cuts": "CutOptions cut_until_free",
+    "cuts": "CutOptions RecutOptions cut_until_free recut_joints",
     "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
     "buildable": "BuildableOptions make_buildable",
-    "recuts": "RecutOptions recut_joints",
     "diagnosed": "Diagnosis Region",
     "diagnosis": "DiagnosisOptions diagnose",
     "allowance": "joint_allowance",
@@ -85,10 +83,9 @@ _NAMES = {
     "margin": "DesignMargin",
     "mends": "MendOptions Mends find_mends mend",
     "free_moves": "block_moves free_vertices joint_moves thickening",
-    "shape_values": "ShapeAim ShapeOptions",
+    "shape_values": "FamilyMoves ShapeAim ShapeOptions",
     "shaping": "shape",
     "shared_planes": "Moves",
-    "shape_variables": "FamilyMoves",
     "tuned_values": "Parameter TuneTrial Tuned",
     "tuning": "TuneOptions tune",
     "sharpening": "SharpenOptions sharpen",

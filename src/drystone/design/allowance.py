@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError, counted
 from drystone.design.block_surgery import CornerError, face_plane, with_moved_faces
 from drystone.design.changed_model import EQUAL
-from drystone.design.joint_plane import block_with
+from drystone.design.joint_cut import block_with
 from drystone.free_faces import NEAR
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.frames import frames_from_normals

@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import EQUAL, changed, fresh_name
-from drystone.design.joint_plane import (
+from drystone.design.joint_cut import (
     block_with,
     body_of,
     joint_plane,

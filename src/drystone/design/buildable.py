@@ -27,15 +27,13 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import DEFAULT_FRICTION
-from drystone.design.built import Buildable, Help
-from drystone.design.changed import Kept
+from drystone.design.changed import Buildable, Help, Kept
 from drystone.design.regions import local_model
 from drystone.model import FlushEnds
 from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, plan
 from drystone.sequence.rules import courses
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import check_both
+from drystone.sequence.stages import StagedModel, check_both
 from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 from drystone.shells.wedge import LARGEST_WEDGE
 

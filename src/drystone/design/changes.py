@@ -14,8 +14,7 @@ from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
 from drystone.design.block_surgery import insert_block
 from drystone.design.changed_model import acceleration_of
-from drystone.design.joint_cut import JointRecut, recut
-from drystone.design.joint_plane import joint_plane
+from drystone.design.joint_cut import JointRecut, joint_plane, recut
 from drystone.design.joint_surgery import move_cut, still_edge, turn_cut, wedge_cut
 from drystone.design.props import PropSeat, with_props
 from drystone.design.words import friction_words, glue_words, names_of, newtons

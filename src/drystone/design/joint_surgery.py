@@ -6,8 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.design.joint_cut import Cell, JointRecut, recut
-from drystone.design.joint_plane import JointPlane, ends_of, joint_plane
+from drystone.design.joint_cut import Cell, JointPlane, JointRecut, ends_of, joint_plane, recut
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 

@@ -22,8 +22,7 @@ from drystone.programs import PenaltyOptions, solve_cra_penalty, solve_rbe
 from drystone.programs.penalty import glued_state
 from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
-from drystone.solvers.conic import ConicStatus
-from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.program import ConicStatus, ProgramBuilder
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import check
 from drystone.stability.problem import Problem

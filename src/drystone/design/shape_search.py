@@ -15,8 +15,13 @@ from drystone.design.changed import Changed, Kept
 from drystone.design.help_needed import GROUND
 from drystone.design.mends import stands_already
 from drystone.design.search import bracket
-from drystone.design.shape_values import MEASURES, ShapeAim, ShapeOptions, ShapeValues
-from drystone.design.shape_variables import ShapeVariables
+from drystone.design.shape_values import (
+    MEASURES,
+    ShapeAim,
+    ShapeOptions,
+    ShapeValues,
+    ShapeVariables,
+)
 from drystone.model import Model
 from drystone.results import Result
 

@@ -16,8 +16,7 @@ from drystone.design.changed import Changed
 from drystone.design.help_needed import GROUND
 from drystone.design.search import bracket
 from drystone.design.shape_search import USED_UP, ShapeSearch, ended, farthest
-from drystone.design.shape_values import ShapeAim, ShapeOptions
-from drystone.design.shape_variables import ShapeVariables
+from drystone.design.shape_values import ShapeAim, ShapeOptions, ShapeVariables
 from drystone.design.vertex_measures import vertices_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model

@@ -19,8 +19,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.changed import Changed, Kept
-from drystone.design.joint_cut import recut
-from drystone.design.joint_plane import JointPlane, joint_plane
+from drystone.design.joint_cut import JointPlane, joint_plane, recut
 from drystone.design.joint_surgery import STEEPEST, wedge_cut
 from drystone.design.margin import DesignMargin
 from drystone.design.mends import kept_blocks, stands_already

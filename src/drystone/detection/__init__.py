@@ -2,13 +2,12 @@
 
 from drystone.detection.block_overlaps import Overlap
 from drystone.detection.contact_report import ContactReport
-from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.find import Detection, find_contacts, find_overlaps
 from drystone.detection.gap_sweep import GapSweep, gap_sweep
-from drystone.detection.inexact import Inexact
-from drystone.detection.reasons import Missed, Reason
+from drystone.detection.misses import Inexact
 from drystone.detection.resample import Resampled
 from drystone.detection.shortfall import Shortfall
+from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed, Reason
 
 __all__ = [
     "ContactReport",

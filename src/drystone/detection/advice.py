@@ -9,9 +9,15 @@ import numpy as np
 from drystone.base.display import named, rounded_up
 from drystone.base.errors import counted
 from drystone.detection.block_overlaps import Overlap
-from drystone.detection.detection_options import LARGEST, DetectionOptions
-from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres
 from drystone.detection.shortfall import Shortfall
+from drystone.detection.tolerances import (
+    LARGEST,
+    SHOWN,
+    DetectionOptions,
+    Missed,
+    Reason,
+    millimetres,
+)
 
 Pair = tuple[int, int]
 """Two blocks by their positions."""

@@ -13,7 +13,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.detection.candidates import Pairs
 from drystone.detection.patches import Patches
-from drystone.detection.reasons import SHOWN, millimetres
+from drystone.detection.tolerances import SHOWN, millimetres
 from drystone.geometry.shared_volume import shared_volumes
 
 _REFUSED = 0.1

@@ -6,8 +6,8 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import expand
-from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.patches import Patches
+from drystone.detection.tolerances import LARGEST, DetectionOptions
 from drystone.geometry import boxes
 
 _MISSED_ANGLE = np.deg2rad(10.0)

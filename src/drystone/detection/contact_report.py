@@ -15,11 +15,17 @@ from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.advice import suggestions
 from drystone.detection.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.inexact import Inexact, inexact_lines
-from drystone.detection.reasons import SHOWN, Missed, Reason, millimetres, repair_lines
+from drystone.detection.misses import Inexact, inexact_lines
 from drystone.detection.resample import Resampled, resampled_lines
 from drystone.detection.shortfall import Shortfall
+from drystone.detection.tolerances import (
+    SHOWN,
+    DetectionOptions,
+    Missed,
+    Reason,
+    millimetres,
+    repair_lines,
+)
 
 _KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""

@@ -13,9 +13,9 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.candidates import Pairs, warp_slack
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.interfaces import Interfaces
 from drystone.detection.patches import Patches
+from drystone.detection.tolerances import DetectionOptions
 from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.detection.candidates import Pairs, facing_patches
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.face_overlaps import negligible, overlaps, within
 from drystone.detection.interfaces import Interfaces, from_pieces
 from drystone.detection.misses import compare_with_tolerances, dropped, misses
-from drystone.detection.nearest import uncovered
 from drystone.detection.patches import Patches
-from drystone.detection.planes import planes_between
-from drystone.detection.reasons import Missed, Reason
+from drystone.detection.planes import planes_between, uncovered
 from drystone.detection.shortfall import Compared
+from drystone.detection.tolerances import DetectionOptions, Missed, Reason
 
 
 def face_contacts(

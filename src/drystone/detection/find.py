@@ -20,16 +20,15 @@ from drystone.detection.candidates import (
     near_blocks,
 )
 from drystone.detection.contact_report import ContactReport
-from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_contacts import face_contacts
 from drystone.detection.inexact_joints import Joined, join_inexact, strips
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.detection.misses import edge_misses
 from drystone.detection.patches import Patches, patches_of
-from drystone.detection.reasons import Missed
 from drystone.detection.resample import Resampled, resample
 from drystone.detection.shortfall import Shortfall, shortfalls
+from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
 

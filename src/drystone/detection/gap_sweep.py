@@ -16,8 +16,8 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.find import find_contacts
+from drystone.detection.tolerances import DetectionOptions
 
 FINEST, COARSEST = 1e-6, 0.1
 """Range of gaps in a sweep. Chosen: from the rounding of six-digit files to a tenth of a block."""

@@ -23,18 +23,21 @@ from drystone.detection.candidates import (
     fits,
     reach_of_patches,
 )
-from drystone.detection.detection_options import LARGEST, DetectionOptions, EdgeContacts
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_overlaps import joint_width, negligible, overlaps, within
-from drystone.detection.inexact import Error, Inexact
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import EXPLAINED, NOTABLE, compare_with_tolerances, missed_of
-from drystone.detection.mortar_joints import join_by_mortar
-from drystone.detection.nearest import EXACT, uncovered
+from drystone.detection.misses import (
+    EXPLAINED,
+    NOTABLE,
+    Error,
+    Inexact,
+    compare_with_tolerances,
+    missed_of,
+)
+from drystone.detection.mortar_joints import join_by_mortar, join_warped
 from drystone.detection.patches import Patches
-from drystone.detection.planes import planes_between
-from drystone.detection.reasons import Missed, Reason
-from drystone.detection.warped_joints import join_warped
+from drystone.detection.planes import EXACT, planes_between, uncovered
+from drystone.detection.tolerances import LARGEST, DetectionOptions, EdgeContacts, Missed, Reason
 
 DEEPEST = 0.08
 """Overlaps up to this share of the thinnest dimension of the smaller block are joined. Chosen: a

@@ -9,9 +9,8 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged, expand
 from drystone.contacts import Contacts, check_friction
-from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
-from drystone.detection.planes import Pieces, Planes
+from drystone.detection.planes import Pieces, Planes, gaps
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,17 @@
-"""Which overlaps count as contacts, and why the others do not."""
+"""Which overlaps count as contacts, why others do not, and which joints a drawing just misses."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.detection.candidates import (
     MANY,
@@ -19,13 +22,11 @@ from drystone.detection.candidates import (
     reach_of_pairs,
     reach_of_patches,
 )
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
-from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
-from drystone.detection.planes import Pieces, Planes
-from drystone.detection.reasons import Missed, Reason
+from drystone.detection.planes import Pieces, Planes, gaps
+from drystone.detection.tolerances import DetectionOptions, Missed, Reason, millimetres
 
 EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""
@@ -258,3 +259,67 @@ def _across(point: Floats, normal: Floats, gap: float) -> Floats:
     half = 0.5 * gap * normal
     band: Floats = np.concatenate([point - half, point[::-1] + half])
     return band
+
+
+class Error(StrEnum):
+    """Kinds of errors of a drawing that do not keep blocks apart."""
+
+    OVERLAP = "in each other"
+    GAP = "apart"
+    WARP = "warped"
+    MORTAR = "apart by the thickness of the mortar"
+
+
+@dataclass(frozen=True)
+class Inexact(OneLine):
+    """Two blocks that are joined although they are drawn beyond a tolerance.
+
+    Attributes
+    ----------
+    block_a, block_b
+        Positions, a < b.
+    error
+    off : [m]
+        How deep they are in each other, how far apart, or how far their faces are from a plane.
+    """
+
+    block_a: int
+    block_b: int
+    error: Error
+    off: float
+
+
+_WORDS = {
+    Error.OVERLAP: (
+        "is drawn {off} mm deep into each other and joined on the plane halfway",
+        "are drawn up to {off} mm deep into each other and joined on the planes halfway",
+    ),
+    Error.GAP: (
+        "is drawn {off} mm apart and joined on the plane halfway",
+        "are drawn up to {off} mm apart and joined on the planes halfway",
+    ),
+    Error.WARP: (
+        "has a joint {off} mm from plane, taken as a fan of triangles",
+        "have joints up to {off} mm from plane, taken as fans of triangles",
+    ),
+    Error.MORTAR: (
+        "is {off} mm apart, taken for mortar and joined on the plane halfway",
+        "are up to {off} mm apart, all alike: taken for mortar and joined on the planes halfway",
+    ),
+}
+HOLDS = "the answer holds for these joints, not for the blocks as they are drawn"
+
+
+def inexact_lines(names: Sequence[str], inexact: Sequence[Inexact]) -> list[str]:
+    """A sentence for each kind of error, with the largest one, and what the answer holds for."""
+    lines = []
+    for error, (one, several) in _WORDS.items():
+        here = [pair for pair in inexact if pair.error is error]
+        if here:
+            worst = max(here, key=lambda pair: pair.off)
+            words = counted(len(here), f"pair of blocks {one}", f"pairs of blocks {several}")
+            said = words.format(off=millimetres(worst.off))
+            which = "largest: " if len(here) > 1 else ""
+            pair = f" ({which}'{names[worst.block_a]}' and '{names[worst.block_b]}')"
+            lines.append(said if error is Error.MORTAR else said + pair)
+    return [*lines, HOLDS] if lines else []

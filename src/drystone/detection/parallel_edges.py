@@ -10,9 +10,9 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths
 from drystone.contacts import Contacts
 from drystone.detection.candidates import Pairs
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import INSIDE, PARALLEL, SHORT, Wires, near_items
 from drystone.detection.patches import Patches
+from drystone.detection.tolerances import DetectionOptions
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import loop_edges
 

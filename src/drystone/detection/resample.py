@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.detection.interfaces import Interfaces, joined
-from drystone.detection.reasons import millimetres
+from drystone.detection.tolerances import millimetres
 from drystone.geometry import facets
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors

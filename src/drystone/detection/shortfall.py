@@ -8,12 +8,11 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.detection.candidates import fits
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.interfaces import Interfaces
 from drystone.detection.misses import ToleranceCheck
-from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
-from drystone.detection.planes import Pieces, Planes
+from drystone.detection.planes import Pieces, Planes, gaps
+from drystone.detection.tolerances import DetectionOptions
 
 _WORTH = 0.02
 """Share of the area of a joint that may be missing without a report."""

@@ -12,8 +12,7 @@ from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.detection.advice import option_for
-from drystone.detection.detection_options import LARGEST, DetectionOptions
-from drystone.detection.reasons import Missed, Reason, millimetres
+from drystone.detection.tolerances import LARGEST, DetectionOptions, Missed, Reason, millimetres
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 

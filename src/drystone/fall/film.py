@@ -24,8 +24,7 @@ from drystone.base.files import PathLike, write_bytes
 from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.io.draft import Contents
-from drystone.io.glb import FLOAT, Z_UP
-from drystone.io.glb_write import container, glb_content
+from drystone.io.glb import FLOAT, Z_UP, container, glb_content
 from drystone.model import Model
 
 

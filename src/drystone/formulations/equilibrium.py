@@ -29,8 +29,15 @@ from drystone.formulations.corner_forces import (
     add_corner_forces,
 )
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus, solution
-from drystone.solvers.program import ConicProgram, ProgramBuilder, Term
+from drystone.solvers.program import (
+    ConicOptions,
+    ConicProgram,
+    ConicSolution,
+    ConicStatus,
+    ProgramBuilder,
+    Term,
+    solution,
+)
 
 ANY_FORCES = 1e-3
 """Gap to the least forces at which to stop where any forces will do."""

@@ -13,8 +13,7 @@ from drystone.base.arrays import Floats, Ints, lengths
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, FactorSolution, LoadFactors
 from drystone.mechanics.statics import UNLIMITED, Statics
-from drystone.solvers.conic import ConicSolution
-from drystone.solvers.program import ConicProgram, ProgramBuilder, Term
+from drystone.solvers.program import ConicProgram, ConicSolution, ProgramBuilder, Term
 
 _PLANE = np.array([0, 2, 4])
 """Of the wrench of a block: the force along x and along z, the moment along y."""

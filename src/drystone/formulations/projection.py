@@ -11,8 +11,7 @@ from scipy.sparse.linalg import splu
 
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.program import ConicOptions, ConicStatus, ProgramBuilder
 
 STILL = 1e-4
 """A corner that opens or slides by less than this share of the fastest one counts as fixed, if the

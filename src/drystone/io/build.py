@@ -13,7 +13,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
-from drystone.detection.reasons import repair_lines
+from drystone.detection.tolerances import repair_lines
 from drystone.geometry import coincidence
 from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.shape_blocks import SAME_PLACE, blocks_of, faces_at_holes

@@ -17,7 +17,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
-from drystone.io.load_parts import load_of_parts
+from drystone.io.load_options import load_of_parts
 from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
 from drystone.loads.placing import SurfaceLoad

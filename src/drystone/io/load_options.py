@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import inspect
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +15,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import texts
 from drystone.base.errors import InputError, quoted
 from drystone.io.jsontext import Field, parse
-from drystone.io.load_parts import load_of_parts
-from drystone.loads import LoadCase
+from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.load_words import (
     chosen_case,
     combined,
@@ -192,3 +192,75 @@ def _is_weight(assembly: Assembly, case: LoadCase) -> bool:
     size = float(np.abs(each).max(initial=0.0))
     alike = np.abs(each - np.array([0.0, 0.0, -size])).max(initial=0.0) <= 1e-9 * size
     return bool(alike) and not case.wrench[free, 3:].any() and case.motion is None
+
+
+def _fill(assembly: Assembly, words: str) -> LoadCase:
+    return Fill.named(words).on(assembly)
+
+
+def _earth(assembly: Assembly, words: str) -> LoadCase:
+    return Earth.named(words).on(assembly)
+
+
+_KINDS: dict[str, Callable[..., LoadCase]] = {
+    "gravity": LoadCase.gravity,
+    "seismic": LoadCase.seismic,
+    "point": LoadCase.point_load,
+    "line": LoadCase.line_load,
+    "surface": LoadCase.surface_load,
+    "moment": LoadCase.moment,
+    "mass": LoadCase.extra_mass,
+    "settlement": LoadCase.settlement,
+    "fill": _fill,
+    "earth": _earth,
+}
+"""Kinds of parts. The keys of each are what its constructor takes, in SI units, and its factor."""
+
+
+def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
+    """The sum of the parts of a load case.
+
+    Parameters
+    ----------
+    field
+        A list of objects, each with ``kind``, an optional ``factor``, and the keys of its kind.
+    assembly
+    name
+
+    Raises
+    ------
+    FormatError
+        A field is wrong; its path is named.
+    """
+    parts = []
+    for part in field.elements():
+        kind = part["kind"].text()
+        if kind not in _KINDS:
+            raise part["kind"].error(f"'{kind[:40]}' is no load", f"known are {', '.join(_KINDS)}")
+        try:
+            parts.append((part.get("factor", 1.0).number(), _made(part, kind, assembly)))
+        except InputError as error:
+            if error.where.startswith(str(field.file)):
+                raise
+            raise part.error(str(error)) from error
+    if not parts:
+        raise field.error("has no parts", "give one or more")
+    return LoadCase.combine(parts, name)
+
+
+def _made(part: Field, kind: str, assembly: Assembly) -> LoadCase:
+    """What the constructor of a kind makes of the keys of a part."""
+    make = _KINDS[kind]
+    _, *takes = inspect.signature(make).parameters.values()
+    names = {one.name: one.name for one in takes}
+    if kind == "surface":
+        if part.has("traction") == part.has("pressure"):
+            raise part.error("needs either a traction or a pressure")
+        names["traction"] = "pressure" if part.has("pressure") else "traction"
+    part.only(("kind", "factor", *names.values()))
+    given = {
+        one.name: part[names[one.name]].value
+        for one in takes
+        if part.has(names[one.name]) or one.default is one.empty
+    }
+    return make(assembly, **given)

@@ -112,7 +112,7 @@ FORMATS: tuple[Format, ...] = (
         "Rhino 3dm",
         (".3dm",),
         "rhino",
-        "rhino_write",
+        "rhino",
         f"joint capacities, contacts but for ties, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
@@ -128,7 +128,7 @@ FORMATS: tuple[Format, ...] = (
         "mjcf",
         "MJCF, for MuJoCo",
         (".xml", ".mjcf"),
-        "mjcf_read",
+        "mjcf",
         "mjcf",
         loses=f"friction of single joints, {_SIMULATED}",
     ),
@@ -136,11 +136,11 @@ FORMATS: tuple[Format, ...] = (
         "urdf",
         "URDF, with meshes",
         (".urdf",),
-        "urdf_read",
+        "urdf",
         "urdf",
         loses="friction, ties, joint capacities, loads, results",
     ),
-    Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb_write", f"{_SINGLE}, {_CONTACTS}"),
+    Format("glb", "glTF 2.0, binary", (".glb",), "glb", "glb", f"{_SINGLE}, {_CONTACTS}"),
 )
 """In order of preference where several formats share a suffix."""
 

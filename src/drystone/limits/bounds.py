@@ -26,7 +26,7 @@ from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
 from drystone.results import Result, Verdict
-from drystone.solvers.conic import ConicSolution
+from drystone.solvers.program import ConicSolution
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, moving_blocks
 from drystone.stability.strength import crushing_factor

@@ -23,7 +23,7 @@ from drystone.limits.bounds import BALANCED, balanced
 from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Result
-from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ConicStatus
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,8 +30,7 @@ from drystone.design.changed_model import acceleration_of
 from drystone.geometry.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
-from drystone.live.moved_mends import FOLLOWED_KINDS, AfterMoving
-from drystone.live.moved_supports import after_moving, verdict_of
+from drystone.live.moved_supports import FOLLOWED_KINDS, AfterMoving, after_moving, verdict_of
 from drystone.live.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model

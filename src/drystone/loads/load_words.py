@@ -10,8 +10,7 @@ from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.loads.case import LoadCase, name_of_sum
-from drystone.loads.earth import Earth
-from drystone.loads.fill import Fill
+from drystone.loads.fill import Earth, Fill
 
 _Direction: TypeAlias = tuple[float, float, float]
 

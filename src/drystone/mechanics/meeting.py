@@ -15,7 +15,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, frozen
 from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
-from drystone.detection.detection_options import LARGEST
+from drystone.detection.tolerances import LARGEST
 from drystone.mechanics.face_edges import FaceSides
 from drystone.model import Model
 

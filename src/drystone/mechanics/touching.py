@@ -15,12 +15,11 @@ from drystone.checks import block_speed
 from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import EdgeContacts
 from drystone.detection.candidates import near_blocks
-from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.misses import edge_misses
 from drystone.detection.parallel_edges import ParallelEdges, parallel_edges
 from drystone.detection.patches import kept_patches_of
-from drystone.detection.reasons import Missed
+from drystone.detection.tolerances import DetectionOptions, Missed
 from drystone.mechanics.meeting import least_friction
 from drystone.model import Model
 

@@ -11,9 +11,9 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.contacts import Contacts
 from drystone.detection.candidates import near_blocks
-from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.edgecontacts import Wires
 from drystone.detection.patches import Patches, kept_patches_of
+from drystone.detection.tolerances import LARGEST, DetectionOptions
 from drystone.geometry import planar
 from drystone.geometry.frames import frames_from_normals, rotations
 from drystone.mechanics.meeting import PARALLEL, Apart, least_friction

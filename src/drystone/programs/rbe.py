@@ -26,8 +26,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.mechanics.statics import Statics
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ConicProgram
+from drystone.solvers.program import ConicOptions, ConicProgram, ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (

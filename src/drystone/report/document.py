@@ -1,13 +1,16 @@
-"""A document as plain data: sections of texts, entries, tables, pictures and plans of joints."""
+"""A document as plain data: title block, sections of texts, tables, pictures, plans of joints."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import TypeAlias
 
 from drystone.base.display import OneLine
+from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.settings import Options
 from drystone.base.table import Table
+from drystone.io.jsontext import parse_toml
 from drystone.view.joint_page import JointPlan
 
 
@@ -56,3 +59,60 @@ class Document(OneLine):
 
     def _summary(self) -> str:
         return f"'{self.title}', {len(self.sections)} sections"
+
+
+@dataclass(frozen=True)
+class TitleBlock(Options):
+    """What stands in the title block of a report; empty entries are left out.
+
+    Attributes
+    ----------
+    project
+        What is assessed.
+    part
+        The part of it that the report is about.
+    client
+        For whom.
+    author
+        Who calculated.
+    checker
+        Who checks it.
+    number
+        Of the report.
+    date
+        Of the report (today).
+    """
+
+    project: str = ""
+    part: str = ""
+    client: str = ""
+    author: str = ""
+    checker: str = ""
+    number: str = ""
+    date: str = ""
+
+    @classmethod
+    def read(cls, path: PathLike) -> TitleBlock:
+        """From the keys of a TOML file.
+
+        Raises
+        ------
+        FormatError
+            It is no TOML, has a key that no title block has, or a value that is no text.
+        """
+        top = parse_toml(read_bytes(path), as_path(path))
+        top.only(tuple(one.name for one in fields(cls)))
+        return cls(**{name: one.text() for name, one in top.items()})
+
+    def over(self, other: TitleBlock) -> TitleBlock:
+        """Its entries, and those of another where it has none."""
+        return replace(other, **self._filled())
+
+    def entries(self, made: str) -> Mapping[str, str]:
+        """Entries by their words; ``made`` is the date where none is given."""
+        told = {**self._filled(), "date": self.date or made}
+        return {name.capitalize(): text for name, text in told.items()}
+
+    def _filled(self) -> dict[str, str]:
+        each = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: text for name, text in each.items() if text}

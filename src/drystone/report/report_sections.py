@@ -17,7 +17,7 @@ from drystone.limits.train_limit import TrainEnvelope
 from drystone.loads.applied import applied_loads
 from drystone.model import Model
 from drystone.report import sketches
-from drystone.report.document import Document, Heading, Part, Picture, Section
+from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
 from drystone.report.hand_checks import (
     as_one_block,
     balance,
@@ -25,7 +25,6 @@ from drystone.report.hand_checks import (
     least_strength,
     weights,
 )
-from drystone.report.title_block import TitleBlock
 from drystone.results import Result
 from drystone.sequence import StagedModel
 from drystone.studies import Combinations

@@ -1,23 +1,31 @@
-"""Writing of reports: PDF or HTML by the suffix."""
+"""Writing of reports as PDF or HTML by the suffix, and the answers of an assessment."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import base64
+import html
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, Unpack
 
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes, write_text
+from drystone.base.progress import Clock, Progress, Stop
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
-from drystone.report.document import Document, Part, Picture, Section
-from drystone.report.report_page import html_of
+from drystone.design import DiagnosisOptions, diagnose
+from drystone.io.opening import Given, How, supported_model
+from drystone.limits.bounds import with_margins
+from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
-from drystone.report.title_block import TitleBlock
-from drystone.studies import study_chart, study_map
+from drystone.stability import CheckOptions, check
+from drystone.studies import combinations, read_combinations, study_chart, study_map
+from drystone.studies.limit_words import limit_of_words
+from drystone.view.joint_page import plan_figure
 from drystone.view.plots import chart_png
 
 
@@ -93,3 +101,124 @@ def save_study(table: Table, path: PathLike) -> None:
     entries = {"studied": table.title, "rows": str(len(table)), "drystone": version()}
     document = Document(f"Study: {table.title}", entries, f"drystone {version()}", sections)
     write_text(path, html_of(document))
+
+
+_STYLE = """
+@page { size: A4; margin: 20mm 18mm; }
+body { font: 14px/1.45 system-ui, sans-serif; color: #1d1b18; background: #ffffff;
+  max-width: 46rem; margin: 1.5rem auto; padding: 0 1rem; overflow-wrap: anywhere; }
+h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; border-bottom: 1px solid #1d1b18;
+  margin-top: 1.8rem; } h3 { font-size: 1rem; }
+h2, h3 { break-after: avoid; }
+img { width: 100%; height: auto; } figcaption, caption { font-size: .85em; text-align: left;
+  color: #45423d; }
+.scroll { overflow-x: auto; } table { border-collapse: collapse; width: 100%; font-size: .85em;
+  margin: .5rem 0; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .15rem .5rem;
+  border-bottom: 1px solid #b9b5ab; overflow-wrap: anywhere; }
+tr, figure { break-inside: avoid; } figure { margin: .5rem 0; }
+.plans { display: flex; flex-wrap: wrap; gap: .75rem; } .plans figure { width: 150px; }
+.stone { fill: #e4e4e4; stroke: #000; } .kern { fill: none; stroke: #000;
+  stroke-dasharray: 4 3; } .force { fill: #000; stroke: #fff; }
+"""
+
+
+def html_of(document: Document) -> str:
+    """The page as text; it asks nothing of the network."""
+    title = html.escape(document.title)
+    parts = [f"<h1>{title}</h1>", _part(document.entries)]
+    for section in document.sections:
+        parts.append(f"<h2>{html.escape(section.title)}</h2>")
+        parts += [_part(one) for one in section.parts]
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title><style>{_STYLE}</style></head><body>"
+        f"{''.join(parts)}<p><small>{html.escape(document.foot)}</small></p></body></html>\n"
+    )
+
+
+def _part(part: Part) -> str:
+    match part:
+        case str():
+            return f"<p>{html.escape(part)}</p>"
+        case Heading():
+            return f"<h3>{html.escape(part.text)}</h3>"
+        case Table():
+            return f'<div class="scroll">{part.to_html()}</div>'
+        case Picture():
+            data = base64.b64encode(part.png).decode("ascii")
+            told = html.escape(part.caption)
+            return (
+                f'<figure><img alt="{told}" src="data:image/png;base64,{data}">'
+                f"<figcaption>{told}</figcaption></figure>"
+            )
+        case Mapping():
+            rows = (
+                f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>"
+                for name, text in part.items()
+            )
+            return f"<table>{''.join(rows)}</table>"
+    return f'<div class="plans">{"".join(map(plan_figure, part))}</div>'
+
+
+SENSITIVITY = ("friction --scaled", "shrink")
+"""Limits of what stands, if none are asked for: by which share friction and joints may shrink, and
+strengths where there are some."""
+
+
+@checked_call
+def assess(
+    given: Given,
+    *,
+    limits: Sequence[str] | None = None,
+    cases: PathLike | None = None,
+    options: CheckOptions | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> list[Answer]:
+    """The verdict on a model, why it falls if it does, and limits.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file that ``how`` turns into one.
+    limits
+        Each as behind ``drystone limit``, such as ``tilt --axis y`` or ``load keystone:1kN``; when
+        left out, those of friction and of the size of joints of what stands.
+    cases
+        File of combinations; see :func:`drystone.studies.combinations`.
+    options
+        Of the check.
+
+    Raises
+    ------
+    InputError
+        There is no such limit, or it takes no such option.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> [one.title for one in assess(tower(2), limits=["tilt"], friction=0.6)]
+    ['Stands', 'Stands up to 30.93 degrees about x']
+    """
+    model = supported_model(given, **how)
+    strength = () if model.contacts.capacity is None else ("strength",)
+    varied = (*SENSITIVITY, *strength) if limits is None else limits
+    asked = [limit_of_words(words, model) for words in varied]
+    if cases is not None:
+        read_combinations(cases, model)  # refused before the work
+    clock = Clock(time_limit_s, stop)
+    late: dict[str, Any] = {"progress": progress, "stop": clock.late}
+    result = check(model, options=options, **late)
+    answers: list[Answer] = [with_margins(result, clock.late)]
+    if result.falls:
+        few = DiagnosisOptions(needs=False, regions=3)
+        answers.append(diagnose(model, result=result, options=few, stop=clock.late))
+    if result.stable or limits is not None:
+        answers += [one(model, late) for one in asked]
+    if cases is not None:
+        answers.append(combinations(model, cases, **late))
+    return answers

@@ -36,11 +36,11 @@ from drystone.sequence.scaffold_items import (
 )
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffolding import Scaffolding, compare_scaffolding, scaffolding
-from drystone.sequence.staged_model import StagedModel
 from drystone.sequence.stages import (
     Stage,
     StageAnswer,
     StageCheck,
+    StagedModel,
     check_both,
     check_once,
     check_thoroughly,

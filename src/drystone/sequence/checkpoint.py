@@ -13,8 +13,7 @@ from drystone.base.journal import Journal
 from drystone.base.version import version
 from drystone.io.opening import content_of
 from drystone.results import Verdict
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, StageAnswer, StageCheck
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck, StagedModel
 
 FORMAT = "drystone-stages"
 

@@ -34,8 +34,7 @@ from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.checkpoint import fingerprint
 from drystone.sequence.planner import plan
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import mask_of, members
+from drystone.sequence.stages import StagedModel, mask_of, members
 from drystone.sequence.structure import Structure
 
 TOGETHER, SHARD = 8, 512

@@ -29,8 +29,7 @@ from drystone.formulations.nearest_mechanism import STILL
 from drystone.results import Verdict
 from drystone.sequence.checkpoint import Checkpoint
 from drystone.sequence.solving import PartSolver, combined
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Check, Stage, StageAnswer, mask_of, members
+from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, mask_of, members
 from drystone.stability.attempts import Candidate
 from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE
 from drystone.stability.verdict import UNBALANCED

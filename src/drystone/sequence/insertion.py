@@ -20,8 +20,7 @@ from drystone.sequence.freedom import (
     freedom,
 )
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import members
+from drystone.sequence.stages import StagedModel, members
 
 EFFORT = 1500
 """Number of swept volumes that are tested before a block counts as blocked during planning.

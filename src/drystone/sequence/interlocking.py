@@ -29,8 +29,7 @@ from drystone.base.errors import InputError, SolverError, counted
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.sequence.freedom import Joints, free_twists
-from drystone.solvers.conic import ConicStatus
-from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.program import ConicStatus, ProgramBuilder
 
 OPENS = 1e-6
 """Least mean of the opening speeds that counts as opening, with the largest speed 1; above the

@@ -19,8 +19,7 @@ from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
 from drystone.sequence.plans import Plan
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, mask_of
+from drystone.sequence.stages import Stage, StagedModel, mask_of
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")

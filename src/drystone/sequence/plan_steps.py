@@ -12,8 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import StageAnswer, mask_of
+from drystone.sequence.stages import StageAnswer, StagedModel, mask_of
 
 
 class Status(enum.Enum):

@@ -25,11 +25,12 @@ from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import NO_HELP, Node
-from drystone.sequence.staged_model import CHECKED, StagedModel
 from drystone.sequence.stages import (
+    CHECKED,
     Check,
     Stage,
     StageAnswer,
+    StagedModel,
     check_both,
     check_thoroughly,
     mask_of,

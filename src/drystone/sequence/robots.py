@@ -24,8 +24,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.loads import STANDARD_GRAVITY
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Check, Stage, StageAnswer, check_both, mask_of
+from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, check_both, mask_of
 
 FAR = "out of reach"
 """How the reason begins where no robot reaches a block."""

@@ -16,8 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.robots import Robot, check_robots, why_not
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import mask_of, members
+from drystone.sequence.stages import StagedModel, mask_of, members
 
 COURSE = re.compile(r"^(?:p\d+-)?[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03``, or ``p1-c06-b03`` in a shell of several patches, give the course."""

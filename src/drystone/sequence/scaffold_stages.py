@@ -13,8 +13,8 @@ from drystone.results import Result, Verdict
 from drystone.sequence.scaffold_items import ScaffoldedModel, ScaffoldItem, Strut, with_items
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support, items_of
 from drystone.sequence.scaffold_seats import surface_triangles
-from drystone.sequence.staged_model import CHECKED
 from drystone.sequence.stages import (
+    CHECKED,
     Check,
     StageAnswer,
     check_both,

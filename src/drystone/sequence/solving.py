@@ -23,8 +23,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.results.stage import FAINT
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, StageAnswer, StageCheck, members
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck, StagedModel, members
 from drystone.stability import PATIENT, try_rest
 from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem

@@ -21,8 +21,7 @@ from drystone.model import Model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.solving import most_used
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, StageAnswer, StageCheck, mask_of, members
+from drystone.sequence.stages import Stage, StageAnswer, StageCheck, StagedModel, mask_of, members
 from drystone.stability import CheckOptions
 from drystone.stability.touching_edges import may_touch_more
 

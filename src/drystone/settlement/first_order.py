@@ -33,7 +33,7 @@ from drystone.mechanics.statics import build_statics
 from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
 from drystone.settlement.response import solve_response
-from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ConicStatus
 
 CHECKED = 1e-5
 """Largest residual of a state that is reported as standing, dimensionless: that of an interior

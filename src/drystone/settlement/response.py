@@ -22,8 +22,7 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats
 from drystone.mechanics.statics import Statics
-from drystone.solvers.conic import ConicSolution, ConicStatus
-from drystone.solvers.program import ConicProgram, ProgramBuilder
+from drystone.solvers.program import ConicProgram, ConicSolution, ConicStatus, ProgramBuilder
 
 SOFTEST = 0.05
 """Least tributary area of a corner, as a share of the mean: slivers would make the system

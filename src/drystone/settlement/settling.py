@@ -19,7 +19,7 @@ from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.contacts import joined_contacts
-from drystone.detection.reasons import millimetres
+from drystone.detection.tolerances import millimetres
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import FEW

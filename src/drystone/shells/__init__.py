@@ -1,7 +1,6 @@
 """Shells: a surface divided into courses and staggered blocks with planar or faceted joints."""
 
 from drystone.base.settings import hold
-from drystone.shells.cell_sizes import shape_volume
 from drystone.shells.fabrication import (
     FlatFace,
     block_frame,
@@ -12,10 +11,10 @@ from drystone.shells.fabrication import (
     write_unrolled,
 )
 from drystone.shells.formfinding import FormFound, find_form
+from drystone.shells.materialise import shape_volume
 from drystone.shells.meshfit import MeshFit, patch_from_mesh, several_supports, vaults_from_mesh
-from drystone.shells.patch import Patch, Side
+from drystone.shells.patch import Edge, Patch, Seam, Shape, Side
 from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
 from drystone.shells.shell_families import (
     barrel_vault,

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.shells.formfinding import find_form
-from drystone.shells.shape import Shape
+from drystone.shells.patch import Shape
 from drystone.shells.shell_families import (
     barrel_vault,
     cross_vault,

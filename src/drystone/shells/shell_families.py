@@ -11,8 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.patch import Patch, PatchFunction, Side
-from drystone.shells.shape import Edge, Seam, Shape
+from drystone.shells.patch import Edge, Patch, PatchFunction, Seam, Shape, Side
 
 _VAULT_THICKNESS = 0.075
 """Default thickness of a barrel vault, relative to its span. Chosen: 0.15 of the radius of a

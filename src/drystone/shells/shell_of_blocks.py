@@ -24,15 +24,22 @@ from drystone.geometry.polyhedron import loop_edges, rings
 from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
 from drystone.model import FlushEnds, Model
-from drystone.shells.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
-from drystone.shells.courses import lay_courses
-from drystone.shells.head_joints import lay_bond
+from drystone.shells.courses import lay_bond, lay_courses
 from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.materialise import Pins, cell_faces, make_blocks
-from drystone.shells.patch import Side
+from drystone.shells.materialise import (
+    Pins,
+    cell_faces,
+    check_radius,
+    fit_cells,
+    make_blocks,
+    mean_width,
+    vertex_thickness,
+)
+from drystone.shells.patch import Shape, Side
 from drystone.shells.pattern import Tessellation, lay_pattern
-from drystone.shells.planar_joints import (
+from drystone.shells.planarise import (
     PlanarPins,
+    PlanarReport,
     drift_notes,
     hook_notes,
     planar_pins,
@@ -40,8 +47,6 @@ from drystone.shells.planar_joints import (
     refuse_warped,
     special_remedy,
 )
-from drystone.shells.planarise import PlanarReport
-from drystone.shells.shape import Shape
 from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.springers import add_ground, springers
 from drystone.shells.weld import weld

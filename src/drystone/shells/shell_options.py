@@ -13,7 +13,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import whole
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.shells.cell_sizes import Thickness
+from drystone.shells.materialise import Thickness
 from drystone.shells.wedge import Wedge
 
 

@@ -12,9 +12,8 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.geometry.polyhedron import loop_edges, rings
 from drystone.shells.lengths import arc_lengths
-from drystone.shells.patch import Side
+from drystone.shells.patch import Edge, Seam, Shape, Side
 from drystone.shells.pattern import Pattern, Tessellation
-from drystone.shells.shape import Edge, Seam, Shape
 
 _SNAP = 0.15
 """Joints from the two sides of a seam are merged when they are closer than this share of the

@@ -30,7 +30,7 @@ from drystone.mechanics.spread import spread_where_turned
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 from drystone.settlement import Settlement
-from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.check_options import CheckOptions

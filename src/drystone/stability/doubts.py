@@ -14,7 +14,7 @@ from drystone.assembly import Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.detection.advice import option_for
-from drystone.detection.reasons import Reason
+from drystone.detection.tolerances import Reason
 from drystone.io import files_at, format_of
 from drystone.io.several import Paths
 from drystone.loads import LoadCase

@@ -14,7 +14,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import LoadFactors
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (

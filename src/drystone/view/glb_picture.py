@@ -17,8 +17,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.face_soup import SINGLE
-from drystone.io.glb import FLOAT, TRIANGLES, Z_UP
-from drystone.io.glb_write import container
+from drystone.io.glb import FLOAT, TRIANGLES, Z_UP, container
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
     Triangles,

@@ -14,8 +14,8 @@ import numpy as np
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage, State
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.triangulate import triangulate
+from drystone.io.rhino import add_layer, attributes_of, empty_file, mesh_of, save
 from drystone.io.rhino_extract import PICTURE
-from drystone.io.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import arrow_ends, block_groups, marks, matrix_of, stage_of_scene
 from drystone.view.glb_picture import MARK

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.scan import tilt_limit
 from benchmarks.thesis import _same
-from drystone.reproduce.published_tilts import studies
+from drystone.reproduce.tilt_cases import studies
 
 
 def test_limit_is_where_standing_is_first_lost() -> None:

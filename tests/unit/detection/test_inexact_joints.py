@@ -5,7 +5,7 @@ import pytest
 
 from drystone import Assembly, Model, Verdict, check, find_contacts
 from drystone.detection import DetectionOptions
-from drystone.detection.inexact import Error
+from drystone.detection.misses import Error
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, tower, wall
 

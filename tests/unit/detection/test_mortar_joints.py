@@ -4,7 +4,7 @@ import pytest
 
 from drystone import Assembly, Model, Verdict, check, find_contacts
 from drystone.detection import DetectionOptions
-from drystone.detection.inexact import Error
+from drystone.detection.misses import Error
 from drystone.models import box
 
 LENGTH, WIDTH, HEIGHT = 0.215, 0.1025, 0.065

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, Model, Verdict, check, find_contacts
-from drystone.detection.inexact import Error
+from drystone.detection.misses import Error
 
 FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 

@@ -17,7 +17,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.models import arch, h_model, incline, stool, tower, two_blocks_on_incline
-from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ConicStatus
 from tests.oracle import touching_faces
 
 EXACT = FrictionCone.exact()

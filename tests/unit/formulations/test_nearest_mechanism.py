@@ -22,7 +22,7 @@ from drystone.formulations.nearest_mechanism import (
 )
 from drystone.formulations.projection import STILL, held_still
 from drystone.models import arch, barrel_vault, box, shelf, tower
-from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ConicStatus
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import balanced, checked_mechanism, sound_mechanism
 

@@ -17,8 +17,7 @@ from drystone.base.errors import InputError
 from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
 from drystone.live import calculator
-from drystone.live.moved_mends import AfterMoving, moved_model
-from drystone.live.moved_supports import CoarseSteps, at_once, verdict_of
+from drystone.live.moved_supports import AfterMoving, CoarseSteps, at_once, moved_model, verdict_of
 from drystone.live.python_lines import python_lines
 from drystone.live.serving import Live
 from drystone.live.snapshot import Found, snapshot

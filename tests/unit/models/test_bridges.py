@@ -7,7 +7,7 @@ import pytest
 
 from drystone import InputError, check
 from drystone.models import segmental_bridge
-from drystone.models.profiles import Measured, joints_of
+from drystone.models.bridges import Measured, joints_of
 from tests.unit.io.test_dxf import light, text
 
 

@@ -26,10 +26,10 @@ from drystone.report.hand_checks import (
     least_strength,
     weights,
 )
-from drystone.report.report_page import html_of
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
 from drystone.report.sketches import dimensions_picture, loads_picture
+from drystone.report.write_report import html_of
 from drystone.sequence import plan
 from drystone.view.figure import draw
 

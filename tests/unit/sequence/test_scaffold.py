@@ -32,8 +32,7 @@ from drystone.sequence.scaffold_places import Support
 from drystone.sequence.scaffold_seats import surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import Node
-from drystone.sequence.staged_model import StagedModel
-from drystone.sequence.stages import Stage, check_both, mask_of, members
+from drystone.sequence.stages import Stage, StagedModel, check_both, mask_of, members
 from drystone.shells.shell_by_name import shell_by_name
 
 PIER = box((1.0, 1.0, 1.0), name="pier")

@@ -5,8 +5,7 @@ import pytest
 
 from drystone import InputError
 from drystone.shells import barrel_vault, dome, patch_from_function
-from drystone.shells.courses import lay_courses
-from drystone.shells.head_joints import LEAST_LAP, lay_bond
+from drystone.shells.courses import LEAST_LAP, lay_bond, lay_courses
 
 
 def fan(u, v):

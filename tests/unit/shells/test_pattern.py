@@ -3,8 +3,7 @@ import pytest
 
 from drystone import InputError
 from drystone.shells import Layout, barrel_vault, build_shell, dome, patch_from_function
-from drystone.shells.courses import lay_courses
-from drystone.shells.head_joints import lay_bond
+from drystone.shells.courses import lay_bond, lay_courses
 from drystone.shells.pattern import lay_pattern
 
 

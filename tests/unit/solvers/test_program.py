@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from drystone.solvers.conic import ConicStatus
-from drystone.solvers.program import ProgramBuilder
+from drystone.solvers.program import ConicStatus, ProgramBuilder
 
 
 def test_equalities_come_first_then_inequalities_then_cones_whatever_the_order() -> None:

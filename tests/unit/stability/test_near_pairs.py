@@ -22,7 +22,7 @@ from drystone import (
 )
 from drystone.answer import Role
 from drystone.detection import DetectionOptions
-from drystone.detection.reasons import Reason
+from drystone.detection.tolerances import Reason
 from drystone.models import box, stool, tower
 
 

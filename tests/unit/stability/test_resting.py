@@ -29,7 +29,7 @@ from drystone.programs import (
     solve_cra_penalty,
     solve_rbe,
 )
-from drystone.solvers.conic import ConicSolution, ConicStatus
+from drystone.solvers.program import ConicSolution, ConicStatus
 from drystone.stability import check, try_rest
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, first_motion

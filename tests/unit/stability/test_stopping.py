@@ -13,7 +13,7 @@ from drystone import LoadCase, Result, Verdict, find_contacts, models
 from drystone.base.progress import Clock
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_cra, solve_cra_penalty, solve_rbe
-from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, prepared, solution
+from drystone.solvers.program import Cones, ConicOptions, ConicStatus, prepared, solution
 from drystone.stability import CheckOptions, check, try_rest
 
 ARCH = models.arch(0.15)
