@@ -85,9 +85,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
     """
     moving = np.where(assembly.fixed[:, None], 0.0, motion)
-    of_a, of_b = (
-        _with_block(assembly, contacts, moving, block) for block in _corner_blocks(contacts)
-    )
+    of_a, of_b = _with_block(assembly, contacts, moving, np.array(_corner_blocks(contacts)))
     return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], of_b - of_a)
 
 
@@ -466,4 +464,4 @@ def _with_block(assembly: Assembly, contacts: Contacts, moving: Floats, block: I
     """The same where no fixed block moves."""
     of_block = moving[block]
     arm = contacts.point - assembly.centroid[block]
-    return of_block[:, :3] + cross(of_block[:, 3:], arm)
+    return of_block[..., :3] + cross(of_block[..., 3:], arm)

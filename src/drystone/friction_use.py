@@ -12,12 +12,12 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.kern import edge_ratio, sections
+from drystone.geometry.kern import Sections, edge_ratio
 from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import Slip, clipped, slip_use
 from drystone.joints import LOADED, Resultants, bearable
-from drystone.virtual import local_corners
+from drystone.virtual import joint_sections
 
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
@@ -50,8 +50,8 @@ def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
     used = sliding_use(contacts, resultants).copy()
     which = np.flatnonzero(twisted(contacts, resultants))
     if len(which):
-        turned = PressedFaces.of(contacts, resultants, which).slip(contacts, resultants).use
-        used[which] = np.maximum(used[which], turned)
+        faces = PressedFaces.of(contacts, resultants, which, joint_sections(contacts))
+        used[which] = np.maximum(used[which], faces.slip(contacts, resultants).use)
     return frozen(used)
 
 
@@ -89,16 +89,23 @@ class PressedFaces:
     plane: Floats
 
     @classmethod
-    def of(cls, contacts: Contacts, resultants: Resultants, which: Ints) -> PressedFaces:
-        """Some faces (t,) under their forces."""
+    def of(
+        cls,
+        contacts: Contacts,
+        resultants: Resultants,
+        which: Ints,
+        joints: tuple[Floats, Floats, Sections],
+    ) -> PressedFaces:
+        """Some faces (t,) under their forces; ``joints`` are the sections of all."""
         loops, row = contacts.corners.take(which)
-        origin, corners = local_corners(contacts)
+        origin, corners, made = joints
         centre = _along_faces(contacts, resultants.position - origin, which)
         local = corners[row] - centre[loops.owner]
-        one = (sections(local, loops.start), local, loops.start)
-        far = edge_ratio(*one, np.zeros_like(centre))
-        within = one[0].centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
-        return cls(which, loops, local, one[0].area, linear_pressure(*one, within))
+        area, centroid = made.area[which], made.centroid[which] - centre
+        some = Sections(area, centroid, made.inertia[which], made.inverse[which])
+        far = edge_ratio(some, local, loops, np.zeros_like(centre))
+        within = centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
+        return cls(which, loops, local, area, linear_pressure(some, local, loops, within))
 
     def slip(self, contacts: Contacts, resultants: Resultants, least: Floats | float = 0.0) -> Slip:
         """How much of their friction force and torque use (t,), and how they slip."""
@@ -112,7 +119,7 @@ class PressedFaces:
     def points(self, wanted: Bools, pole: Floats) -> FacePoints:
         """As many points of some (t,) as make their torsion about poles (t, 2) right."""
         loops, row = self.loops.take(wanted)
-        return cut_face_points(self.corners[row], loops.start, self.plane[wanted], pole[wanted])
+        return cut_face_points(self.corners[row], loops, self.plane[wanted], pole[wanted])
 
 
 def _along_faces(contacts: Contacts, vectors: Floats, which: Ints) -> Floats:

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from drystone.assembly import Assembly, Blocks
-from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
@@ -85,15 +85,9 @@ def world_forces(contacts: Contacts, force: Floats) -> Floats:
 
 def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
     """Resultants of corner forces (k, 3) [N], local n, u, v, on block b."""
-    interface = contacts.interface
+    interface, total = contacts.interface, contacts.corners.sum
     n = contacts.frame[:, 0]
     world = world_forces(contacts, force)
-
-    def total(values: Floats) -> Floats:
-        out: Floats = np.zeros((contacts.count, *values.shape[1:]))
-        np.add.at(out, interface, values)
-        return out
-
     resultant = total(world)
     normal = total(force[:, 0])
     lever = contacts.point - contacts.centroid[interface]
@@ -102,9 +96,9 @@ def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
     position = contacts.centroid + np.where(
         pressing[:, None], shift / np.where(pressing, normal, 1.0)[:, None], 0.0
     )
-    moment = total(np.cross(contacts.point - position[interface], world))
+    moment = total(cross(contacts.point - position[interface], world))
     torque = dot(moment, n)
-    tangential = np.linalg.norm(resultant - normal[:, None] * n, axis=1)
+    tangential = lengths(resultant - normal[:, None] * n)
     return Resultants(*map(frozen, (resultant, position, torque, normal, tangential)))
 
 

@@ -33,7 +33,7 @@ def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
     """Mean corner (m, 3) [m] of every interface, and the corners (k, 2) about it along u and v."""
     if contacts.count == 0:
         return np.zeros((0, 3)), np.zeros((0, 2))
-    origin = Ragged(contacts.start).mean(contacts.point)
+    origin = contacts.corners.mean(contacts.point)
     away = contacts.point - origin[contacts.interface]
     flat: Floats = np.einsum("kij,kj->ki", contacts.frame[contacts.interface, 1:], away)
     return origin, flat
@@ -42,7 +42,7 @@ def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
 def joint_sections(contacts: Contacts) -> tuple[Floats, Floats, Sections]:
     """Mean corners (m, 3), corners about them (k, 2), and the moments of every interface."""
     origin, flat = local_corners(contacts)
-    return origin, flat, sections(flat, contacts.start)
+    return origin, flat, sections(flat, contacts.corners)
 
 
 def section_centroids(contacts: Contacts) -> Floats:

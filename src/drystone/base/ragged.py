@@ -57,6 +57,11 @@ class Ragged(OneLine):
         object.__setattr__(self, "start", start)
 
     @classmethod
+    def over(cls, start: Ints | Ragged) -> Ragged:
+        """Rows by the ``start`` of their owners, or as they are."""
+        return start if isinstance(start, Ragged) else cls(start)
+
+    @classmethod
     def from_counts(cls, counts: Iterable[int] | Ints) -> Ragged:
         """The same number of rows for each owner."""
         number = counts if isinstance(counts, np.ndarray) else list(counts)
@@ -114,8 +119,8 @@ class Ragged(OneLine):
     @cached_property
     def following(self) -> Ints:
         """(l,) the next row of the same owner; after the last its first, as in a polygon."""
-        after = np.arange(self.rows, dtype=np.intp) + 1
-        filled = self.counts > 0
+        after = np.arange(1, self.rows + 1)
+        filled = slice(None) if self._filled is None else self._filled
         after[self.start[1:][filled] - 1] = self.first[filled]
         return frozen(after)
 
@@ -179,8 +184,9 @@ class Ragged(OneLine):
         """
         chosen = np.asarray(owners)
         chosen = np.flatnonzero(chosen) if chosen.dtype == bool else chosen.astype(np.intp)
-        part = Ragged.from_counts(self.counts[chosen])
-        return part, part.spread(self.first[chosen] - part.first) + np.arange(part.rows)
+        count = self.counts[chosen]
+        part = Ragged.from_counts(count)
+        return part, np.repeat(self.first[chosen] - part.first, count) + np.arange(part.rows)
 
     def keep(self, rows: Bools) -> Ragged:
         """Only some rows (l,) of the same owners."""

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, plane_cross
+from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 
 
@@ -39,7 +39,7 @@ class Sections:
     inverse: Floats
 
 
-def sections(corners: Floats, start: Ints) -> Sections:
+def sections(corners: Floats, start: Ints | Ragged) -> Sections:
     """Moments of sections.
 
     Parameters
@@ -47,7 +47,7 @@ def sections(corners: Floats, start: Ints) -> Sections:
     corners : (k, 2) [m]
         Corners, section after section.
     start : (m + 1,)
-        Section i has the corners ``start[i]`` to ``start[i + 1]``, one or more.
+        Section i has the corners ``start[i]`` to ``start[i + 1]``, one or more; or these as rows.
 
     Examples
     --------
@@ -56,40 +56,34 @@ def sections(corners: Floats, start: Ints) -> Sections:
     >>> float(made.area[0]), made.centroid[0].tolist()
     (4.0, [1.0, 1.0])
     """
-    m = len(start) - 1
-    if m == 0:
-        return Sections(np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 2, 2)))
-    loops = Ragged(start)
-    mean, total = loops.mean(corners), loops.sum
-    a = corners - loops.spread(mean)
-    b = a[loops.following]
-    cross = plane_cross(a, b)
-    both = a + b
-    signed = total(0.5 * cross)
-    flat = np.abs(signed) <= 1e-14 * total((a**2).sum(axis=1))
-    safe = np.where(flat, 1.0, signed)
-    shift = total(both * cross[:, None]) / (6.0 * safe[:, None])
-    shift[flat] = 0.0
+    loops = Ragged.over(start)
+    mean = loops.mean(corners)
+    a = corners - mean[loops.owner]
+    (x, y), (u, v) = a.T, a[loops.following].T
+    cross, s, t = x * v - y * u, x + u, y + v
     # integral of x x' over the triangle (0, a, b): cross / 24 (s s' + a a' + b b'), s = a + b
-    outer = sum(v[:, :, None] * v[:, None, :] for v in (both, a, b))
-    second = total(outer * cross[:, None, None]) / (24.0 * safe[:, None, None])
-    second -= shift[:, :, None] * shift[:, None, :]
+    outer = np.array([s * s + x * x + u * u, s * t + x * y + u * v, t * t + y * y + v * v])
+    moments = np.array([cross, s * cross, t * cross, *(outer * cross), x * x, x * y, y * y])
+    total = loops.sum(moments.T).T
+    signed = 0.5 * total[0]
+    flat = np.abs(signed) <= 1e-14 * (total[6] + total[8])
+    safe = np.where(flat, 1.0, signed)
+    shift = np.where(flat, 0.0, total[1:3] / (6.0 * safe))
+    second = total[3:6] / (24.0 * safe) - shift[[0, 0, 1]] * shift[[0, 1, 1]]
     # a line: uniform between its two ends
-    spread = total(a[:, :, None] * a[:, None, :]) / loops.counts[:, None, None] / 3.0
-    inertia = np.where(flat[:, None, None], spread, second)
-    return Sections(
-        np.where(flat, 0.0, np.abs(signed)), mean + shift, inertia, _inverse(inertia, flat)
-    )
-
-
-def _inverse(inertia: Floats, flat: np.ndarray) -> Floats:
-    trace = inertia[:, 0, 0] + inertia[:, 1, 1]
-    determinant = inertia[:, 0, 0] * inertia[:, 1, 1] - inertia[:, 0, 1] * inertia[:, 1, 0]
-    adjugate = trace[:, None, None] * np.eye(2) - inertia
+    xx, xy, yy = inertia = np.where(flat, total[6:] / (3.0 * loops.counts), second)
     # of rank one, the pseudo-inverse is the matrix by the square of its trace
-    rank_one = inertia / np.where(trace > 0.0, trace, 1.0)[:, None, None] ** 2
-    safe = np.where(flat, 1.0, determinant)[:, None, None]
-    return np.where(flat[:, None, None], rank_one, adjugate / safe)
+    trace = xx + yy
+    rank_one = inertia / np.where(trace > 0.0, trace, 1.0) ** 2
+    adjugate = np.array([yy, -xy, xx]) / np.where(flat, 1.0, xx * yy - xy * xy)
+    inverse = np.where(flat, rank_one, adjugate)
+    area = np.where(flat, 0.0, np.abs(signed))
+    return Sections(area, mean + shift.T, _symmetric(inertia), _symmetric(inverse))
+
+
+def _symmetric(parts: Floats) -> Floats:
+    """Matrices (m, 2, 2) of their numbers xx, xy and yy (3, m)."""
+    return parts[[0, 1, 1, 2]].T.reshape(-1, 2, 2)
 
 
 def convex_hull(points: Floats) -> Floats:
@@ -173,29 +167,29 @@ def _hull(corners: bytes) -> tuple[Floats, Floats]:
     return hull, np.stack([edge[:, 1], -edge[:, 0]], axis=1)
 
 
-def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
+def edge_ratio(made: Sections, corners: Floats, start: Ints | Ragged, position: Floats) -> Floats:
     """Eccentricity (m,) relative to the boundary of the convex hull: 1 is a hinge.
 
     Parameters as for :func:`kern_ratio`.
     """
-    out = np.zeros(len(start) - 1)
-    if not len(out):
-        return out
-    loops = Ragged(start)
-    edge = corners[loops.following] - corners
-    normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
-    reach = ((corners - loops.spread(made.centroid)) * normal).sum(axis=1)
-    inwards = (normal * edge[loops.following]).sum(axis=1)
-    square = (edge * edge).sum(axis=1)
+    loops = Ragged.over(start)
+    owner, after = loops.owner, loops.following
+    local = corners - made.centroid[owner]
+    x, y = local.T
+    along, up = (corners[after] - corners).T
+    reach = x * up - y * along
+    inwards = up * along[after] - along * up[after]
+    square = along * along + up * up
     rounding = 1e-12 * loops.max(square)
     # the hull of a convex loop is the loop, unless corners are the same but for rounding
     convex = (loops.max(inwards) <= rounding) & (loops.min(square) > rounding)
     convex &= loops.min(reach) > 0.0
-    share = (normal * loops.spread(position - made.centroid)).sum(axis=1)
+    at, beside = (position - made.centroid)[owner].T
+    share = up * at - along * beside
     far = loops.max(share / np.where(reach > 0.0, reach, 1.0))
-    out[convex] = np.maximum(0.0, far[convex])
+    out = np.where(convex, np.maximum(0.0, far), 0.0)
     for i in np.flatnonzero(~convex).tolist():
-        hull, normal = _hull(corners[start[i] : start[i + 1]].tobytes())
+        hull, normal = _hull(corners[loops[i]].tobytes())
         away = position[i] - made.centroid[i]
         if len(hull) < 3:
             half = 0.5 * float(np.linalg.norm(np.ptp(hull, axis=0)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.arrays import Floats, Ints, cross, lengths, plane_cross
 from drystone.base.ragged import Ragged
 
 
@@ -27,16 +27,20 @@ def area_vector(corners: Floats) -> Floats:
     return vector
 
 
-def tributary_areas(corners: Floats, start: Ints) -> Floats:
-    """Share (l,) [m2] of its polygon's area that belongs to each corner.
+def tributary_areas(corners: Floats, start: Ints | Ragged) -> Floats:
+    """Share (l,) [m2] of its polygon's area that belongs to each corner (l, 3), or (l, 2).
 
     The share is half of the two fan triangles (about the mean of the corners) that meet at the
     corner. The shares of a polygon sum to the area of its fan.
     """
-    loops = Ragged(start)
-    local = corners - loops.spread(loops.mean(corners))
+    loops = Ragged.over(start)
+    local = corners - loops.mean(corners)[loops.owner]
     after = loops.following
-    half = 0.25 * np.linalg.norm(cross(local, local[after]), axis=1)
+    there = local[after]
+    if corners.shape[1] == 2:
+        half = 0.25 * np.abs(plane_cross(local, there))
+    else:
+        half = 0.25 * lengths(cross(local, there))
     share: Floats = half.copy()
-    np.add.at(share, after, half)
+    share[after] += half
     return share

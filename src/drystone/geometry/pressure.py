@@ -59,41 +59,41 @@ def peak_pressure(
     [8.0]
     """
     pressed = normal > 0.0
+    loops = Ragged.over(start)
     plane = linear_pressure(
-        made, corners, start, np.where(pressed[:, None], position, made.centroid)
+        made, corners, loops, np.where(pressed[:, None], position, made.centroid)
     )
-    loops = Ragged(start)
     factor = loops.max(plane[loops.owner, 0] + dot(corners, plane[loops.owner, 1:]))
     area = np.where(made.area > 0.0, made.area, 1.0)
     return np.where(pressed, factor * normal / area, 0.0)
 
 
-def linear_pressure(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
+def linear_pressure(
+    made: Sections, corners: Floats, start: Ints | Ragged, position: Floats
+) -> Floats:
     """The pressures ``max(0, q + s . x)`` of sections that carry no tension, by their mean ones.
 
     Parameters as for :func:`peak_pressure`. Returns (m, 3): q, and s [1/m]. They are infinite and
     zero for a section without area, or with the force on or outside the rim of the convex hull.
     """
-    plane = np.zeros((len(start) - 1, 3))
-    if not len(plane):
-        return plane
+    loops = Ragged.over(start)
+    plane = np.empty((len(loops), 3))
     plane[:, 1:] = np.einsum("mij,mj->mi", made.inverse, position - made.centroid)
     plane[:, 0] = 1.0 - dot(plane[:, 1:], made.centroid)
     plane[made.area == 0.0] = [np.inf, 0.0, 0.0]
-    loops = Ragged(start)
-    rise = plane[loops.owner, 0] + dot(corners, plane[loops.owner, 1:])
+    each = plane[loops.owner]
+    rise = each[:, 0] + dot(corners, each[:, 1:])
     opened = np.flatnonzero(loops.min(rise) < 0.0)
     if len(opened):
         part, row = loops.take(opened)
         some = Sections(*(each[opened] for each in vars(made).values()))
-        plane[opened] = _opened(some, corners[row], part.start, position[opened])
+        plane[opened] = _opened(some, corners[row], part, position[opened])
     return plane
 
 
-def _opened(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
+def _opened(made: Sections, corners: Floats, loops: Ragged, position: Floats) -> Floats:
     """The planes (m, 3) of :func:`linear_pressure` for sections with the force outside the kern."""
-    inside = edge_ratio(made, corners, start, position) < 1.0 - EDGE
-    loops = Ragged(start)
+    inside = edge_ratio(made, corners, loops, position) < 1.0 - EDGE
     owner = loops.owner
     size = np.sqrt(made.area)
     local = (corners - position[owner]) / size[owner, None]  # unit area, the force at the origin
@@ -163,37 +163,33 @@ def _newton(local: Floats, loops: Ragged, plane: Floats) -> tuple[Floats, Floats
     step in the metric of the Hessian. Coordinates (h, t) run across and along the neutral line.
     """
     steepness = np.maximum(np.hypot(plane[:, 1], plane[:, 2]), 1e-300)
-    across = plane[:, 1:] / steepness[:, None]
-    along = np.stack([-across[:, 1], across[:, 0]], axis=1)
+    u, v = plane[:, 1:].T / steepness
+    x, y = local.T
     owner, after = loops.owner, loops.following
-    height = (local * across[owner]).sum(axis=1) + (plane[:, 0] / steepness)[owner]
-    side = (local * along[owner]).sum(axis=1)
-    ends = np.stack([height, height[after]])
-    cut = (ends[0] > 0.0) != (ends[1] > 0.0)
+    along_x, along_y = u[owner], v[owner]
+    height = x * along_x + y * along_y + (plane[:, 0] / steepness)[owner]
+    side = y * along_x - x * along_y
+    ends, sides = np.array([height, height[after]]), np.array([side, side[after]])
+    up = ends > 0.0
+    cut = up[0] != up[1]
     share = ends[0] / np.where(cut, ends[0] - ends[1], 1.0)
-    crossing = side + share * (side[after] - side)
-    t = np.where(cut & (ends <= 0.0), crossing, np.stack([side, side[after]]))
+    crossing = side + share * (sides[1] - side)
+    t = np.where(cut & ~up, crossing, sides)
     h = np.maximum(ends, 0.0)
     # Each clipped edge spans a triangle with the point of the neutral line below the force.
     # The edges that clipping adds lie on the neutral line: their triangles are empty.
-    whole = plane_cross(local, local[after])
-    sign = np.sign(loops.sum(whole))
+    sign = np.sign(loops.sum(x * y[after] - y * x[after]))
     twice = (h[0] * t[1] - t[0] * h[1]) * sign[owner]
-
-    def total(values: Floats) -> Floats:
-        return loops.sum(twice * values)
-
-    def product(a: Floats, b: Floats) -> Floats:
-        return total((a[0] + a[1]) * (b[0] + b[1]) + a[0] * b[0] + a[1] * b[1]) / 24.0
-
-    area = 0.5 * total(np.ones_like(side))
+    (h0, h1), (t0, t1) = h, t
+    hs, ts = h0 + h1, t0 + t1
+    second = [hs * hs + h0 * h0 + h1 * h1, hs * ts + h0 * t0 + h1 * t1, ts * ts + t0 * t0 + t1 * t1]
+    parts = loops.sum((twice * np.array([np.ones_like(side), hs, ts, *second])).T).T
+    area = 0.5 * parts[0]
     some = area > 0.0
     safe = np.where(some, area, 1.0)
-    h_mean, t_mean = total(h[0] + h[1]) / (6.0 * safe), total(t[0] + t[1]) / (6.0 * safe)
-    squared = product(h, h)
-    hh = squared / safe - h_mean**2
-    ht = product(h, t) / safe - h_mean * t_mean
-    tt = product(t, t) / safe - t_mean**2
+    h_mean, t_mean = parts[1:3] / (6.0 * safe)
+    squared = parts[3] / 24.0
+    hh, ht, tt = parts[3:] / (24.0 * safe) - np.array([h_mean**2, h_mean * t_mean, t_mean**2])
     determinant = hh * tt - ht**2
     some &= determinant > 0.0
     # The full Newton step is the linear pressure of the compressed part, with tension allowed.
@@ -201,18 +197,11 @@ def _newton(local: Floats, loops: Ragged, plane: Floats) -> tuple[Floats, Floats
     scale = safe * np.where(some, determinant, 1.0)
     slope_h = (tt * h_force - ht * t_force) / scale
     slope_t = (hh * t_force - ht * h_force) / scale
-    change = np.stack([1.0 / safe - steepness * h_mean, slope_h - steepness, slope_t])
-    decrement = safe * (
-        change[0] ** 2
-        + hh * change[1] ** 2
-        + 2.0 * ht * change[1] * change[2]
-        + tt * change[2] ** 2
-    )
-    step = np.column_stack(
-        [
-            change[0] + change[1] * h_force + change[2] * t_force,
-            change[1][:, None] * across + change[2][:, None] * along,
-        ]
-    )
+    raised = 1.0 / safe - steepness * h_mean
+    steeper = slope_h - steepness
+    curved = hh * steeper**2 + 2.0 * ht * steeper * slope_t + tt * slope_t**2
+    decrement = safe * (raised**2 + curved)
+    level = raised + steeper * h_force + slope_t * t_force
+    step = np.array([level, steeper * u - slope_t * v, steeper * v + slope_t * u]).T
     value = np.where(some, 0.5 * steepness**2 * squared - plane[:, 0], np.inf)
     return value, np.where(some, decrement, 0.0), step

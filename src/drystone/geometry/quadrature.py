@@ -54,7 +54,7 @@ class FacePoints(NamedTuple):
 
 
 def face_points(
-    corners: Floats, start: Ints, plane: Floats, pole: Floats, first: Ints | int = 0
+    corners: Floats, start: Ints | Ragged, plane: Floats, pole: Floats, first: Ints | int = 0
 ) -> FacePoints:
     """The points that stand for plane polygons.
 
@@ -82,10 +82,10 @@ def face_points(
     >>> len(away), float(found.area.sum().round(6)), float((found.area @ away).round(4))
     (64, 1.0, 0.3854)
     """
-    loops = Ragged(start)
+    loops = Ragged.over(start)
     if not len(loops):
         return FacePoints(loops, corners, np.zeros(0))
-    made = sections(corners, start)
+    made = sections(corners, loops)
     area, middle = made.area, made.centroid
     reach = loops.max(lengths(corners - middle[loops.owner]))
     whole = turned(corners, loops, plane, pole).moment
@@ -119,7 +119,9 @@ def face_points(
     return FacePoints(Ragged.from_owners(owner[order], len(loops)), places[order], areas[order])
 
 
-def cut_face_points(corners: Floats, start: Ints, plane: Floats, pole: Floats) -> FacePoints:
+def cut_face_points(
+    corners: Floats, start: Ints | Ragged, plane: Floats, pole: Floats
+) -> FacePoints:
     """The points that stand for polygons, of which ``q + s . x > 0`` is pressed.
 
     Where nothing presses, the corners stand for the rest.
@@ -133,11 +135,11 @@ def cut_face_points(corners: Floats, start: Ints, plane: Floats, pole: Floats) -
     pole : (m, 2) [m]
         What each slips about.
     """
-    loops = Ragged(start)
+    loops = Ragged.over(start)
     height = plane[loops.owner, 0] + dot(corners, plane[loops.owner, 1:])
     crossed = (loops.min(height) < 0.0) & (loops.max(height) > 0.0)
     if not crossed.any():
-        return face_points(corners, start, plane, pole)
+        return face_points(corners, loops, plane, pole)
     part, row = loops.take(crossed)
     pieces = _star_shaped(corners[row], part)
     of = np.flatnonzero(crossed)[pieces.polygon]
@@ -149,14 +151,14 @@ def cut_face_points(corners: Floats, start: Ints, plane: Floats, pole: Floats) -
     owner = np.concatenate([np.flatnonzero(~crossed), of[kept.counts > 0]])
     points = face_points(
         np.concatenate([corners[row], kept_corner]),
-        Ragged.from_counts(np.concatenate([whole.counts, kept.counts[kept.counts > 0]])).start,
+        Ragged.from_counts(np.concatenate([whole.counts, kept.counts[kept.counts > 0]])),
         plane[owner],
         pole[owner],
         np.where(crossed, PRESSED, 0)[owner],
     )
     face = np.concatenate([owner[points.loops.owner], of[rest.owner]])
     order = np.argsort(face, kind="stable")
-    area = tributary_areas(np.pad(rest_corner, ((0, 0), (0, 1))), rest.start)
+    area = tributary_areas(rest_corner, rest)
     return FacePoints(
         Ragged.from_owners(face[order], len(loops)),
         np.concatenate([points.place, rest_corner])[order],
@@ -166,7 +168,7 @@ def cut_face_points(corners: Floats, start: Ints, plane: Floats, pole: Floats) -
 
 def _corner_areas(corners: Floats, loops: Ragged, area: Floats, middle: Floats) -> Floats:
     """Areas (l,) of corners: those of polygons (m,) in all, with their centroids (m, 2)."""
-    share = tributary_areas(np.pad(corners, ((0, 0), (0, 1))), loops.start)
+    share = tributary_areas(corners, loops)
     share *= (area / loops.sum(share))[loops.owner]
     mean = loops.sum(share[:, None] * corners) / area[:, None]
     away = corners - mean[loops.owner]

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, dot, lengths, plane_cross
+from drystone.base.arrays import Bools, Floats, dot, lengths
 from drystone.base.ragged import Ragged
 from drystone.geometry.pressure import DESCENT
 
@@ -63,44 +63,42 @@ def turned(corners: Floats, loops: Ragged, plane: Floats, poles: Floats) -> Turn
     owner = loops.owner
     local = corners - poles[owner]
     edge = local[loops.following] - local
-    along = edge / np.maximum(lengths(edge), 1e-300)[:, None]
-    off = plane_cross(local, along)
+    length = lengths(edge)
+    ax, ay = edge.T / np.maximum(length, 1e-300)
+    x, y = local.T
+    off = x * ay - y * ax
     sign, h = np.sign(off), np.abs(off)
-    across = sign[:, None] * np.stack([along[:, 1], -along[:, 0]], axis=1)
-    slope = plane[owner, 1:]
-    q = plane[owner, 0] + dot(poles[owner], slope)
-    s, t = dot(slope, across), dot(slope, along)
-    ends = np.stack([dot(local, along), dot(local[loops.following], along)])
-    rise = ends / np.where(h > 0.0, h, 1.0)
+    cx, cy = sign * ay, -sign * ax  # across the edge, as (ax, ay) is along it
+    q = (plane[:, 0] + dot(poles, plane[:, 1:]))[owner]
+    _, sx, sy = plane[owner].T
+    s, t = sx * cx + sy * cy, sx * ax + sy * ay
+    begin = x * ax + y * ay
+    rise = np.array([begin, begin + length]) / np.where(h > 0.0, h, 1.0)
     secant = np.sqrt(1.0 + rise**2)
     angle = np.arcsinh(rise)
-
-    def change(of: Floats) -> Floats:
-        difference: Floats = of[1] - of[0]
-        return difference
-
-    sec, sec_tan, sec3 = change(angle), change(secant), 0.5 * change(rise * secant + angle)
-    sin, cos = change(rise / secant), change(1.0 / secant)
-    q1, q2, q3 = q * h, q * h**2 / 2.0, q * h**3 / 3.0
-    h2, h3, h4 = h**2 / 2.0, h**3 / 3.0, h**4 / 4.0
-    parts = np.stack(
+    changes = np.array([angle, secant, rise * secant, secant**3, rise / secant, 1.0 / secant])
+    sec, sec_tan, product, cubed, sin, cos = changes[:, 1] - changes[:, 0]
+    sec3, tan3 = 0.5 * (product + sec), cubed / 3.0
+    h2, h3 = h**2 / 2.0, h**3 / 3.0
+    q1, q2, q3, h4 = q * h, q * h2, q * h3, h**4 / 4.0
+    moment = q3 * sec3 + h4 * (s * sec3 + t * tan3)
+    by_across = q2 * sec + h3 * (s * sec + t * sec_tan)
+    by_along = q2 * sec_tan + h3 * (s * sec_tan + t * (sec3 - sec))
+    both = q1 * sin + h2 * (s * sin - t * cos)
+    mixed = h2 * (t * (sec - sin) - s * cos) - q1 * cos
+    rest = q1 * (sec - sin) + h2 * (s * (sec - sin) + t * (sec_tan + cos))
+    parts = sign * np.array(
         [
-            q3 * sec3 + h4 * (s * sec3 + t * change(secant**3) / 3.0),
-            q2 * sec + h3 * (s * sec + t * sec_tan),
-            q2 * sec_tan + h3 * (s * sec_tan + t * (sec3 - sec)),
-            q1 * sin + h2 * (s * sin - t * cos),
-            -q1 * cos + h2 * (-s * cos + t * (sec - sin)),
-            q1 * (sec - sin) + h2 * (s * (sec - sin) + t * (sec_tan + cos)),
-        ],
-        axis=1,
+            moment,
+            by_across * cx + by_along * ax,
+            by_across * cy + by_along * ay,
+            both * cx * cx + rest * ax * ax + 2.0 * mixed * cx * ax,
+            both * cx * cy + rest * ax * ay + mixed * (cx * ay + cy * ax),
+            both * cy * cy + rest * ay * ay + 2.0 * mixed * cy * ay,
+        ]
     )
-    moment, by_across, by_along, both, mixed, rest = (sign[:, None] * parts).T
-    pull = by_across[:, None] * across + by_along[:, None] * along
-    bend = both[:, None, None] * across[:, :, None] * across[:, None, :]
-    bend += rest[:, None, None] * along[:, :, None] * along[:, None, :]
-    cross = mixed[:, None, None] * across[:, :, None] * along[:, None, :]
-    bend += cross + cross.transpose(0, 2, 1)
-    return TurnIntegrals(loops.sum(moment), loops.sum(pull), loops.sum(bend))
+    total = loops.sum(parts.T)
+    return TurnIntegrals(total[:, 0], total[:, 1:3], total[:, [3, 4, 4, 5]].reshape(-1, 2, 2))
 
 
 def clipped(loops: Ragged, corner: Floats, height: Floats) -> tuple[Ragged, Floats]:
@@ -171,9 +169,9 @@ def slip_use(
     owner = loops.owner
     size = loops.max(lengths(corners))
     corners = corners / size[owner, None]
-    plane = plane * np.stack([np.ones_like(size), size, size], axis=1)
+    plane = np.concatenate([plane[:, :1], plane[:, 1:] * size[:, None]], axis=1)
     corners, plane = _widened(corners, loops, plane)
-    wanted = np.column_stack([force, torque / size])
+    wanted = np.concatenate([force, (torque / size)[:, None]], axis=1)
     scale = lengths(wanted)
     wanted /= scale[:, None]
     least, bound = np.broadcast_to(least, scale.shape), scale / size**2
@@ -232,22 +230,23 @@ class _Power(NamedTuple):
         v, w = slip[:, :2], slip[:, 2]
         least = _FAR * lengths(v)
         w = np.where(np.abs(w) < least, np.copysign(least, w), w)
-        pole = np.stack([-v[:, 1], v[:, 0]], axis=1) / w[:, None]
+        far: Floats = v / w[:, None]
+        pole = np.array([-far[:, 1], far[:, 0]]).T
         turn = turned(corners, loops, plane, pole)
-        value = np.abs(w) * turn.moment
+        speed, sense = np.abs(w), np.sign(w)
+        value = speed * turn.moment
         x, y = turn.pull.T
-        gradient = np.stack([-y, x, turn.moment + dot(pole, turn.pull)], axis=1)
-        gradient *= np.sign(w)[:, None]
-        radial = np.concatenate(
-            [np.broadcast_to(np.eye(2), (len(w), 2, 2)), (-v / w[:, None])[:, :, None]], axis=2
-        )
-        bent = np.einsum("mia,mij,mjb->mab", radial, turn.bend, radial) / np.abs(w)[:, None, None]
-        bent += 1e-12 * np.trace(bent, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        matrix = np.zeros((len(w), 4, 4))
-        matrix[:, :3, :3] = bent
+        gradient = (sense * np.array([-y, x, turn.moment + dot(pole, turn.pull)])).T
+        matrix, right = np.zeros((len(w), 4, 4)), np.zeros((len(w), 4, 1))
+        bent = matrix[:, :3, :3]
+        bent[:, :2, :2] = turn.bend / speed[:, None, None]
+        bent[:, :2, 2] = bent[:, 2, :2] = -(bent[:, :2, :2] @ far[:, :, None])[:, :, 0]
+        bent[:, 2, 2] = -dot(far, bent[:, 2, :2])
+        spread = bent[:, 0, 0] + bent[:, 1, 1] + bent[:, 2, 2]
+        matrix.reshape(-1, 16)[:, [0, 5, 10]] += 1e-12 * spread[:, None]
         matrix[:, :3, 3] = matrix[:, 3, :3] = wanted
-        right = np.pad(-gradient, ((0, 0), (0, 1)))
-        step = np.linalg.solve(matrix, right[:, :, None])[:, :3, 0]
+        right[:, :3, 0] = -gradient
+        step = np.linalg.solve(matrix, right)[:, :3, 0].astype(np.float64)
         decrement = np.maximum(-dot(gradient, step), 0.0)
         return cls(value, pole, step / (1.0 + np.sqrt(decrement / value))[:, None], decrement)
 

@@ -176,7 +176,7 @@ class _Law(Equation[_Point, Floats]):
         self.statics, self.compliance, self.stop = statics, compliance, stop
         self.goal = options.tolerance
         self.hurried, self.memory = hurried, 2 if blurred else 1
-        self.blur = blurred * statics.corner_load / compliance.normal
+        self.blurred, self.blur = blurred > 0.0, blurred * statics.corner_load / compliance.normal
         self.weight = options.ground * statics.mass_matrix
         self.solve: Solve | None = None
 
@@ -213,7 +213,7 @@ class _Law(Equation[_Point, Floats]):
 
     def tangent(self, point: _Point) -> Floats:
         """(k, 3, 3) with part of the stiffness of corners about to open or close."""
-        if not self.blur.any():
+        if not self.blurred:
             return point.response.tangent
         gap = point.moved[:, 0] + self.compliance.overlap
         share = 0.5 - 0.5 * gap / np.hypot(gap, self.blur * point.largest)

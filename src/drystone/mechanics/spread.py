@@ -33,7 +33,7 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     turns = twisted(contacts, resultants)
     if not turns.any():
         return None
-    origin, corners, made = joint_sections(contacts)
+    origin, corners, made = sections = joint_sections(contacts)
     axes, joint = contacts.frame[:, 1:], contacts.interface
     centre = np.einsum("mij,mj->mi", axes, resultants.position - origin)
     bound = np.where(turns, bearable(contacts, resultants.normal), np.inf)
@@ -49,7 +49,7 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     if not much.any():
         return None
     which = np.flatnonzero(much)
-    faces = PressedFaces.of(contacts, resultants, which)
+    faces = PressedFaces.of(contacts, resultants, which, sections)
     enough = np.maximum(MUCH, least[which])
     slip = faces.slip(contacts, resultants, enough)
     wanted = slip.use > enough

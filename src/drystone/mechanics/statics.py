@@ -253,11 +253,13 @@ class Statics:
 
     def on_blocks(self, values: Floats) -> Floats:
         """(n,) sums of values (k,) over the corners of each free block."""
-        count = self.free_count + 1
-        of_a, of_b = (
-            np.bincount(block + 1, values, count)[1:] for block in (self.block_a, self.block_b)
-        )
-        return np.asarray(of_a + of_b, dtype=np.float64)
+        both = np.concatenate([values, values])
+        return np.bincount(self._ends, both, self.free_count + 1)[1:].astype(np.float64)
+
+    @cached_property
+    def _ends(self) -> Ints:
+        """(2 k,) 1 and the free number of the blocks of each corner, 0 for a fixed one."""
+        return 1 + np.concatenate([self.block_a, self.block_b])
 
     # -- back to physical numbers -------------------------------------------------------------
     def physical_force(self, force: Floats) -> Floats:
