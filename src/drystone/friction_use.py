@@ -17,7 +17,7 @@ from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import Slip, clipped, slip_use
 from drystone.joints import LOADED, Resultants, bearable
-from drystone.virtual import joint_sections
+from drystone.virtual import JointSections, joint_sections
 
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
@@ -90,11 +90,7 @@ class PressedFaces:
 
     @classmethod
     def of(
-        cls,
-        contacts: Contacts,
-        resultants: Resultants,
-        which: Ints,
-        joints: tuple[Floats, Floats, Sections],
+        cls, contacts: Contacts, resultants: Resultants, which: Ints, joints: JointSections
     ) -> PressedFaces:
         """Some faces (t,) under their forces; ``joints`` are the sections of all."""
         loops, row = contacts.corners.take(which)

@@ -25,6 +25,9 @@ from drystone.geometry.kern import Sections, kern, sections
 _Choice = Sequence[int] | Ints | Bools | None
 """Interfaces by position or mask; all when None."""
 
+JointSections = tuple[Floats, Floats, Sections]
+"""What :func:`joint_sections` gives."""
+
 _MERGED = 1e-12
 """Corners closer than this share of the size of their interface are one."""
 
@@ -39,7 +42,7 @@ def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
     return origin, flat
 
 
-def joint_sections(contacts: Contacts) -> tuple[Floats, Floats, Sections]:
+def joint_sections(contacts: Contacts) -> JointSections:
     """Mean corners (m, 3), corners about them (k, 2), and the moments of every interface."""
     origin, flat = local_corners(contacts)
     return origin, flat, sections(flat, contacts.corners)

@@ -60,9 +60,8 @@ def peak_pressure(
     """
     pressed = normal > 0.0
     loops = Ragged.over(start)
-    plane = linear_pressure(
-        made, corners, loops, np.where(pressed[:, None], position, made.centroid)
-    )
+    inside = np.where(pressed[:, None], position, made.centroid)
+    plane = linear_pressure(made, corners, loops, inside)
     factor = loops.max(plane[loops.owner, 0] + dot(corners, plane[loops.owner, 1:]))
     area = np.where(made.area > 0.0, made.area, 1.0)
     return np.where(pressed, factor * normal / area, 0.0)

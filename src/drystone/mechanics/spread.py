@@ -9,17 +9,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import dot, lengths
+from drystone.base.arrays import dot, lengths, plane_cross
 from drystone.contacts import Contacts
 from drystone.friction_use import PressedFaces, sliding_use, twisted
 from drystone.joints import Resultants, bearable
 from drystone.virtual import joint_sections
 
-MUCH, TWISTED = 0.99, 0.01
+MUCH, TWISTED, LEVER = 0.99, 0.01, 0.75
 """Use of a face, and the part of it that is torsion, from which on it has points. What uses less
 carries its force and torque as it is. Measured on 148 models that stand and have joints that turn:
 spread points do not hold two lunes, used to 1.00. From a part of 0.03 one would be missed. From a
-use of 0.9 on a dome of 2,000 blocks that is tilted by 20 degrees has a third more points."""
+use of 0.9 on a dome of 2,000 blocks that is tilted by 20 degrees has a third more points. And least
+mean distance of pressure from its centre, by that of the centre from the rim, of a face that is
+pressed in part. Measured on 23,000 convex and concave ones: 0.83 or more."""
 
 
 def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts | None:
@@ -27,8 +29,9 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
 
     None unless one is used so much that its torsion may need its corners. Which of those that are
     pressed all over may be is told by friction that grows with the distance from the centre of
-    pressure, beside that against the force, at the corner used most. They resist better. Faces that
-    stay are first.
+    pressure, beside that against the force, at the corner used most. They resist better. Of those
+    that are pressed in part it is told by the use of force and torque each alone: both together use
+    no more than the sum. Faces that stay are first.
     """
     turns = twisted(contacts, resultants)
     if not turns.any():
@@ -40,19 +43,23 @@ def spread_where_turned(contacts: Contacts, resultants: Resultants) -> Contacts 
     force = np.einsum("mij,mj->mi", axes, resultants.force) / bound[:, None]
     polar = bound * np.where(turns, np.trace(made.inertia, axis1=1, axis2=2), 1.0)
     turn = (resultants.torque / polar)[joint, None] * [-1.0, 1.0]
-    across = turn * (corners - centre[joint])[:, ::-1]
+    away = corners - centre[joint]
+    across = turn * away[:, ::-1]
     together = contacts.corners.max(lengths(force[joint] + across))
-    least = sliding_use(contacts, resultants) + TWISTED
+    sliding = np.where(turns, sliding_use(contacts, resultants), 0.0)
+    least = np.maximum(MUCH, sliding + TWISTED)
     lever = np.einsum("mij,mj->mi", made.inverse, centre - made.centroid)
     opened = contacts.corners.min(dot(corners - made.centroid[joint], lever[joint])) < -1.0
-    much = turns & (opened | (together > np.maximum(MUCH, least)))
+    edge = corners[contacts.corners.following] - corners
+    rim = contacts.corners.min(plane_cross(away, edge) / np.maximum(lengths(edge), 1e-300))
+    alone = np.abs(resultants.torque) / bound > (least - sliding) * LEVER * rim
+    much = turns & np.where(opened, alone, together > least)
     if not much.any():
         return None
     which = np.flatnonzero(much)
     faces = PressedFaces.of(contacts, resultants, which, sections)
-    enough = np.maximum(MUCH, least[which])
-    slip = faces.slip(contacts, resultants, enough)
-    wanted = slip.use > enough
+    slip = faces.slip(contacts, resultants, least[which])
+    wanted = slip.use > least[which]
     if not wanted.any():
         return None
     kept = contacts.select(np.isin(np.arange(contacts.count), which[wanted], invert=True))

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from drystone.base.arrays import dot, lengths, plane_cross
 from drystone.base.ragged import Ragged
-from drystone.geometry.kern import sections
+from drystone.geometry.kern import edge_ratio, sections
 from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import cut_face_points
 from drystone.geometry.slipping import clipped, slip_use, turned
+from drystone.mechanics.spread import LEVER
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 ANGLE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.3], [0.3, 0.3], [0.3, 1.0], [0.0, 1.0]])
@@ -30,6 +32,13 @@ def pressed(corners: np.ndarray, centre: tuple[float, float]) -> tuple[np.ndarra
     local, start = corners - centre, np.array([0, len(corners)])
     made = sections(local, start)
     return local, linear_pressure(made, local, start, np.zeros((1, 2))), float(made.area[0])
+
+
+def around(draw: np.random.Generator, count: int) -> np.ndarray:
+    """Corners (count, 2) of a random star-shaped face, counter-clockwise."""
+    angle = 2.0 * np.pi / count * (np.arange(count) + draw.uniform(0.0, 0.5, count))
+    along = np.stack([np.cos(angle), 10.0 ** draw.uniform(-1.0, 1.0) * np.sin(angle)], axis=1)
+    return draw.uniform(0.3, 1.0, (count, 1)) * along
 
 
 def grid(local: np.ndarray, plane: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -161,3 +170,27 @@ def test_pressure_is_linear_and_does_not_pull() -> None:
     tipped, even = points.loops.split(share)
     assert (tipped[points.place[points.loops[0], 0] > 0.6001] == 0.0).all()
     assert even == pytest.approx(points.area[points.loops[1]])
+
+
+def test_pressure_on_a_part_of_a_face_lies_on_average_not_much_nearer_than_the_rim() -> None:
+    draw = np.random.default_rng(5)
+    corners = [around(draw, int(draw.integers(3, 12))) for _ in range(400)]
+    loops, corner = Ragged.of(corners), np.concatenate(corners)
+    made = sections(corner, loops)
+    start = draw.normal(size=made.centroid.shape) * np.sqrt(made.area)[:, None]
+    way = np.sqrt(draw.uniform(0.2, 0.999, len(loops)))
+    way /= edge_ratio(made, corner, loops, made.centroid + start)
+    centre = made.centroid + way[:, None] * start
+    local = corner - centre[loops.owner]
+    made = sections(local, loops)
+    plane = linear_pressure(made, local, loops, np.zeros_like(centre))
+    edge = local[loops.following] - local
+    rim = loops.min(plane_cross(local, edge) / lengths(edge))
+    height = plane[loops.owner, 0] + dot(local, plane[loops.owner, 1:])
+    some = np.isfinite(plane[:, 0]) & (loops.min(height) < 0.0) & (rim > 0.0)
+    part, row = loops.take(some)
+    none, one = np.zeros((len(part), 2)), np.ones(len(part))
+    pressed_part, pressed_corner = clipped(part, local[row], height[row])
+    use = slip_use(pressed_corner, pressed_part, plane[some], none, one).use
+    assert len(part) > 200
+    assert (1.0 / (use * made.area[some]) > LEVER * rim[some]).all()
