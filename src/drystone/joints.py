@@ -306,6 +306,24 @@ def on_an_edge(
     return found
 
 
+def foot_pressed(
+    assembly: Assembly, contacts: Contacts, resultants: Resultants
+) -> tuple[float, float] | None:
+    """How far [m] the only joint with a support is pressed from its middle, and beside its kern.
+
+    As :func:`on_an_edge`. The second value is 1 at the edge of the kern. ``None`` where there is no
+    such joint, or several.
+    """
+    fixed = assembly.fixed
+    (feet,) = np.nonzero(fixed[contacts.block_a] != fixed[contacts.block_b])
+    origin, corners, made = joint_sections(contacts)
+    if len(feet) != 1 or not made.area[feet[0]] > 0.0:
+        return None
+    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
+    within = kern_ratio(made, corners, contacts.start, at)
+    return float(lengths(at - made.centroid)[feet[0]]), float(within[feet[0]])
+
+
 def _held_without(assembly: Assembly, contacts: Contacts, joint: int) -> Bools:
     """Which blocks (n,) are connected with a support when one joint is missing."""
     held = assembly.fixed.copy()

@@ -331,3 +331,18 @@ def test_no_joint_is_said_to_need_its_corners_where_spread_pressure_was_tried_an
     robust = check(model, options=CheckOptions.robust())
     assert "one with pressure spread over the faces" in robust.message
     assert not any("its corners" in one.text for one in robust.sentences())
+
+
+def test_of_joints_that_turn_the_one_that_carries_is_named_before_a_faint_one() -> None:
+    """The torques are those of two plates whose areas are as 400 to 1."""
+    large, small = rectangle((0.0, 2.0), (0.0, 2.0)), rectangle((4.0, 4.1), (0.0, 0.1))
+    model = standing([ground(WIDE)], [plate(large, "large"), plate(small, "small")])
+    for block, side, share in ((1, 2.0, 1.1), (2, 0.1, 1.3)):
+        own = float(-model.load.wrench[block, 1])
+        model = loaded(model, share * FRICTION * own * side * SQUARE * TORQUE, block)
+    result = check(model)
+    _, used = (one["utilisation"] for one in result.tables()[0])
+    assert used == pytest.approx(1.1, abs=0.03)
+    (said,) = [one.text for one in result.sentences() if "its corners" in one.text]
+    assert said.startswith("the joint of 'ground' and 'large'")
+    assert f"turns with {100.0 * used:.0f} %" in said

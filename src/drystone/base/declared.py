@@ -332,7 +332,9 @@ def _number(given: Any, kind: type, unit: str) -> float:
         try:
             return int(given)
         except ValueError as error:
-            raise InputError(f"'{given}' is not a whole number", remedy="write 4") from error
+            raise InputError(
+                f"'{given}' is not a whole number", remedy="write it in digits, as 4"
+            ) from error
     if unit == COEFFICIENT:
         return units.coefficient(given)
     if unit == "m":

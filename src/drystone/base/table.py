@@ -6,7 +6,7 @@ import csv
 import html
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -44,6 +44,8 @@ class Table(OneLine):
     bounds
         Of the columns that are bounds, whether they are rounded up for people: True where more is
         enough as well, False where less is.
+    hidden
+        Columns that are left out where people read the table.
 
     Raises
     ------
@@ -63,6 +65,7 @@ class Table(OneLine):
     columns: Mapping[str, Any]
     units: Mapping[str, str] = field(default_factory=dict)
     bounds: Mapping[str, bool] = field(default_factory=dict)
+    hidden: Collection[str] = ()
 
     def __post_init__(self) -> None:
         columns = {name: frozen(_column(values)) for name, values in self.columns.items()}
@@ -74,7 +77,7 @@ class Table(OneLine):
         object.__setattr__(self, "units", MappingProxyType(dict(self.units)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Table, (self.title, dict(self.columns), dict(self.units), self.bounds)
+        return Table, (self.title, dict(self.columns), dict(self.units), self.bounds, self.hidden)
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self), 'row')}: {', '.join(self.headings())}"
@@ -112,6 +115,8 @@ class Table(OneLine):
         """
         heads, columns = [], []
         for name, values in self.columns.items():
+            if name in self.hidden:
+                continue
             unit = self.units.get(name, "")
             alone = unit in ("", "1") or (unit in _PREFIXED and values.dtype.kind == "f")
             heads.append(name.replace("_", " ") + ("" if alone else f" [{unit}]"))
@@ -136,7 +141,7 @@ class Table(OneLine):
         """Some of the rows, in the given order."""
         chosen = np.array([whole(row, "a row") for row in rows], dtype=np.intp)
         columns = {name: values[chosen] for name, values in self.columns.items()}
-        return Table(self.title, columns, self.units, self.bounds)
+        return Table(self.title, columns, self.units, self.bounds, self.hidden)
 
     def to_dict(self) -> dict[str, Any]:
         """Title, units and rows as plain values for JSON; NaN and infinity become None."""
@@ -152,6 +157,8 @@ class Table(OneLine):
     def to_csv(self, path: PathLike) -> None:
         """Write the rows, units in the header, to a temporary name that is then renamed.
 
+        The cell of a number that is not known is empty; one without a bound is ``inf``.
+
         Raises
         ------
         FormatError
@@ -161,7 +168,8 @@ class Table(OneLine):
         writer = csv.writer(text, lineterminator="\n")
         flat = self._flat()
         writer.writerow(flat)
-        writer.writerows(zip(*(values.tolist() for values in flat.values()), strict=True))
+        cells = (map(_cell, values.tolist()) for values in flat.values())
+        writer.writerows(zip(*cells, strict=True))
         write_text(path, text.getvalue())
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -217,6 +225,10 @@ def _column(values: Any) -> np.ndarray:
         return values.copy()
     listed = list(values)
     return np.array(listed, dtype=object if None in listed else None)
+
+
+def _cell(value: Any) -> Any:
+    return "" if isinstance(value, float) and math.isnan(value) else value
 
 
 def _known(name: str, columns: Mapping[str, Any]) -> str:

@@ -94,7 +94,7 @@ def study(
         jobs.append((html, partial(save_study, found)))
     text = f"{counted(len(found), 'row')}, {refused} refused"
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
-    shown = Table(found.title, columns, found.units, found.bounds)
+    shown = Table(found.title, columns, found.units, found.bounds, found.hidden)
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
     return Told(told, subject=subject, files=lambda: (jobs, []))
 

@@ -172,7 +172,8 @@ def read(
         the block nearer to the supports goes on (longer), or both end as drawn (exact). Left out,
         undecided where they decide.
     anyway
-        Accept blocks that overlap by more than a tenth of the smaller one.
+        Go on where it is refused as doubtful: blocks that overlap by more than a tenth of the
+        smaller one, and for a plan or scaffolding a structure that does not stand.
     only
         Blocks that are kept, by names and patterns separated by commas; the others are left out.
     without

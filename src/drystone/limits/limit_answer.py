@@ -284,8 +284,9 @@ class Limit(LimitValues, Answer):
 
     def _stage(self, state: Result, value: float, falls: bool) -> SceneStage:
         """One side of the limit."""
-        verb = "Not decided at" if self._open else self._verb
-        headline = f"{'Falls at' if falls else verb} {self._quantity(value)}"
+        headline = self.title  # that of the answer, whichever of its sides is shown
+        if falls and self.best.stands is not None:
+            headline += f"; falls at {self._short(value)}"
         facts = {
             key: text for key, text in state.asked.facts().items() if key in ("Load", "Friction")
         }

@@ -16,11 +16,14 @@ from drystone.base.arrays import lengths
 from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.table import NEGLIGIBLE, Table
+from drystone.base.units import quantity
 from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
+    Resultants,
     ThrustLine,
     by_joint,
     corner_pressure,
+    foot_pressed,
     joint_table,
     on_an_edge,
     thrust_line,
@@ -80,8 +83,23 @@ class Result(Solution, Answer):
         if self._safety:
             said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
         if self.verdict is Verdict.STABLE and self.force is not None:
-            said += self._strength() + self._without_margin() + self._on_corners()
+            said += self._strength() + self._without_margin() + self._on_corners() + self._foot()
         return said
+
+    def _foot(self) -> list[Sentence]:
+        """Where what stands on one joint presses on it, beside its kern."""
+        joints = self.contacts.joints
+        found, _ = by_joint(self.contacts, self.resultants, self.utilisation)
+        far, share = foot_pressed(self.assembly, joints, found) or (0.0, 0.0)
+        if share < ACCURATE:  # in the middle
+            return []
+        words = f"foot: the resultant is {quantity(far, 'm')} from its middle, "
+        if share <= 1.0:
+            words += f"inside its kern ({rounded_up(100.0 * share, 3):g} % of the way to its edge)"
+        else:
+            words += f"outside its kern, at {rounded_up(share, 3):g} times the way to its edge: "
+            words += "without tension a part of it opens"
+        return [Sentence(words)]
 
     @property
     def _safety(self) -> str:
@@ -138,11 +156,13 @@ class Result(Solution, Answer):
         if robust and not pressure:
             return []
         joints = self.contacts.joints
-        _, used = by_joint(self.contacts, self.resultants, self.utilisation)
-        used = np.where(np.isfinite(used), used, 0.0)
-        if not used.max(initial=0.0) > 1.0 + ACCURATE:
+        found, used = by_joint(self.contacts, self.resultants, self.utilisation)
+        turned = np.where(np.isfinite(used), used, 0.0) > 1.0 + ACCURATE
+        if not turned.any():
             return []
-        at, names = int(np.argmax(used)), self.assembly.names
+        loaded = turned & _loaded(found)  # as in the table, those that carry little come last
+        at = int(np.argmax(np.where(loaded if loaded.any() else turned, used, -1.0)))
+        names = self.assembly.names
         pair = f"'{names[joints.block_a[at]]}' and '{names[joints.block_b[at]]}'"
         needs = "needs its corners:" if pressure else "may need its corners: with these forces"
         words = f"the joint of {pair} {needs} it turns with {100.0 * used[at]:.0f} % of what"
@@ -222,7 +242,7 @@ class Result(Solution, Answer):
             return Table("most loaded", {"joint": []})
         names, contacts = self.assembly.names, self.contacts.joints
         found, used = by_joint(self.contacts, self.resultants, self.utilisation)
-        told = np.where(found.normal > FAINT * found.normal.max(), used, -1.0)
+        told = np.where(_loaded(found), used, -1.0)
         heaviest, most = int(np.argmax(found.normal)), int(np.argmax(told))
         alike = told[heaviest] >= (1.0 - 1e-3) * told[most]  # of two that are alike one is told
         at = np.array([heaviest, heaviest if alike else most])
@@ -440,3 +460,8 @@ class Result(Solution, Answer):
             raise InputError(
                 "the result has no forces", remedy="ask for those of a structure that stands"
             )
+
+
+def _loaded(found: Resultants) -> Any:
+    """Joints (m,) that carry more than hardly anything."""
+    return found.normal > FAINT * found.normal.max(initial=0.0)

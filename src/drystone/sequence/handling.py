@@ -393,7 +393,8 @@ def handling(
         past, name = max(outside)
         notes.append(
             f"{len(outside)} of {counted(len(placements), 'path')} begin out of reach, that of "
-            f"'{name}' by {past:.3g} m; hand a block over at a pose within reach"
+            f"'{name}' by {past:.3g} m, as paths come from far outside: let the robot take a block "
+            "at the first pose of its path within reach"
         )
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)
 

@@ -153,7 +153,7 @@ class Scaffolding(Answer):
         takes = (
             f"{blocks} of {counted(of, 'block')} propped, at most {self.most_at_once} at once: "
             f"{self.metre_stages:.3g} m times stages, at most "
-            f"{units.quantity(self.peak_force, 'N')}{known}, {counted(self.moves, 'move')}, "
+            f"{units.quantity(self.peak_force, 'N')} in one{known}, {counted(self.moves, 'move')}, "
             f"cost {self.cost:.3g}"
         )
         return [Sentence(self.title, role), Sentence(takes)]

@@ -24,6 +24,7 @@ from drystone.base.version import version
 from drystone.io.opening import Given, How, content_of, supported_model
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
+from drystone.results import Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
 from drystone.studies.limit_words import limit_of_words, measured, measures
@@ -156,7 +157,7 @@ def study(
     if "stands" in _columns(limit):
         falls_below = bool((np.array(columns["falls"]) < np.array(columns["stands"])).any())
         bounds |= {"stands": falls_below, "falls": not falls_below}
-    return Table(limit or "verdicts", columns, {"time_s": "s", **units}, bounds)
+    return Table(limit or "verdicts", columns, {"time_s": "s", **units}, bounds, _hidden(columns))
 
 
 def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> Chart:
@@ -188,7 +189,10 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     up = up or _first_found(table)
     x, y = (_numbers(table, one) for one in (across, up))
     unit = table.units.get(up, "")
-    return Chart(table.title, tuple(_curves(table, x, y, by)), across, up, ("", unit))
+    marks = _curves(table, x, y, by)
+    if up == _first_found(table):
+        marks += _fallen(table, x, y)
+    return Chart(table.title, tuple(marks), across, up, ("", unit))
 
 
 def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:
@@ -267,19 +271,42 @@ def _parameters(table: Table, across: str, by: str) -> tuple[str, str]:
     return across, by
 
 
+def _hidden(columns: Mapping[str, Sequence[Any]]) -> frozenset[str]:
+    """Columns that say nothing to people: what is the same in all rows, and what is for programs.
+
+    Messages are told where a row has no answer.
+    """
+    inputs = [*columns][1 : [*columns].index("verdict")]
+    varied = [one for one in inputs if len({*map(str, columns[one])}) > 1]
+    hidden = {"number", "time_s", *inputs} - {*(varied or inputs)}
+    answered = {"found", *(one.value for one in Verdict)}
+    return frozenset(hidden if {*columns["verdict"]} - answered else {*hidden, "message"})
+
+
 def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
     """Lines and their points, one line for each value of a parameter."""
     groups = [""] if not by else list(dict.fromkeys(table[by].tolist()))
     inks, marks = ("accent", "bad", "good", "unsure", "ink"), []
-    shapes = (MarkKind.DISC, MarkKind.RING, MarkKind.DIAMOND, MarkKind.CROSS)
+    shapes = (MarkKind.DISC, MarkKind.RING, MarkKind.DIAMOND)
     for number, value in enumerate(groups):
         mine = np.flatnonzero(np.isfinite(y) & ((table[by] == value) if by else True))
         order = mine[np.argsort(x[mine], kind="stable")]
         ink, label = inks[number % len(inks)], f"{by} {value}" if by else ""
-        marks.append(Marks(MarkKind.LINE, x[order].astype(float), y[order], ink, label))
+        line = MarkKind.DASHED if number % 2 else MarkKind.LINE  # one below another is seen
+        marks.append(Marks(line, x[order].astype(float), y[order], ink, label))
         shape = shapes[number % len(shapes)]
         marks.append(Marks(shape, x[order].astype(float), y[order], ink))
     return marks
+
+
+def _fallen(table: Table, x: Any, y: Any) -> list[Marks]:
+    """Crosses where rows have no limit since they fall: at the value at which they do."""
+    unstable = np.where(table["verdict"] == Verdict.UNSTABLE.value, 0.0, np.nan)
+    at = table["falls"] if "falls" in table.columns else unstable
+    some = np.isnan(y) & np.isfinite(at)
+    if not some.any():
+        return []
+    return [Marks(MarkKind.CROSS, x[some].astype(float), at[some], "ink", "falls from the start")]
 
 
 def _columns(limit: str) -> Mapping[str, str]:

@@ -136,6 +136,8 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         colour = STATE_COLOUR[sheet.theme][State.FALLING]
         name = f"{sheet.stage.motion_name.lower()}, scaled"
         handles.append(Line2D([], [], color=colour, linestyle="--", label=name))
+        name, ink = "way of each block's middle, scaled", sheet.colours["edge"]
+        handles.append(Line2D([], [], color=ink, marker=">", markersize=4.0, label=name))
     for layer in layers:
         colour = sheet.colours[layer.colour]
         if layer.kind is LayerKind.POLYGONS:
@@ -194,6 +196,7 @@ def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         more = "\N{GREATER-THAN OR EQUAL TO} " if layer.largest > 1.001 * top else ""
         told = [_amount(x * top, layer.unit) for x in (0.0, 0.5, 1.0)]
         bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=7)
+        bar.get_xticklabels()[-1].set_horizontalalignment("right")  # else it may leave the page
         bar.set_yticks([])
         ink = sheet.colours["edge"]
         bar.tick_params(length=2, colors=ink)

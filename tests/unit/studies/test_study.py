@@ -132,7 +132,7 @@ def test_a_limit_that_has_no_column_is_refused_before_the_work(
 def test_one_and_two_parameters_are_drawn_as_curves(tmp_path: Path) -> None:
     found = study(pier, {"width": [0.5, 0.4], "friction": [0.3, 0.9]}, limit="tilt --axis y")
     chart = study_chart(found)
-    lines = [one for one in chart.marks if one.kind is MarkKind.LINE]
+    lines = [one for one in chart.marks if one.label]
     assert [one.label for one in lines] == ["friction 0.3", "friction 0.9"]
     assert lines[0].x.tolist() == [0.4, 0.5]
     assert chart.units == ("", "deg")
@@ -224,3 +224,30 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert "2 rows, 0 refused" in capsys.readouterr().out
     assert main(["study", "tower"]) == 2
     assert "--set: is missing" in capsys.readouterr().err
+
+
+def test_rows_that_fall_are_crosses_and_no_curve_hides_another() -> None:
+    rows = {"width": [0.3, 0.4, 0.5], "friction": [0.8, 0.9, 1.0]}
+    limits = study(pier, rows, limit="tilt --axis y")
+    lines = [one.kind for one in study_chart(limits).marks if one.label]
+    assert lines == [MarkKind.LINE, MarkKind.DASHED, MarkKind.LINE]
+    thickness = {"thickness_ratio": [0.05, 0.2], "voussoirs": [11]}
+    for limit in ("tilt --axis y", ""):
+        found = study(arch, thickness, limit=limit, friction=0.7)
+        assert math.isnan(found["stands" if limit else "tilt_margin"][0])
+        cross = study_chart(found).marks[-1]
+        assert (cross.kind, cross.label) == (MarkKind.CROSS, "falls from the start")
+        assert (cross.x.tolist(), cross.y.tolist()) == ([0.05], [0.0])
+
+
+def test_people_read_what_differs_and_programs_read_all(tmp_path: Path) -> None:
+    found = study(arch, {"thickness_ratio": [0.05, 0.2], "voussoirs": [11]}, friction=0.7)
+    heads = ["thickness ratio", "verdict", "tilt margin [deg]", "mechanism"]
+    assert found.cells()[0] == heads
+    assert found.take([0]).cells()[0] == heads
+    found.to_csv(tmp_path / "found.csv")
+    head, falls, _ = (tmp_path / "found.csv").read_text("utf-8").splitlines()
+    assert head.startswith("number,thickness_ratio,voussoirs,verdict,tilt_margin [deg],mechanism")
+    assert falls.startswith("0,0.05,11,unstable,,")
+    refused = study(arch, {"thickness_ratio": [-1.0, 0.2]}, friction=0.7)
+    assert "message" in refused.cells()[0]

@@ -23,7 +23,7 @@ def test_a_tilt_limit_says_its_number_and_direction_on_both_sides(tilt: Limit) -
     stands, falls = scene_of(tilt).stages
     assert stands.headline.startswith("Stands up to 16.")
     assert stands.headline.endswith(" degrees about y")
-    assert falls.headline.startswith("Falls at 16.")
+    assert falls.headline.startswith(f"{stands.headline}; falls at 16.")
     assert (falls.state == State.FALLING).sum() == 1
     assert falls.motion is not None
 
@@ -50,7 +50,7 @@ def test_states_of_different_blocks_are_not_mixed() -> None:
     scene = scene_of(limit)
     stands, falls = scene.stages
     assert stands.headline.startswith("Stands down to thickness ratio 0.")
-    assert falls.headline.startswith("Falls at thickness ratio 0.")
+    assert falls.headline.startswith(f"{stands.headline}; falls at 0.")
     assert stands.headline.split()[-1] != falls.headline.split()[-1]
     own = np.array([name.endswith(" (stands)") for name in scene.assembly.names])
     assert ((stands.state == State.ABSENT) == ~own).all()
