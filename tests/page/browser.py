@@ -50,6 +50,7 @@ class Browser:
         self._number, self._buffer = 0, b""
         self._events: list[dict[str, Any]] = []
         self.tabs: list[Tab] = []
+        self.spare: list[tuple[str, str]] = []
 
         self.process = subprocess.Popen(
             [
@@ -132,12 +133,11 @@ class Browser:
         Few pixels are quick. ``before`` is a script that runs before those of the page.
         """
         address = path if isinstance(path, str) else path.resolve().as_uri()
-        target = self.send("Target.createTarget", url="about:blank")["targetId"]
-        session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        tab = Tab(self, session, target)
+        tab = Tab(self, *(self.spare.pop() if self.spare else self._empty()))
+        tab.plain = not (touch or before)
+        tab.send("Page.bringToFront")
+        self._events = [one for one in self._events if one.get("sessionId") != tab.session]
         self.tabs.append(tab)
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            tab.send(f"{domain}.enable")
         tab.send(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
             deviceScaleFactor=ratio, mobile=touch,
@@ -154,12 +154,21 @@ class Browser:
         tab.frames(3)
         return tab
 
+    def _empty(self) -> tuple[str, str]:
+        """An empty tab: its session and its target."""
+        target = self.send("Target.createTarget", url="about:blank")["targetId"]
+        session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.send(f"{domain}.enable", session)
+        return session, target
+
 
 class Tab:
     """One open page."""
 
     def __init__(self, browser: Browser, session: str, target: str) -> None:
         self.browser, self.session, self.target = browser, session, target
+        self.plain = True
 
     def send(self, method: str, **params: Any) -> dict[str, Any]:
         """Ask this tab for something."""
@@ -261,9 +270,14 @@ class Tab:
         return [url for url in addresses if not url.startswith(("file:", "data:", "blob:"))]
 
     def close(self) -> None:
-        """Close it."""
-        if self in self.browser.tabs:
-            self.browser.tabs.remove(self)
+        """Leave the page. A tab without settings of its own is used again: to start one is slow."""
+        if self not in self.browser.tabs:
+            return
+        self.browser.tabs.remove(self)
+        if self.plain:
+            self.send("Page.navigate", url="about:blank")
+            self.browser.spare.append((self.session, self.target))
+        else:
             self.browser.send("Target.closeTarget", targetId=self.target)
 
 
