@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from io import BytesIO
 from typing import Any
 
@@ -89,15 +90,14 @@ def dimensions_picture(model: Model) -> Picture:
     return _picture(figure, f"Overall dimensions of the free blocks{earth}")
 
 
+@cache
 def signs_picture() -> Picture:
     """Axes, and the forces in a joint, with the senses in which they are positive."""
     from matplotlib.figure import Figure  # as above
     from matplotlib.patches import Polygon
 
     figure = Figure(figsize=(_WIDTH, 2.2), facecolor="white")
-    axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_xlim(0.0, 6.7)
-    axes.set_ylim(0.0, 2.2)
+    axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 6.7), ylim=(0.0, 2.2))
     axes.axis("off")
     for end, name in (((1.35, 0.5), "x"), ((0.95, 0.85), "y"), ((0.5, 1.35), "z, up")):
         _arrow(axes, (0.5, 0.5), end)
