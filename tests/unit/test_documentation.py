@@ -137,16 +137,6 @@ def test_the_readmes_commands_answer_as_it_says(
     assert {"fall.png", "barrel.json", "plan.html", "vault.glb"} <= written
 
 
-def test_the_demo_answers_and_leaves_a_page_and_a_figure(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main(["demo"]) == 0
-    assert capsys.readouterr().out.startswith("STABLE")
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {f"drystone-demo.{suffix}" for suffix in ("json", "html", "png")}
-
-
 def test_bad_input_is_one_line_and_exit_code_two(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

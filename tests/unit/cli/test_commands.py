@@ -337,9 +337,12 @@ def test_the_page_is_not_written_without_the_figure(
         assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
 
 
-def test_demo_checks_a_vault_and_draws_it(tmp_path: Path, capsys: Capsys) -> None:
-    code, told = answer(capsys, "demo", "--folder", str(tmp_path))
-    assert (code, told["verdict"]) == (0, "stable")
+def test_demo_checks_a_vault_and_draws_it_where_it_is_asked(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo"]) == 0
+    assert capsys.readouterr().out.startswith("STABLE")
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"drystone-demo.json", "drystone-demo.html", "drystone-demo.png"}
     assert answer(capsys, "check", str(tmp_path / "drystone-demo.json"))[1]["asked"]["blocks"] == 97

@@ -106,7 +106,7 @@ def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
         assert robust != one.change.description.endswith(", which holds only after settling")
 
 
-@pytest.mark.parametrize(("patience", "kinds"), [(600, []), (1800, ["prop"])])
+@pytest.mark.parametrize(("patience", "kinds"), [(100, []), (1200, ["prop"])])
 def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
     monkeypatch: pytest.MonkeyPatch, patience: int, kinds: list[str]
 ) -> None:
@@ -271,7 +271,7 @@ def stair(steps: int, rise: float = 0.2, turn: float = 22.5) -> Model:
 
 def test_diagnosis_and_mend_name_the_same_props_of_a_stair(tmp_path: Path) -> None:
     once = DesignMargin(robust=False)
-    found = find_mends(stair(9), options=MendOptions(once, kinds=("prop",)))
+    found = find_mends(stair(7), options=MendOptions(once, kinds=("prop",)))
     (mended,) = found.mends
     point, force = found.diagnosis.props
     assert len(point) == mended.change.added > 1

@@ -84,7 +84,6 @@ def peak(work: Callable[[], object]) -> int:
     ("edges", "play"),
     [
         ("isolated", PLAY),
-        ("always", PLAY),
         ("never", PLAY),
         ("always", 0.0),
         ("isolated", -0.0005),
@@ -92,7 +91,7 @@ def peak(work: Callable[[], object]) -> int:
 )
 def test_memory_of_a_peg_in_a_sleeve_grows_with_its_faces(edges: str, play: float) -> None:
     options = DetectionOptions(edges=edges)
-    coarse, fine = (peg_in_sleeve(grade, play) for grade in (3, 6))
+    coarse, fine = (peg_in_sleeve(grade, play) for grade in (2, 4))
     find_contacts(coarse, options=options)  # imports
     few, many = (peak(lambda m=m: find_contacts(m, options=options)) for m in (coarse, fine))
     ratio = sum(len(b.faces) for b in fine.blocks) / sum(len(b.faces) for b in coarse.blocks)
@@ -120,7 +119,7 @@ def test_a_depth_does_not_depend_on_the_mesh(grade: int) -> None:
 
 
 def test_a_peg_that_is_drawn_into_its_sleeve_touches_all_round() -> None:
-    model = peg_in_sleeve(8, -0.0005)
+    model = peg_in_sleeve(5, -0.0005)
     found = find_contacts(model)
     assert found.contacts.area.sum() == pytest.approx(2.0 * np.pi * 0.0195 * 0.08, rel=0.01)
     assert [pair.off for pair in found.report.inexact] == pytest.approx([0.0005], rel=0.01)

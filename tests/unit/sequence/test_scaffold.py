@@ -355,16 +355,13 @@ def test_centring_stops_a_block_below_where_its_face_is_steeper_than_friction(de
 SHELLS = {
     "barrel": {"courses": 5, "blocks": 2, "thickness": 0.6, "wedge": 0.2},
     "dome": {"courses": 3, "blocks": 6, "thickness": 0.5},
-    "pavilion": {"courses": 2, "width": 3.0, "thickness": 0.5},
-    "cross": {"courses": 5, "width": 1.6, "thickness": 0.25, "wedge": 0.2},
     "tri-dome": {"courses": 4, "width": 1.8, "thickness": 0.5, "keystone": True},
     "free-edge": {"courses": 4, "width": 1.8, "thickness": 0.3, "wedge": 0.2},
     "three-vaults": {"courses": 3, "width": 4.0, "thickness": 0.3, "wedge": -0.1},
 }
-"""A small shell of every surface that is known by name."""
+"""Small shells: rows, rings, patches that meet, an edge without a support."""
 
 FAMILIES = {
-    "vault of bricks": partial(models.barrel_vault, courses=7, blocks=2),
     "dome of slices": partial(models.dome, slices=6, rings=4),
     "lune": partial(models.lune, 0.1, rings=8, angle=20.0),
     "corbelled bridge": models.corbelled_bridge,
@@ -374,12 +371,9 @@ FAMILIES = {
 TAKES = {
     "barrel": (12, 8, 12, 12, 12),
     "dome": (18, 12, 12, 18, 12),
-    "pavilion": (12, 4, 12, 12, 12),
-    "cross": (24, 24, 24, 24, 24),
     "tri-dome": (22, 22, 22, 22, 22),
     "free-edge": (16, 16, 16, 16, 16),
     "three-vaults": (27, 27, 27, 27, 27),
-    "vault of bricks": (13, 13, 13, 13, 13),
     "dome of slices": (18, 12, 18, 18, 18),
     "lune": (8, 1, 6, 8, 6),
     "corbelled bridge": (7, 7, 3, 7, 7),
@@ -387,7 +381,7 @@ TAKES = {
 """Free blocks of each, and how many have a face for a strut, a rope, a clamp and centring."""
 
 
-@pytest.mark.parametrize("surface", [*SHELLS, *FAMILIES])
+@pytest.mark.parametrize("surface", TAKES)
 def test_every_item_touches_the_true_surface_of_the_blocks_of_a_shell(surface):
     """Faces are warped: their planes are centimetres away. An item off the surface is refused."""
     if surface in FAMILIES:

@@ -247,8 +247,6 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     found = check(model)
     assert found.verdict is Verdict.UNSTABLE
     assert found.samples.standing == found.samples.tried
-    # how far a fall is followed does not change what is found
-    assert settle(model).outcome is Outcome.FALLS
     rests = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.3)
     assert every_stiffness(rests).verdict is Verdict.STABLE
     found = check(rests)

@@ -23,7 +23,7 @@ from drystone.view import LayerKind, State, scene_of
 
 
 def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls():
-    model = drystone.Model.of(arch(0.2, 8), friction=0.2)
+    model = drystone.Model.of(arch(0.2, 5), friction=0.2)
     found = drystone.diagnose(replace(model, origin=Origin("folder/arch.json")))
     scene = scene_of(found)
     (stage,) = scene.stages
