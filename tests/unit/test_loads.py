@@ -32,6 +32,12 @@ def test_a_force_away_from_the_centroid_turns_the_block() -> None:
     assert load.notes == ()
 
 
+def test_names_of_forces_have_no_powers_of_ten() -> None:
+    names = [LoadCase.point_load(TOWER, TOP, (0.0, 0.0, -f)).name for f in (1234.0, 30e3, 1.5e6)]
+    forces = ["0, 0, -1234 N", "0, 0, -30000 N", "0, 0, -1500000 N"]
+    assert names == [f"{force} on 'block-1'" for force in forces]
+
+
 def test_a_point_off_the_block_is_told_with_its_distance() -> None:
     load = LoadCase.point_load(TOWER, "block-1", (1.0, 0.0, 0.0), at=(0.5, 0.5, 2.25))
     assert load.notes == ("the point 0.5, 0.5, 2.25 is 0.25 m off block 'block-1'",)

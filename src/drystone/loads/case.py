@@ -410,4 +410,4 @@ def name_of_sum(names: Iterable[str]) -> str:
 
 
 def _listed(vector: Floats) -> str:
-    return ", ".join(f"{x + 0.0:.4g}" for x in vector)
+    return ", ".join(f"{x + 0.0:{'.4g' if abs(x) < 1e4 else '.0f'}}" for x in vector)

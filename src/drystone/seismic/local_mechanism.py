@@ -154,9 +154,8 @@ class LocalMechanism(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """The same, what moves, and how it was found."""
-        asked = self.site is not None
         good = self.oscillator.multiplier > 0.0
-        if asked:
+        if self.site is not None:
             good = self.fulfils("linear") or self.fulfils("non-linear")
         moving = counted(int(np.count_nonzero(self._moving)), "block")
         said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
@@ -499,6 +498,9 @@ def _found(
         moved, load = grown * pushed.displacement, pushed.load
         reach = float("nan") if pushed.capacity is None else grown * pushed.capacity
         told += f"; followed: {pushed.message}"
+    else:
+        why = "ties pull it over without an earthquake" if starts else "its joints are not dry"
+        told += f"; not followed: {why}; a part (--part) has d0*"
     # between what stands and what falls nothing is known, but where the limit was computed
     begins = starts + (best.stands if best.computed is None else best.computed)
     each_of = (block[body == one] for one in np.flatnonzero(moving))

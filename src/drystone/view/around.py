@@ -139,26 +139,23 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         name, ink = "way of each block's middle, scaled", sheet.colours["edge"]
         handles.append(Line2D([], [], color=ink, marker=">", markersize=4.0, label=name))
     for layer in layers:
-        colour = sheet.colours[layer.colour]
+        colour, text = sheet.colours[layer.colour], layer.label
         if layer.kind is LayerKind.POLYGONS:
             if layer.value is None:
-                handles.append(Patch(facecolor=colour, alpha=0.75, label=layer.label))
+                handles.append(Patch(facecolor=colour, alpha=0.75, label=text))
             continue
-        text = layer.label
+        look: dict[str, Any] = {"linewidth": 1.6 * layer.width if layer.value is None else 3.0}
         if layer.kind is LayerKind.MARKERS:
-            shape = "D" if layer.shape is MarkerShape.DIAMOND else "o"
-            handles.append(
-                Line2D(
-                    [], [], color=colour, marker=shape, linestyle="", markersize=5.5,
-                    markeredgecolor=sheet.colours["edge"], label=f"{text} ({layer.count})",
-                )
-            )  # fmt: skip
-            continue
-        wide = 1.6 * layer.width
-        if layer.kind is LayerKind.ARROWS or layer.value is not None:
+            text += f" ({layer.count})"
+            look = {"marker": "D" if layer.shape is MarkerShape.DIAMOND else "o", "linestyle": ""}
+            look |= {"markersize": 5.5, "markeredgecolor": sheet.colours["edge"]}
+        elif layer.kind is LayerKind.ARROWS or layer.value is not None:
             text += f", up to {_amount(layer.largest, layer.unit)}"
-            wide = 1.6 * layer.width if layer.value is None else 3.0
-        handles.append(Line2D([], [], color=colour, linewidth=wide, label=text))
+        if layer.kind is LayerKind.ARROWS:  # in pairs, with a head at both ends of the line
+            heads = [(0.2, -0.5), (1.0, 0.0), (0.2, 0.5), (0.2, 0.0)]
+            heads += [] if layer.single else [(-x, y) for x, y in reversed(heads)]
+            look = {"linewidth": 0.72 * layer.width, "marker": heads, "markersize": 13.0}
+        handles.append(Line2D([], [], color=colour, label=text, **look))
     for columns in (4, 3, 2, 1):
         legend = figure.legend(
             handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=columns,

@@ -243,6 +243,7 @@ def as_seen(layer: Layer, eye: Floats) -> Layer:
     owner = np.tile(loops.owner, pieces)
     return replace(
         layer, kind=LayerKind.LINES, start=None, width=2.0, value=value,
+        label=f"{layer.label}, along joints" if value is not None else layer.label,
         position=(at + share[:, :, None] * (at[after] - at)).reshape(-1, 3),
         vector=np.tile((at[after] - at) / pieces, (pieces, 1)),
         interface=None if layer.interface is None else layer.interface[owner],

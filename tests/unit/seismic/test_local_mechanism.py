@@ -261,6 +261,8 @@ def test_ties_hold_the_mechanism_that_is_found_too(pull: float) -> None:
     found = local_mechanism(courses(1, 0.4, 3.0), ties=[f"wall-0:{pull}N@0,1,2.8"])
     expected = (weight * 0.2 + pull * 2.8) / (weight * 1.5)
     assert found.oscillator.multiplier == pytest.approx(expected, rel=1e-3)
+    why = "ties pull it over without an earthquake; a part (--part) has d0*"
+    assert (why in found.how) == math.isnan(found.oscillator.displacement) == (pull == 15e3)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
 from scipy.spatial.transform import Rotation
 
 import drystone
@@ -115,12 +116,29 @@ def texts(figure: Any) -> str:
 
 def test_joints_that_one_looks_along_are_drawn_as_lines() -> None:
     result = drystone.check(arch(0.2, 6), friction=0.7)
-    assert "friction used, up to 49 %" in texts(figure_of(result, preset="utilisation"))
+    assert "friction used, along joints, up to 49 %" in texts(
+        figure_of(result, preset="utilisation")
+    )
     forces = figure_of(result, layers=["joint-force"])
     (lines,) = [one for one in forces.axes[0].collections if isinstance(one, LineCollection)]
     widths = np.reshape(lines.get_linewidths(), (-1, 4 * result.contacts.count))
     assert len(lines.get_segments()) == widths.size
     assert np.ptp(widths, axis=0).max() > 1.0  # a joint is pressed more at one end
+
+
+def test_the_legend_shows_loads_and_reactions_as_arrows() -> None:
+    model = drystone.Model.of(arch(0.2, 7), friction=0.7)
+    load = drystone.LoadCase.point_load(model.assembly, "voussoir-03", (0.0, 0.0, -500.0))
+    layers = ["loads", "reactions", "network"]
+    figure = figure_of(drystone.check(model.with_load(model.load + load)), layers=layers)
+    legend = figure.legends[0]
+    words = [one.get_text().split(",")[0] for one in legend.get_texts()]
+    lines = {
+        w: h for w, h in zip(words, legend.legend_handles, strict=True) if isinstance(h, Line2D)
+    }
+    heads = [word for word, line in lines.items() if line.get_marker() != "None"]
+    assert heads == ["loads", "reactions at joints of supports"]
+    assert "force network" in lines
 
 
 def test_the_figure_says_verdict_units_and_scale() -> None:
