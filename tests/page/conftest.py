@@ -31,7 +31,7 @@ def browser(chromium: Browser) -> Iterator[Browser]:
         tab.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
     """A server of the arch."""
     with served_arch(tmp_path_factory.mktemp("live")) as made:

@@ -9,7 +9,7 @@ from drystone.models import box
 from drystone.programs import RBEOptions
 from drystone.settlement import UNDECIDED
 
-BATCHES, PER_BATCH = 4, 25
+BATCHES, PER_BATCH = 3, 25
 
 
 def random_pile(rng):

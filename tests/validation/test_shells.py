@@ -1,5 +1,7 @@
 """Four shells from a surface to a verdict: blocks that fit, joints that are found, what stands."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -31,8 +33,15 @@ QUICK = CheckOptions(samples=1)
 ON_THE_BLOCK = CheckOptions(samples=1, settlement=SettlementOptions(carrier=Carrier.MOVING))
 """Flush ends of joints go with the block that leans: carried by its bed it falls before."""
 
-SHELLS = {kind: sample_shell(kind, 40) for kind in SAMPLES}
-FOUND = {kind: find_contacts(s.assembly, options=TIGHTEST) for kind, s in SHELLS.items()}
+
+@cache
+def sampled(kind):
+    return sample_shell(kind, 40)
+
+
+@cache
+def found_in(kind):
+    return find_contacts(sampled(kind).assembly, options=TIGHTEST)
 
 
 @pytest.fixture(params=SAMPLES)
@@ -50,19 +59,19 @@ def shared_areas(shell):
 
 
 def test_every_block_is_closed_and_has_a_volume(kind):
-    for block in SHELLS[kind].assembly.blocks:
+    for block in sampled(kind).assembly.blocks:
         assert edge_defects(block.faces) == ([], [], True)
         assert block.volume > 0.0
         assert not block.repairs
 
 
 def test_no_two_blocks_stand_in_each_other(kind):
-    assert FOUND[kind].report.overlaps == ()
-    assert FOUND[kind].report.isolated == ()
+    assert found_in(kind).report.overlaps == ()
+    assert found_in(kind).report.isolated == ()
 
 
 def test_every_joint_is_planar(kind):
-    shell = SHELLS[kind]
+    shell = sampled(kind)
     faces = [face for face, users in shell.beside.items() if len(users) == 2]
     assert len(faces) == len(shell.contacts)
     made = (cell_faces(shell.mesh, shell.pins, cell)[2] for cell in shell.mesh.cells)
@@ -73,8 +82,8 @@ def test_every_joint_is_planar(kind):
 
 
 def test_every_joint_is_found_at_the_tightest_tolerance_with_its_area(kind):
-    made = shared_areas(SHELLS[kind])
-    contacts = FOUND[kind].contacts
+    made = shared_areas(sampled(kind))
+    contacts = found_in(kind).contacts
     found = {}
     pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
     for pair, area in zip(pairs, contacts.area.tolist(), strict=True):
@@ -85,19 +94,19 @@ def test_every_joint_is_found_at_the_tightest_tolerance_with_its_area(kind):
 
 
 def test_the_blocks_have_the_volume_of_the_shell(kind):
-    shell = SHELLS[kind]
+    shell = sampled(kind)
     thickness = SAMPLES[kind][40][1]
     assert shell.volume == pytest.approx(shape_volume(shell.shape, thickness), rel=0.01)
 
 
 def test_blocks_stay_near_the_surface(kind):
-    assert SHELLS[kind].planar.drift < 0.15
-    assert SHELLS[kind].fitted < 0.06
+    assert sampled(kind).planar.drift < 0.15
+    assert sampled(kind).fitted < 0.06
 
 
 def test_the_shells_stand(kind):
-    shell = SHELLS[kind]
-    result = check(Model(shell.assembly, FOUND[kind].contacts), options=QUICK)
+    shell = sampled(kind)
+    result = check(Model(shell.assembly, found_in(kind).contacts), options=QUICK)
     assert result.verdict is Verdict.STABLE
     assert result.residuals.largest <= 1e-8
 
@@ -111,7 +120,7 @@ def test_the_plan_of_the_form_found_shell_does_not_stand_flat():
 
 def test_a_hooked_dome_is_concave_and_stands():
     shell = build_shell(
-        SHELLS["dome"].shape,
+        sampled("dome").shape,
         Layout(courses=5, blocks=8),
         ShellBody(thickness=0.4, joggle_deg=12.0),
     )
@@ -161,9 +170,9 @@ def test_no_point_lies_in_two_blocks(kind):
 
     Independent of how the depth of one block in another is found.
     """
-    blocks = SHELLS[kind].assembly.blocks
+    blocks = sampled(kind).assembly.blocks
     random = np.random.default_rng(7)
-    for name in set(SHELLS[kind].contacts.block_a.tolist()):
+    for name in set(sampled(kind).contacts.block_a.tolist()):
         one = blocks[name]
         triangles = _triangles(one)
         low, high = one.vertices.min(axis=0), one.vertices.max(axis=0)

@@ -129,7 +129,7 @@ def test_more_angle_means_fewer_pieces() -> None:
     model = curve_three_blocks(150)
     counts = [
         find_contacts(model, options=DetectionOptions(curve=angle)).contacts.count
-        for angle in (0.0, 0.5, 1.0, 2.0, 4.0)
+        for angle in (0.0, 1.0, 4.0)
     ]
     assert counts == sorted(counts, reverse=True)
     assert len(set(counts)) == len(counts)

@@ -1,4 +1,4 @@
-"""The server that the tests of a module share, and a window of it for each test."""
+"""The server that the tests of this folder share, and a window of it for each test."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +9,7 @@ from drystone.live.serving import Live
 from tests.unit.live.live_client import Window, served_arch, write_arch
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the file of the arch, whether it is served or not."""
     made = tmp_path_factory.mktemp("live")
@@ -17,7 +17,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def live(folder: Path) -> Iterator[Live]:
     """A server of the arch, whose file is in the folder."""
     with served_arch(folder) as made:

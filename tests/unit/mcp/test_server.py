@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Coroutine, Iterable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,8 @@ from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.models import arch, box, shelf, tower, vault
 
-pytest.importorskip("mcp")
-from mcp import Client, StdioServerParameters
-
-from drystone.mcp.tools import build
+if find_spec("mcp") is None:  # it takes a second to import: one process that tests is enough
+    pytest.skip("no mcp", allow_module_level=True)
 
 TIME_LIMIT = 120.0
 """[s] of a call, for a busy machine."""
@@ -34,6 +33,8 @@ class Session:
     """A connection that is open for the whole module."""
 
     def __init__(self, folder: Path) -> None:
+        from mcp import Client, StdioServerParameters
+
         self.loop = asyncio.new_event_loop()
         arguments = ["-m", "drystone", "mcp", str(folder), "--size-limit", "0.2"]
         arguments += ["--time-limit", str(TIME_LIMIT)]
@@ -272,6 +273,10 @@ def test_nothing_was_written_beside_the_models(session: Session, folder: Path) -
     "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"
 )
 def test_a_call_ends_with_its_time(folder: Path) -> None:
+    from mcp import Client
+
+    from drystone.mcp.tools import build
+
     server = build(Folder.of(folder, 1.0), 0.05)
 
     async def ask() -> Any:

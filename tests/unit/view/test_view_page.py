@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from importlib import resources
@@ -231,8 +229,3 @@ def test_the_file_is_replaced_as_a_whole(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
     with pytest.raises(InputError, match="cannot be written"):
         save_page(tower(2), tmp_path / "missing" / "model.html")
-
-
-def test_importing_the_view_does_not_import_matplotlib() -> None:
-    code = "import sys, drystone.view; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
