@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, dot, lengths
 from drystone.base.display import OneLine
 from drystone.contacts import Contacts
 from drystone.geometry.stress_block import cut_off, stress_block
@@ -27,8 +27,6 @@ _STIFFEST = 100.0
 """Share of the forces on a block that a corner may carry by such an overlap. In rest states of a
 pile with 23,000 corners it is 0.05 to 25: among so many, some only just touch."""
 
-NEGLIGIBLE = 1e-9
-"""The direction of friction is checked above this share of the forces on a block."""
 
 _LARGEST = 1e130
 """[N, N m, m, rad] Beyond it squares and products of forces and motions do not fit a float. Loads
@@ -236,7 +234,7 @@ def _motion_residuals(model: Model, force: Floats, displacement: Floats) -> tupl
     direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
     wrong = lengths(force[:, 1:] + tangential[:, None] * direction)
     wrong = np.where(still, tangential, wrong)
-    alignment = np.where(tangential > NEGLIGIBLE, wrong, 0.0)
+    alignment = np.where(tangential > ROUNDING, wrong, 0.0)
     return _most(np.maximum(prestress, pulled)), _most(alignment)
 
 

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.kern import Sections, edge_ratio
 from drystone.geometry.pressure import linear_pressure
 from drystone.geometry.quadrature import FacePoints, cut_face_points
 from drystone.geometry.slipping import Slip, clipped, slip_use
-from drystone.joints import LOADED, Resultants, bearable
+from drystone.joints import Resultants, bearable
 from drystone.virtual import JointSections, joint_sections
 
 TWISTED = 1e-3
@@ -30,7 +30,7 @@ def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
     """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
     normal, tangential = resultants.normal, resultants.tangential
     capacity = bearable(contacts, normal)
-    least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    least = ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
     loaded = (normal > least) | ~contacts.dry
     return frozen(
         np.where(
@@ -60,7 +60,7 @@ def twisted(contacts: Contacts, resultants: Resultants) -> Bools:
     normal = resultants.normal
     bound = np.maximum(bearable(contacts, normal), 0.0)
     turned: Bools = np.abs(resultants.torque) > TWISTED * np.sqrt(contacts.area) * bound
-    turned &= normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    turned &= normal > ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
     turned &= contacts.dry & (contacts.area > 0.0) & (bound > 0.0)
     return turned
 

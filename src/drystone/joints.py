@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from drystone.assembly import Assembly, Blocks
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, frozen, lengths
+from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, frozen, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
@@ -20,14 +20,10 @@ from drystone.geometry.pressure import peak_pressure
 from drystone.ties import ties_of
 from drystone.virtual import joint_sections
 
-LOADED = 1e-9
-"""A joint with less normal force than this share of the largest has no ratios."""
 HINGED = 0.99
 """From this share of the distance between centroid and rim on, a force counts as acting on the rim.
 From this share of the friction on, friction counts as fully used. Chosen."""
 
-_ON_EDGE = 1e-6
-"""A force acts on the rim, within this share of the distance from the centroid: above rounding."""
 _LOOKED_AT = 20
 """Joints at whose rims forces act that are looked at one by one. Chosen: they take no time."""
 
@@ -185,7 +181,7 @@ def joint_table(
         np.maximum.at(strength_use, contacts.joint, crushing)
     contacts = contacts.joints
     normal = resultants.normal
-    loaded = normal > LOADED * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
+    loaded = normal > ROUNDING * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     at = np.where(loaded[:, None], at, made.centroid)
@@ -271,7 +267,7 @@ def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
     """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
+    loaded = resultants.normal > ROUNDING * max(float(resultants.normal.max(initial=0.0)), 1e-300)
     out: Bools = loaded & (made.area > 0.0)
     out &= edge_ratio(made, corners, contacts.start, at) > HINGED
     return out
@@ -295,9 +291,9 @@ def on_an_edge(
     """
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
-    loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
+    loaded = resultants.normal > ROUNDING * max(float(resultants.normal.max(initial=0.0)), 1e-300)
     # of what has no area all is rim: an edge or a corner that a block stands on
-    rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - _ON_EDGE)
+    rim = (made.area <= 0.0) | (edge_ratio(made, corners, contacts.start, at) > 1.0 - SAME)
     found = []
     for joint in np.flatnonzero(loaded & rim)[:_LOOKED_AT].tolist():
         a, b = int(contacts.block_a[joint]), int(contacts.block_b[joint])
@@ -402,7 +398,7 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
     [1.333, 1.333, 2.5]
     """
     normal = resultants.normal
-    loaded = normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    loaded = normal > ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
     pressed = np.flatnonzero(loaded & ~ties_of(assembly, contacts))
     block = np.concatenate([contacts.block_a[pressed], contacts.block_b[pressed]])
     interface = np.concatenate([pressed, pressed])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.errors import InputError, quoted, require
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.triangulate import triangulate
@@ -21,10 +21,6 @@ from drystone.repair import mended_block
 if TYPE_CHECKING:
     import pyvista
     import trimesh
-
-_PLANE = 1e-6
-"""Neighbours whose corners are nearer to one plane than this share of a block become one polygon.
-Chosen: the rounding of single precision."""
 
 
 def assembly_of(given: Any) -> Assembly:
@@ -60,7 +56,7 @@ def assembly_of(given: Any) -> Assembly:
             own = f"{own}-{len(blocks)}"
         taken.add(own)
         block = mended_block(points, faces, own)
-        loops = merge_coplanar([block.vertices], [block.faces], _PLANE)[0]
+        loops = merge_coplanar([block.vertices], [block.faces], SAME)[0]
         merged = replace_block(block, faces=tuple(loops))
         blocks.append(replace_block(merged, repairs=block.repairs))  # corners inside faces go
     if not blocks:

@@ -24,7 +24,7 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
 from drystone.assembly.sound import require_sound
-from drystone.base.arrays import Bools, Floats, Ints, dot, frozen, unit
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -38,9 +38,6 @@ from drystone.supports import GroundPlane
 
 __all__ = ["Poses", "find_poses"]
 
-_SAME_FACET = 1e-9
-"""Neighbours whose normals have a product above one less this are one facet: 0.003 degrees. Chosen:
-above the rounding of single precision."""
 _DRAWN = 24
 """Poses in a picture; the others are in the table."""
 
@@ -229,7 +226,7 @@ class _Facets:
         normal, plane = hull.equations[:, :3], -hull.equations[:, 3]
         near = hull.neighbors.astype(np.intp)
         row = np.repeat(np.arange(len(near)), 3)
-        same = dot(normal[row], normal[near.ravel()]) > 1.0 - _SAME_FACET
+        same = dot(normal[row], normal[near.ravel()]) > 1.0 - ROUNDING
         joined = coo_array(
             (np.ones(int(same.sum())), (row[same], near.ravel()[same])), shape=(len(near),) * 2
         )

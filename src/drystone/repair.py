@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
-from drystone.base.arrays import Floats, frozen_points, unit
+from drystone.base.arrays import ROUNDING, SAME, Floats, frozen_points, unit
 from drystone.base.errors import InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.closing import plane_lids, separate_parts, with_joints, without_membranes
@@ -31,8 +31,6 @@ from drystone.geometry.surface import edge_defects, edge_uses, face_components, 
 
 _SLOPE = 0.1
 """A surface is a field of heights when the sine of the slope of each face is above this. Chosen."""
-_SAME = 1e-9
-"""Corners nearer than this share of the size of the surface are one."""
 _TRIES = 6
 """So often the thickness is halved before a surface is refused."""
 
@@ -71,7 +69,7 @@ def backed(
     (-0.25, 6, ['an open surface backed by 0.25 m'])
     """
     extent = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
-    first = first_coincident(vertices, _SAME * extent).tolist()
+    first = first_coincident(vertices, ROUNDING * extent).tolist()
     loops = [tuple(dict.fromkeys(first[i] for i in face)) for face in faces]
     loops = orient([loop for loop in loops if len(loop) >= 3])[0]
     points: list[Floats] = []
@@ -166,9 +164,6 @@ def _sound(body: Body) -> bool:
     return not self_contacts([points], [loops])
 
 
-_MERGE = 1e-6
-"""Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of
-single precision."""
 _NEAR = 1e-5
 """Vertices as near to an edge, and holes as near to a plane, lie on it; relative to the size.
 Chosen: the rounding of a file with five digits."""
@@ -186,7 +181,7 @@ def mended_block(
     name: str = "block",
     density: float = DEFAULT_DENSITY,
     *,
-    merge: float = _MERGE,
+    merge: float = SAME,
 ) -> Block:
     """A block from faces that do not share their vertices, or lie twice in one place.
 
@@ -232,7 +227,7 @@ def mended_blocks(
     name: str = "block",
     density: float = DEFAULT_DENSITY,
     *,
-    merge: float = _MERGE,
+    merge: float = SAME,
 ) -> tuple[Block, ...]:
     """The blocks that a broken mesh stands for; more is mended than by :func:`mended_block`.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools
+from drystone.base.arrays import SAME, Bools
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
@@ -18,9 +18,6 @@ Chosen: a small jack."""
 
 _POINT = 0.01
 """Size of the corners of a tie by its own, chosen."""
-
-_NEAR = 1e-6
-"""An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
 
 
 def tied(model: Model, block: int, other: int) -> Model:
@@ -62,5 +59,5 @@ def ties_of(assembly: Assembly, contacts: Contacts) -> Bools:
     out = np.zeros(contacts.count, dtype=bool)
     for block in (contacts.block_a, contacts.block_b):
         away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
-        out |= away < _NEAR * assembly.size[block]
+        out |= away < SAME * assembly.size[block]
     return out

@@ -13,6 +13,11 @@ from drystone.base.errors import InputError, quoted
 
 T = TypeVar("T")
 
+ROUNDING = 1e-9
+"""Share of a size, or of the largest value, below which a difference is rounding."""
+SAME = 1e-6
+"""Share of a size, or of the largest value, within which two are the same: the digits of single
+precision, and of coordinates in files."""
 FARTHEST = 1e30
 """[m], chosen: beyond any model, while the sixth power of it is still a number."""
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.base import units as quantities
-from drystone.base.arrays import Ints, frozen, whole
+from drystone.base.arrays import SAME, Ints, frozen, whole
 from drystone.base.display import BOUND, OneLine, name_text, rounded_down, rounded_up
 from drystone.base.errors import InputError, counted, require
 from drystone.base.files import PathLike, write_text
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 SHOWN = 30
 """Largest number of rows in a notebook. Chosen: one screen."""
-NEGLIGIBLE = 1e-6
-"""Share of the largest value of a column below which a value is rounding and is shown as 0."""
 _PREFIXED = ("N", "N m", "Pa", "m")
 """Units that are shown with a prefix in each cell."""
 
@@ -250,7 +248,7 @@ def _shown(values: np.ndarray, unit: str) -> list[str]:
     if values.dtype.kind == "f":
         finite = values[np.isfinite(values)]
         largest = float(np.abs(finite).max(initial=0.0))
-        least = NEGLIGIBLE * largest
+        least = SAME * largest
         if values.ndim == 2 and unit in _PREFIXED:
             return [quantities.components(row, unit, least, largest) for row in values.tolist()]
         if values.ndim == 2:

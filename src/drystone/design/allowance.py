@@ -9,10 +9,9 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, number
+from drystone.base.arrays import SAME, Floats, number
 from drystone.base.errors import InputError, counted
 from drystone.design.block_surgery import CornerError, face_plane, with_moved_faces
-from drystone.design.changed_model import EQUAL
 from drystone.design.joint_cut import block_with
 from drystone.free_faces import NEAR
 from drystone.geometry.convex_pieces import mesh_of, solid_of
@@ -85,8 +84,8 @@ def joint_allowance(model: Model, allowance: float) -> Assembly:
 
 def _cut_back(body: Block, joined: Sequence[int], depth: float) -> Block:
     """A block without a layer of some depth [m] behind each of some faces."""
-    near = NEAR * EQUAL * body.size
-    whole = fan_warped(stack_faces([body.vertices], [body.faces]), EQUAL)
+    near = NEAR * SAME * body.size
+    whole = fan_warped(stack_faces([body.vertices], [body.faces]), SAME)
     loops = [tuple(loop.tolist()) for loop in np.split(whole.loop, whole.start[1:-1])]
     solids = [
         solid_of(whole.point, loops),
@@ -122,7 +121,7 @@ def _layer(body: Block, face: int, joined: Sequence[int], depth: float) -> manif
         other = beside[b, a]
         along = (end - start) / np.linalg.norm(end - start)
         aside = np.array([along[1], -along[0]])
-        if other in joined or face_plane(body, other)[0] @ (aside @ frame[1:]) > -EQUAL:
+        if other in joined or face_plane(body, other)[0] @ (aside @ frame[1:]) > -SAME:
             continue
         reach, ends = 2.0 * depth * aside, (start - depth * along, end + depth * along)
         strip = shapely.Polygon([*ends, ends[1] + reach, ends[0] + reach])
@@ -152,8 +151,8 @@ def _joined_faces(model: Model, block: int) -> list[int]:
         k
         for k, loop in enumerate(body.faces)
         if any(
-            face_plane(body, k)[0] @ normal > 1.0 - EQUAL
-            and np.abs(body.vertices[list(loop)] @ normal - offset).max() < EQUAL * body.size
+            face_plane(body, k)[0] @ normal > 1.0 - SAME
+            and np.abs(body.vertices[list(loop)] @ normal - offset).max() < SAME * body.size
             for normal, offset in planes
         )
     ]

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Block, replace_block
-from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.arrays import SAME, Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.changed_model import EQUAL, changed, fresh_name
+from drystone.design.changed_model import changed, fresh_name
 from drystone.design.joint_cut import (
     block_with,
     body_of,
@@ -257,7 +257,7 @@ def with_moved_faces(body: Block, distances: Mapping[int, float]) -> Block:
     vertices = np.array(body.vertices)
     for v in sorted({v for face in distances for v in body.faces[face]}):
         meeting = [k for k, loop in enumerate(body.faces) if v in loop]
-        step = np.linalg.lstsq(normal[meeting], away[meeting], rcond=EQUAL)[0]
+        step = np.linalg.lstsq(normal[meeting], away[meeting], rcond=SAME)[0]
         error = np.abs(normal[meeting] @ step - away[meeting]).max()
         if error > 1e-3 * np.abs(away).max():
             raise CornerError(

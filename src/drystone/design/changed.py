@@ -12,11 +12,10 @@ import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import SAME, Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
-from drystone.design.changed_model import EQUAL
 from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
@@ -224,12 +223,12 @@ def _without(edges: Floats, others: Floats) -> Floats:
         way = (end - start) / size
         along = (others - start) @ way
         off = np.linalg.norm(others - start - along[..., None] * way, axis=2).max(axis=1)
-        spans = np.sort(along[off < EQUAL * size], axis=1)
+        spans = np.sort(along[off < SAME * size], axis=1)
         places = np.unique(np.clip([0.0, size, *spans.ravel()], 0.0, size))
         for low, high in pairwise(places.tolist()):
             middle = 0.5 * (low + high)
             hidden = ((spans[:, 0] < middle) & (middle < spans[:, 1])).any()
-            if not hidden and high - low > EQUAL * size:
+            if not hidden and high - low > SAME * size:
                 left.append([start + low * way, start + high * way])
     return np.array(left).reshape(-1, 2, 3)
 
@@ -252,7 +251,7 @@ def _marked(before: Model, after: Model) -> list[Layer]:
         was[pair] = np.maximum(values, was.get(pair, 0.0))
     contacts, pairs, tie = after.contacts, _joints(after), ties_of(after.assembly, after.contacts)
     old = np.array([was.get(one, (0.0, np.inf, 0.0)) for one in pairs]).reshape(-1, 3)
-    more = _values(after) > (1.0 + EQUAL) * old
+    more = _values(after) > (1.0 + SAME) * old
     glued, rougher = more[:, 0] & ~tie, more[:, 1] & ~more[:, 0] & ~tie
     layers = []
     for key, what, colour, chosen in (
@@ -297,7 +296,7 @@ def _weights(before: Model, after: Model) -> list[Layer]:
     before_them = before.load.wrench[was, :3]
     more = after.load.wrench[now, :3] - before_them
     size = np.linalg.norm(more, axis=1)
-    chosen = size > EQUAL * np.linalg.norm(before_them, axis=1)
+    chosen = size > SAME * np.linalg.norm(before_them, axis=1)
     if not chosen.any():
         return []
     block = now[chosen]

@@ -17,9 +17,6 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.ties import ties_of
 
-EQUAL = 1e-6
-"""Rounding: values that differ by less than this share are equal."""
-
 
 def changed(
     model: Model,

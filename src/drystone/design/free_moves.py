@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import SAME, Bools, Floats
 from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.design.mends import kept_blocks
@@ -16,7 +16,6 @@ from drystone.design.shared_planes import Moves, SharedPlanes
 from drystone.design.vertex_measures import owners_of, vertices_of
 from drystone.design.vertex_places import (
     AXES,
-    TOGETHER,
     Places,
     axis_of,
     is_prism,
@@ -181,7 +180,7 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
     radius = np.linalg.norm(away, axis=1)
     if not radius[free].min() > 0.0:
         raise InputError("a vertex is on the line in the middle", remedy="give another point")
-    group = places_of(vertex, TOGETHER * float(np.ptp(vertex, axis=0).max()))
+    group = places_of(vertex, SAME * float(np.ptp(vertex, axis=0).max()))
     takes_part = np.isin(group, group[free])
     mean = 0.5 * (radius[free].min() + radius[free].max())
     side = np.where(takes_part, np.where(radius > mean, 0.5, -0.5), 0.0)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Block, replace_block
-from drystone.base.arrays import Floats, dot, frozen
+from drystone.base.arrays import ROUNDING, Floats, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import changed
@@ -18,9 +18,6 @@ from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop, Piece
 from drystone.model import Model
-
-_ROUNDING = 1e-9
-"""Share of the size, or of the volume, of a block."""
 
 _REMEMBERED = 512
 """Cuts, and blocks, that are kept. The same change is tried in a diagnosis, in a region and in the
@@ -106,7 +103,7 @@ def recut(model: Model, recuts: Sequence[JointRecut]) -> Model:
         own.setdefault(b, []).append((asked, False))
     made = {i: _made(blocks[i], tuple(some)) for i, some in own.items()}
     before = sum(plain.volume for plain, _ in made.values())
-    if abs(sum(block.volume for _, block in made.values()) - before) > _ROUNDING * before:
+    if abs(sum(block.volume for _, block in made.values()) - before) > ROUNDING * before:
         raise InputError(
             "two joints would take the same part of a block", remedy="change them less"
         )
@@ -260,7 +257,7 @@ def _refuse_swallowed(
     if not parts:
         return
     vertices, faces = body
-    near = _ROUNDING * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    near = ROUNDING * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     own = faces_at(body, joint)
     low = np.min([piece[0].min(axis=0) for piece in parts], axis=0) - near
     high = np.max([piece[0].max(axis=0) for piece in parts], axis=0) + near

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, frozen
+from drystone.base.arrays import ROUNDING, Bools, Floats, frozen
 from drystone.base.display import OneLine, rounded_up
 from drystone.base.errors import counted
 from drystone.base.units import quantity
@@ -28,7 +28,7 @@ from drystone.design.words import (
 )
 from drystone.friction_use import utilisation_of
 from drystone.geometry.kern import edge_ratio
-from drystone.joints import LOADED, Resultants, resultants_of
+from drystone.joints import Resultants, resultants_of
 from drystone.model import Model
 from drystone.virtual import joint_sections
 
@@ -120,7 +120,7 @@ def joint_states(
     seen_from_a = needy[contacts.block_a] | ~needy[contacts.block_b]
     block = np.where(seen_from_a, contacts.block_a, contacts.block_b)
     neighbour = np.where(seen_from_a, contacts.block_b, contacts.block_a)
-    idle = resultants.normal <= max(LOADED, 1e-6) * weight[block]
+    idle = resultants.normal <= max(ROUNDING, 1e-6) * weight[block]
     use = np.where(idle, 0.0, utilisation_of(contacts, resultants))
     hinge = ~idle & (_eccentricity(contacts, resultants) >= 1.0 - _FULL)
     states = []

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, number
+from drystone.base.arrays import SAME, Floats, Ints, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
@@ -21,7 +21,6 @@ from drystone.design.changed_model import changed
 from drystone.design.help_needed import GROUND, Form
 from drystone.design.margin import DesignMargin
 from drystone.design.vertex_measures import BlockVertices, vertices_of
-from drystone.design.vertex_places import TOGETHER
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
@@ -233,7 +232,7 @@ class ShapeValues:
         """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
         try:
             vertex = self.moves.moved(self.bodies.vertex, x)
-            if self.shortest(vertex) < (1.0 - TOGETHER) * self.least_edge:
+            if self.shortest(vertex) < (1.0 - SAME) * self.least_edge:
                 return None
             try:
                 assembly = self.bodies.assembly_at(vertex)

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import checked_call
@@ -132,9 +132,6 @@ class BestShapeSearch(ShapeSearch):
             self.seen(place)
 
 
-_OF_THE_MODEL = 1e-9
-"""Vertices with variables of zero are those of the model to this share of its size: rounding."""
-
 FIRST, CLOSE = 1.0, 0.1
 """[degrees] The first step of the tilt, and the smallest one; chosen."""
 
@@ -197,7 +194,7 @@ def shape(
     variables = moves(model) if callable(moves) else moves
     vertex = vertices_of(model.assembly)
     here = variables.moved(vertex, np.zeros(variables.count))
-    if np.abs(here - vertex).max() > _OF_THE_MODEL * float(np.ptp(vertex, axis=0).max()):
+    if np.abs(here - vertex).max() > ROUNDING * float(np.ptp(vertex, axis=0).max()):
         raise InputError(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",

@@ -20,22 +20,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, number
+from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.corner_following import NEAR
 from drystone.design.vertex_measures import BlockVertices
-from drystone.design.vertex_places import TOGETHER, places_of
+from drystone.design.vertex_places import places_of
 from drystone.geometry.polygon import area_vector
 from drystone.model import Model
-
-TURNED = 1e-6
-"""A face is in the plane of a joint when 1 - cos of their angle is below this (0.08 degrees),
-chosen."""
-
-_RANK = 1e-9
-"""Singular values below this, or this share of the largest one, are zero: constraints that hold in
-any case, or follow from others, up to rounding."""
 
 _CLOSE = 1e-13
 """Distance from a plane, by the size of the model, at which it is reached: rounding."""
@@ -69,7 +61,7 @@ class SharedPlanes(OneLine):
     def of(cls, model: Model, still: Bools) -> SharedPlanes:
         """The joints of a model; those whose vertices (v,) all stay are left out."""
         bodies = BlockVertices.of(model.assembly)
-        place = places_of(bodies.vertex, TOGETHER * float(np.ptp(bodies.vertex, axis=0).max()))
+        place = places_of(bodies.vertex, SAME * float(np.ptp(bodies.vertex, axis=0).max()))
         rows: list[list[int]] = []
         for one in _plane_sets(model, bodies):
             if still[one].all():
@@ -151,7 +143,7 @@ class Moves(OneLine):
             return cls(matrix, each, vertex)
         slope = planes.slopes(vertex, matrix)
         size, way = np.linalg.svd(slope, full_matrices=False)[1:]
-        bending = way[size > _RANK * size.max(initial=1.0)].T
+        bending = way[size > ROUNDING * size.max(initial=1.0)].T
         if not bending.shape[1]:
             return cls(matrix, each, vertex)
         if bending.shape[1] == len(each):
@@ -200,7 +192,7 @@ class Moves(OneLine):
         if self.planes is None or self.bending is None:
             return self.matrix
         slope = self.planes.slopes(self.vertex + self._step(self._plane(x)), self.matrix)
-        follow = self.bending @ np.linalg.lstsq(slope @ self.bending, slope, rcond=_RANK)[0]
+        follow = self.bending @ np.linalg.lstsq(slope @ self.bending, slope, rcond=ROUNDING)[0]
         return sparse.csr_matrix(self.matrix - sparse.csr_matrix(self.matrix @ follow))
 
     def _plane(self, x: Floats) -> Floats:
@@ -216,7 +208,7 @@ class Moves(OneLine):
             if float(np.abs(off).max(initial=0.0)) <= close:
                 return moves
             slope = self.planes.slopes(here, self.matrix) @ self.bending
-            moves = moves - self.bending @ np.linalg.lstsq(slope, off, rcond=_RANK)[0]
+            moves = moves - self.bending @ np.linalg.lstsq(slope, off, rcond=ROUNDING)[0]
         raise InputError(
             "joints do not stay plane with moves of this size", remedy="allow smaller moves"
         )
@@ -247,7 +239,7 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
             j
             for i in (int(contacts.block_a[k]), int(contacts.block_b[k]))
             for j in of_block[i]
-            if abs(float(normals[j] @ normal)) > 1.0 - TURNED
+            if abs(float(normals[j] @ normal)) > 1.0 - SAME
             and np.abs((bodies.vertex[loops[j]] - middle) @ normal).max() < NEAR * float(size[i])
         ]
         links += [(touching[0], j) for j in touching[1:]]

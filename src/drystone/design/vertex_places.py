@@ -11,16 +11,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from drystone.assembly import Block
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import SAME, Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.vertex_measures import BlockVertices, vertices_of
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
-
-TOGETHER = 1e-6
-"""Rounding: vertices are at the same place when they are nearer than this share of the size of the
-model; a direction of which others leave less than this share adds nothing."""
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
@@ -59,7 +55,7 @@ class Places:
             An axis is unknown, or the model does not have the symmetry.
         """
         vertex = vertices_of(model.assembly)
-        near = TOGETHER * float(np.ptp(vertex, axis=0).max())
+        near = SAME * float(np.ptp(vertex, axis=0).max())
         flat = flattened(vertex, along)
         group = places_of(flat, near)
         point = flat[np.unique(group, return_index=True)[1]]
@@ -109,7 +105,7 @@ class Places:
         for move in ways @ own.T:
             rest = move - sum((one * float(one @ move) for one in found), np.zeros(3))
             size = float(np.linalg.norm(rest))
-            if size > TOGETHER:
+            if size > SAME:
                 found.append(rest / size)
         return np.array(found).reshape(-1, 3)
 
@@ -190,8 +186,8 @@ def require_prisms(model: Model, along: str, kept: Bools) -> None:
 
 def is_prism(block: Block, along: str) -> bool:
     """Whether a block is a prism along an axis."""
-    level = np.unique(np.round(block.vertices[:, axis_of(along)] / (TOGETHER * block.size)))
-    ends = places_of(flattened(block.vertices, along), TOGETHER * block.size)
+    level = np.unique(np.round(block.vertices[:, axis_of(along)] / (SAME * block.size)))
+    ends = places_of(flattened(block.vertices, along), SAME * block.size)
     return len(np.unique(ends)) * 2 == len(ends) and len(level) == 2
 
 
@@ -238,11 +234,11 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
             corner = block.vertices[list(loop)]
             area = area_vector(corner)
             normal = area / np.linalg.norm(area)
-            if along is not None and abs(normal[axis_of(along)]) > 1.0 - TOGETHER:
+            if along is not None and abs(normal[axis_of(along)]) > 1.0 - SAME:
                 continue
-            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - TOGETHER
+            flat = np.abs(contacts.frame[own, 0] @ normal) > 1.0 - SAME
             away = np.abs((contacts.centroid[own] - corner[0]) @ normal)
-            if (flat & (away < TOGETHER * block.size)).any():
+            if (flat & (away < SAME * block.size)).any():
                 continue
             if SIDES[side] * float(normal @ (middle - corner.mean(axis=0))) > 0.0:
                 found[int(start[i]) + np.array(loop)] = True

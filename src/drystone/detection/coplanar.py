@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, cross, dot
+from drystone.base.arrays import ROUNDING, Floats, Ints, cross, dot
 from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry.halfedge import NOISE, HalfEdges, joined_faces, outlines
 from drystone.geometry.polygon import area_vectors
@@ -13,9 +13,6 @@ from drystone.geometry.polyhedron import Faces
 PLANAR = 1e-4
 """They are one polygon when no corner lies farther from its plane than this share of the block
 size. Chosen: a finely meshed curve is not flattened."""
-STRAIGHT = 1e-9
-"""A corner nearer than this share of the block size to the line between its neighbours is
-removed."""
 
 
 def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
@@ -69,7 +66,7 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
         chord = corner[after] - corner[before]
         length = np.linalg.norm(chord, axis=1)
         off = np.linalg.norm(cross(chord, corner - corner[before]), axis=1)
-        straight = off <= STRAIGHT * size[ring] * length
+        straight = off <= ROUNDING * size[ring] * length
         straight &= ~straight[before]  # of two neighbours only one
         straight &= (np.diff(start) > 3)[ring]
         if not straight.any():

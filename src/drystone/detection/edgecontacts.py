@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.candidates import Pairs, warp_slack
 from drystone.detection.interfaces import Interfaces
@@ -19,9 +19,6 @@ from drystone.detection.tolerances import DetectionOptions
 from drystone.geometry import boxes, planar
 from drystone.geometry.frames import frames_from_normals
 
-INSIDE = 1e-6
-"""A contact lies inside a face when it is farther than this share of the block size from the
-outline. Nearer to it, edge meets edge, and the contact has no defined normal."""
 SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
 PARALLEL = 0.05
@@ -247,7 +244,7 @@ class _EdgeSearch:
         part, row = part[long], row[long]
         middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
         off = shapely.distance(middle, shapely.boundary(region)[row])
-        inside = off > INSIDE * size[row]
+        inside = off > SAME * size[row]
         meets[edges.pair[row[~inside]]] = True
         covered = self._keys(edges.take(row))
         part, edges = part[inside], edges.take(row[inside])
@@ -259,7 +256,7 @@ class _EdgeSearch:
         flat = self._flat(vertices.vertex, vertices.patch[:, None])
         point = shapely.points(flat[:, 0])
         off = shapely.distance(point, shapely.boundary(region))
-        inside = INSIDE * self.size[vertices.pair]
+        inside = SAME * self.size[vertices.pair]
         near = off <= np.maximum(inside, self.reach[vertices.pair])
         meets[vertices.pair[near]] = True
         rests = shapely.contains(region, point) & (off > inside)
@@ -375,7 +372,7 @@ class _EdgeSearch:
             crosses = square > PARALLEL**2 * a * c
             safe = np.where(crosses, square, 1.0)
             s, t = (b * e - c * d) / safe, (a * e - b * d) / safe
-            crosses &= (s > INSIDE) & (s < 1.0 - INSIDE) & (t > INSIDE) & (t < 1.0 - INSIDE)
+            crosses &= (s > SAME) & (s < 1.0 - SAME) & (t > SAME) & (t < 1.0 - SAME)
             p, q = start + s[:, None] * along, begin + t[:, None] * run
             crosses &= dot(p - q, p - q) <= self.reach[pair] ** 2
             k = np.flatnonzero(crosses)
@@ -388,7 +385,7 @@ class _EdgeSearch:
         ends = [wires.point[wires.edge[one]] for one in (first, second)]
         normal = np.cross(ends[0][:, 1] - ends[0][:, 0], ends[1][:, 1] - ends[1][:, 0])
         normal /= np.sqrt(dot(normal, normal))[:, None]
-        inside = INSIDE * self.size[pair]
+        inside = SAME * self.size[pair]
         across = []
         for edge, at in ((first, p), (second, q)):
             part, neighbour = wires.around(wires.edge[edge].ravel())

@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.assembly.sound import require_sound
-from drystone.base.arrays import Ints
+from drystone.base.arrays import SAME, Ints
 from drystone.base.display import Card
 from drystone.base.settings import checked_call
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
@@ -31,9 +31,6 @@ from drystone.detection.shortfall import Shortfall, shortfalls
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed
 from drystone.geometry.closing import separate_parts
 from drystone.geometry.coincidence import duplicates
-
-_SAME = 1e-6
-"""Blocks whose vertices agree within this share of their size are duplicates."""
 
 
 @dataclass(frozen=True)
@@ -267,7 +264,7 @@ def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tup
     a, b = pairs
     low, high = patches.boxes
     apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)
-    alike = apart <= _SAME * patches.size[a]
+    alike = apart <= SAME * patches.size[a]
     blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()
-    twins = duplicates([assembly.blocks[i].vertices for i in blocks], _SAME)
+    twins = duplicates([assembly.blocks[i].vertices for i in blocks], SAME)
     return tuple((blocks[i], blocks[j]) for i, j in twins)

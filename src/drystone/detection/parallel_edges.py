@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths
+from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, lengths
 from drystone.contacts import Contacts
 from drystone.detection.candidates import Pairs
-from drystone.detection.edgecontacts import INSIDE, PARALLEL, SHORT, Wires, near_items
+from drystone.detection.edgecontacts import PARALLEL, SHORT, Wires, near_items
 from drystone.detection.patches import Patches
 from drystone.detection.tolerances import DetectionOptions
 from drystone.geometry.frames import frames_from_normals
@@ -163,4 +163,4 @@ def _between(one: Floats, other: Floats, axis: Floats) -> tuple[Floats, Floats, 
     high = np.minimum(wide[0], turned + wide[1])
     angle = (0.5 * (low + high))[:, None]
     normal = np.cos(angle) * middle[0] + np.sin(angle) * cross(axis, middle[0])
-    return normal, 0.5 * (high - low), convex & (high >= low - INSIDE)
+    return normal, 0.5 * (high - low), convex & (high >= low - SAME)

@@ -11,16 +11,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged, sum_by_owner
-from drystone.detection.coplanar import (
-    STRAIGHT,
-    coplanar_groups,
-    rings_of,
-    unit_rows,
-    without_straight,
-)
+from drystone.detection.coplanar import coplanar_groups, rings_of, unit_rows, without_straight
 from drystone.geometry.halfedge import NOISE, SMOOTH, HalfEdges, half_edges, turn_angles
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
@@ -365,7 +359,7 @@ def _convex_patches(
     ring = np.repeat(np.arange(len(ring_start) - 1), np.diff(ring_start))
     turn = dot(cross(edge, edge[after]), normal[ring_patch[ring]])
     square = dot(edge, edge)
-    inward = turn < -STRAIGHT * (square + square[after])
+    inward = turn < -ROUNDING * (square + square[after])
     bad = np.bincount(ring_patch[ring], inward, minlength=count)
     rings = np.bincount(ring_patch, minlength=count)
     convex: Bools = (bad == 0) & (rings == 1)

@@ -8,18 +8,11 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.patches import Patches
 from drystone.geometry import clip, planar
 from drystone.geometry.frames import frames_from_normals
-
-_CLEAN = 1e-6
-"""Corners of an overlap this near to each other, or to the line between their neighbours, are
-removed; relative to the block size. Chosen: above the rounding of coordinates far from the
-origin."""
-_TOUCH = 1e-6
-"""Overlaps narrower than this share of the block size count as edge contacts."""
 
 
 @dataclass(frozen=True)
@@ -141,10 +134,10 @@ def merged(parts: list[Pieces]) -> Pieces:
 def tidy(pieces: Pieces, planes: Planes) -> Pieces:
     """The polygons without corners on straight lines, and without polygons of zero width."""
     size = planes.size[pieces.row]
-    corner, start = clip.cleaned(pieces.corner, pieces.start, _CLEAN * size)
+    corner, start = clip.cleaned(pieces.corner, pieces.start, SAME * size)
     filled = np.diff(start) > 0
     result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
-    return result.select(result.width > _TOUCH * planes.size[result.row])
+    return result.select(result.width > SAME * planes.size[result.row])
 
 
 EXACT = 1e-4

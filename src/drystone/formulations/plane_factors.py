@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import ROUNDING, Floats, Ints, lengths
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, FactorSolution, LoadFactors
 from drystone.mechanics.statics import UNLIMITED, Statics
@@ -17,8 +17,6 @@ from drystone.solvers.program import ConicProgram, ConicSolution, ProgramBuilder
 
 _PLANE = np.array([0, 2, 4])
 """Of the wrench of a block: the force along x and along z, the moment along y."""
-_ALIKE = 1e-9
-"""What is no more than this share of the largest value is rounding."""
 
 
 class PlaneFactors(LoadFactors):
@@ -123,7 +121,7 @@ def _leaves(matrix: Any) -> bool:
     """Whether wrenches have parts out of the plane."""
     out = np.delete(np.arange(matrix.shape[0]), _rows(matrix))
     size = abs(matrix)
-    return bool(size.tocsr()[out].max() > _ALIKE * size.max()) if size.nnz else False
+    return bool(size.tocsr()[out].max() > ROUNDING * size.max()) if size.nnz else False
 
 
 def _pairs(statics: Statics) -> tuple[sparse.csc_matrix, Ints]:

@@ -7,14 +7,12 @@ from itertools import product
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.ragged import Ragged, linked
 from drystone.geometry.polyhedron import Loop
 
 _PAIRED = 48
 """Up to so many points all pairs are compared first: faster than the grids, measured."""
-_ROUNDING = 1e-6
-"""By which a cell is taken to be wider, so that rounding decides nothing."""
 _FEW = 200
 """Below so many rows a dictionary finds equal ones faster than sorting does, measured."""
 
@@ -53,7 +51,7 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
 
 def _any_near(points: Floats, cell: Floats) -> bool:
     """Whether two of few points are so near in every coordinate that they could share a cell."""
-    near = (np.abs(points[:, None] - points) <= (1.0 + _ROUNDING) * cell.max()).all(axis=2)
+    near = (np.abs(points[:, None] - points) <= (1.0 + SAME) * cell.max()).all(axis=2)
     return int(near.sum()) > len(points)
 
 

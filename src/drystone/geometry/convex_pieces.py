@@ -9,15 +9,11 @@ import manifold3d
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from drystone.base.arrays import Floats, Ints, unit
+from drystone.base.arrays import SAME, Floats, Ints, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 
-_CONVEX = 1e-6
-"""A piece is convex when its hull is larger by less than this share of the hull's volume."""
-SLIVER = 1e-6
-"""Pieces below this share of the body's volume come from rounding of the cuts and are dropped."""
 _SLIGHT = np.deg2rad(12.0)
 """A concave edge that bends by less may be filled. Chosen: warped faces of vaults bend by up to 8
 degrees in their middle, joggles by 45 and more."""
@@ -102,7 +98,7 @@ def convex_pieces(vertices: Floats, faces: Sequence[Loop], slack: float = 0.0) -
     2
     """
     body = solid_of(vertices, faces)
-    least = SLIVER * body.volume()
+    least = SAME * body.volume()
     dent = slack * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     waiting, found = [body], []
     while waiting:
@@ -110,7 +106,7 @@ def convex_pieces(vertices: Floats, faces: Sequence[Loop], slack: float = 0.0) -
         hull = part.hull()
         if part.volume() <= least:
             continue
-        filled = hull.volume() - part.volume() <= _CONVEX * hull.volume()
+        filled = hull.volume() - part.volume() <= SAME * hull.volume()
         if filled or (slack and _slight(part, hull, dent)):
             found.append(ConvexPiece.around(mesh_of(hull)[0]))
             continue
@@ -149,7 +145,7 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
     ) > 10 * kerf
     faces = [[(normal[t], float(normal[t] @ point[triangle[t, 0]]))] for t in np.argsort(-size)
              if high[t] and size[t] > 0.0]  # fmt: skip
-    least = SLIVER * part.volume()
+    least = SAME * part.volume()
     for choice in (*bent, *faces):
         best: tuple[int, Sequence[manifold3d.Manifold]] | None = None
         for along, offset in choice:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import ROUNDING, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vector
@@ -19,9 +19,6 @@ from drystone.geometry.polyhedron import Loop
 Regions: TypeAlias = NDArray[Any]
 """(q,) shapely polygons."""
 _Overlay: TypeAlias = Callable[..., Any]
-
-_LEVEL = 1e-9
-"""Slope below which a plane is level: above the rounding of unit vectors."""
 
 
 def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
@@ -144,7 +141,7 @@ def _halved(polygon: Any) -> list[Any]:
 def half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
     """The region ``slope . x + height >= 0`` up to ``reach``; first edge on the line."""
     size = float(np.linalg.norm(slope))
-    if size < _LEVEL:
+    if size < ROUNDING:
         return None
     across = slope / size
     along = np.array([-across[1], across[0]])

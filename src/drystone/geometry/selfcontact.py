@@ -12,13 +12,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.geometry import boxes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
-_TOUCH = 1e-9
-"""Distance, relative to the size of a body, at which parts of its surface touch."""
 _SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
@@ -200,7 +198,7 @@ def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
     for face in (one, other):
         way = middle[face] - at
         ways.append(_unit(way - dot(way, edge)[:, None] * edge))
-    apart, rounding = np.zeros(len(one), dtype=bool), 1e-3 * _TOUCH
+    apart, rounding = np.zeros(len(one), dtype=bool), 1e-3 * ROUNDING
     for normal in (ways[1] - ways[0], surface.faces.normals[one], surface.faces.normals[other]):
         left = np.flatnonzero(~apart)
         axis = normal[left]
@@ -215,7 +213,7 @@ def _kept_apart(surface: _Surface, ring: Ints, one: Ints, other: Ints) -> Bools:
         above = np.where(theirs_common[left], np.inf, high - level).min(axis=1)
         onto = (low - level).max(axis=1) <= rounding
         beneath = (high - level).min(axis=1) >= -rounding
-        apart[left] = (onto & (above > _TOUCH)) | (beneath & (below < -_TOUCH))
+        apart[left] = (onto & (above > ROUNDING)) | (beneath & (below < -ROUNDING))
     return apart
 
 
@@ -243,8 +241,8 @@ def _crossed_outlines(surface: _Surface) -> Iterator[_Finding]:
 def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of axis-aligned boxes that overlap, in batches: position, position among others."""
     looked_at = 0
-    grown = others[0] - _TOUCH, others[1] + _TOUCH
-    for one, other in boxes.batches(low - _TOUCH, high + _TOUCH, *grown):
+    grown = others[0] - ROUNDING, others[1] + ROUNDING
+    for one, other in boxes.batches(low - ROUNDING, high + ROUNDING, *grown):
         looked_at += len(one)
         if looked_at > _MOST_PAIRS:
             return
@@ -265,7 +263,7 @@ def _pierced_faces(surface: _Surface) -> Iterator[_Finding]:
     """Edges that go through a face."""
     one, other = surface.ends()
     for edge, face in _near(*_edge_boxes(surface), _face_boxes(surface)):
-        margin = _SIDE * surface.warp[face] + _TOUCH
+        margin = _SIDE * surface.warp[face] + ROUNDING
         from_one = surface.height(one[edge], face)
         from_other = surface.height(other[edge], face)
         through = (np.minimum(np.abs(from_one), np.abs(from_other)) > margin) & (
@@ -304,14 +302,14 @@ def _touching_vertices(surface: _Surface) -> Iterator[_Finding]:
     used = np.unique(surface.faces.loop)
     for place, face in _near(point[used], point[used], _face_boxes(surface)):
         vertex = used[place]
-        on = (np.abs(surface.height(point[vertex], face)) <= _TOUCH) & (
-            surface.warp[face] <= _TOUCH
+        on = (np.abs(surface.height(point[vertex], face)) <= ROUNDING) & (
+            surface.warp[face] <= ROUNDING
         )
         key = vertex * count + face
         on &= corner[np.minimum(np.searchsorted(corner, key), len(corner) - 1)] != key
         vertex, face = vertex[on], face[on]
         flat = surface.in_plane(point[vertex], face)
-        on = shapely.distance(surface.outline[face], flat) <= _TOUCH
+        on = shapely.distance(surface.outline[face], flat) <= ROUNDING
         for v, f in zip(vertex[on].tolist(), face[on].tolist(), strict=True):
             if not _short_edge(surface, v, f, joined):
                 body = int(surface.faces.owner[f])
@@ -328,7 +326,7 @@ def _short_edge(surface: _Surface, vertex: int, face: int, joined: set[tuple[int
     """Whether a vertex is near a face only because a very short edge connects them."""
     loop = surface.faces.loop[surface.faces.start[face] : surface.faces.start[face + 1]]
     gap = np.linalg.norm(surface.faces.point[loop] - surface.faces.point[vertex], axis=1)
-    close = loop[gap <= 2.0 * _TOUCH].tolist()
+    close = loop[gap <= 2.0 * ROUNDING].tolist()
     return any((min(vertex, c), max(vertex, c)) in joined for c in close)
 
 
@@ -351,11 +349,11 @@ def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
         s = (np.cross(between, e) * cross).sum(axis=1) / safe
         t = (np.cross(between, d) * cross).sum(axis=1) / safe
         gap = np.abs((between * cross).sum(axis=1)) / np.sqrt(safe)
-        margin_s = _TOUCH / np.maximum(np.linalg.norm(d, axis=1), _TOUCH)
-        margin_t = _TOUCH / np.maximum(np.linalg.norm(e, axis=1), _TOUCH)
+        margin_s = ROUNDING / np.maximum(np.linalg.norm(d, axis=1), ROUNDING)
+        margin_t = ROUNDING / np.maximum(np.linalg.norm(e, axis=1), ROUNDING)
         hit = (
             oblique
-            & (gap <= _TOUCH)
+            & (gap <= ROUNDING)
             & (s > margin_s)
             & (s < 1.0 - margin_s)
             & (t > margin_t)
@@ -368,14 +366,10 @@ def _touching_edges(surface: _Surface) -> Iterator[_Finding]:
             yield body, f"touches itself: edges {a}-{b} and {c}-{d_} cross"
 
 
-_CONVEX = 1e-9
-"""A body is convex when no vertex lies farther than this share of its size over a face plane."""
-
-
 def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
     """Whether each body is convex.
 
-    It is one body, and no vertex lies above the plane of a face by more than :data:`_CONVEX`. One
+    It is one body, and no vertex lies above the plane of a face by more than rounding. One
     with very many faces counts as concave: the test would cost more time than it saves.
 
     Parameters
@@ -408,4 +402,4 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     np.maximum.at(highest, stacked.owner[face], height)
     # each face by its own and its half edges: the same body twice has twice as many (Euler)
     faces_less_edges = np.bincount(stacked.owner, 1.0 - 0.5 * stacked.corners.counts)
-    return (highest <= _CONVEX) & (count + faces_less_edges == 2.0)
+    return (highest <= ROUNDING) & (count + faces_less_edges == 2.0)

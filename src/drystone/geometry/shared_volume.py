@@ -9,7 +9,7 @@ from functools import cached_property
 import manifold3d
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, unit
+from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, unit
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import BATCH, Ragged
@@ -25,8 +25,6 @@ concave ones. Chosen: below, every direction in which they may part is tried wit
 _TRIED = BATCH // 16
 """Pairs of a point and a triangle in one batch. Chosen: the cache of the processor holds it, which
 halves the time."""
-CROSS = 1e-6
-"""Unit directions whose cross product is shorter than this are parallel."""
 _FINE = 10_000
 """Corners of a shared surface from which on its depth is measured at them alone. Measured: a peg of
 111,000 triangles, deep all round, takes six times as long with the middles, and is as deep."""
@@ -285,7 +283,7 @@ def _way_out(bodies: _Bodies, a: int, b: int) -> float:
     across = np.cross(bodies.edges(a)[:, None], bodies.edges(b)[None]).reshape(-1, 3)
     across, length = unit(across)
     faces = [bodies.normal[bodies.faces[body]] for body in (a, b)]
-    direction = np.concatenate([*faces, across[length > CROSS]])
+    direction = np.concatenate([*faces, across[length > SAME]])
     x, y = (bodies.point[bodies.corners[body]] for body in (a, b))
     least = np.inf
     for part in np.array_split(direction, len(direction) * (len(x) + len(y)) // BATCH + 1):

@@ -8,16 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, unit
+from drystone.base.arrays import SAME, Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged, linked, sum_by_owner
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import Faces, Loop, fan_triangles, loop_edges, mass_properties
 from drystone.geometry.solid import winding_number
 from drystone.geometry.surface import face_components
-
-_SAME_ANGLE = 1e-6
-"""[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
-rounding of coordinates, far below the angle of any real wedge."""
 
 
 def split_solids(
@@ -246,7 +242,7 @@ def _in_turn(angle: Floats, ends: Bools) -> Ints:
     gap = np.diff(np.concatenate([turned, turned[:1] + 2.0 * np.pi]))
     widest = int(gap.argmax()) + 1
     order, gap = np.roll(order, -widest), np.roll(gap, -widest)
-    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > _SAME_ANGLE)])
+    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > SAME)])
     rank: Ints = np.lexsort([~ends[order], cluster])
     return order[rank]
 

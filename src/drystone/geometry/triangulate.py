@@ -5,22 +5,15 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints, cross, plane_cross, unit
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, cross, plane_cross, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
 
-_FLAT_TURN = 1e-9
-"""A corner that turns inwards by less than this share of the area of the face counts as straight.
-Chosen: well above the rounding of coordinates."""
-
 _THIN = 1e-3
 """A fan about the first corner with a triangle below this share of the face is rejected. Chosen.
 Where a face is warped, slivers cross other faces."""
-
-WARPED = 1e-9
-"""Faces that are less warped, relative to the block, are plane. Chosen, above rounding."""
 
 
 def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
@@ -84,7 +77,7 @@ def _convex(flat: Floats, start: Ints) -> Bools:
     edge = flat[after] - flat
     turn = plane_cross(edge, edge[after])
     area = 0.5 * loops.sum(plane_cross(flat, flat[after]))
-    return ~loops.any(turn < -_FLAT_TURN * loops.spread(np.abs(area)))
+    return ~loops.any(turn < -ROUNDING * loops.spread(np.abs(area)))
 
 
 def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
@@ -123,7 +116,7 @@ def _delaunay(flat: Floats, start: Ints, chosen: Ints) -> list[Ints]:
     return found
 
 
-def fan_warped(faces: Faces, tolerance: float = WARPED) -> Faces:
+def fan_warped(faces: Faces, tolerance: float = ROUNDING) -> Faces:
     """The same bodies, every warped face replaced by its fan about the mean of its corners.
 
     The volume and the centroid of a body are those of this fan

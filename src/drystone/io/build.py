@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import ROUNDING, Floats
 from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.detection.tolerances import repair_lines
 from drystone.geometry import coincidence
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.shape_blocks import SAME_PLACE, blocks_of, faces_at_holes
+from drystone.io.shape_blocks import blocks_of, faces_at_holes
 
 _LIKELY_EXTENT = (0.01, 1000.0)
 _LIKELY_BLOCK = (0.002, 4.0)
@@ -211,7 +211,7 @@ def _name_defects(shapes: tuple[DraftBlock, ...], path: Path) -> list[InputError
 
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
     """A defect for each pair of duplicate blocks, and the second of each pair."""
-    pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
+    pairs = coincidence.duplicates([block.vertices for block in blocks], ROUNDING)
     return [
         FormatError(
             f"blocks '{blocks[a].name}' and '{blocks[b].name}' are the same block twice,"

@@ -14,7 +14,7 @@ import numpy as np
 
 from drystone.answer import Verdict
 from drystone.assembly import Assembly
-from drystone.base.arrays import FARTHEST, Bools, Floats, Ints
+from drystone.base.arrays import FARTHEST, SAME, Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.checks import check_forces, unbalanced_wrench
 from drystone.contacts import DEFAULT_FRICTION, Contacts
@@ -186,9 +186,6 @@ def _frame(interface: Field, points: Floats) -> Floats:
 
 COMPONENTS = ("c_np", "c_nn", "c_u", "c_v")
 
-_BALANCED = 1e-6
-"""Residual, and share of a pull, that count as none. Forces of compas_cra 0.8 balance to 1e-11."""
-
 
 def forces_of(
     stored: Sequence[Floats | None], contacts: Contacts, turned: Bools, backwards: Bools
@@ -253,8 +250,8 @@ def solved(
     gravity = -(mass @ pushed) / (mass @ mass)
     model = Model(assembly, contacts, gravity.tolist())
     residuals = check_forces(model, force)
-    pulls = bool((tension > _BALANCED * np.abs(force).max()).any())
-    balanced = residuals.equilibrium <= _BALANCED
+    pulls = bool((tension > SAME * np.abs(force).max()).any())
+    balanced = residuals.equilibrium <= SAME
     told = f"the forces of the file balance a gravity of {np.linalg.norm(gravity):.4g} m/s2"
     if not balanced:
         told = "the forces of the file do not balance the weights of its blocks"

@@ -18,7 +18,7 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 
-from drystone.base.arrays import FARTHEST, Floats
+from drystone.base.arrays import FARTHEST, SAME, Floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.units import scale_of
 from drystone.geometry.polygon import area_vector
@@ -33,8 +33,6 @@ from drystone.io.unfolding import Unfolded
 _CHORD = np.deg2rad(5.0)
 """Largest angle of a chord: it lies within 0.001 of the radius from its arc. Corners are at
 multiples of it about the centre, so that arcs that lie on each other have the same ones."""
-_STRAIGHT = 1e-6
-"""Smaller bulges are none."""
 _USUAL = 1.0
 """[m] Thickness of a section when none is given."""
 _Mesh: TypeAlias = tuple[Floats, list[Loop]]
@@ -265,7 +263,7 @@ def _arc(start: Floats, end: Floats) -> Floats:
     """The first corner and those on the arc after it (c, 2); its bulge is the last number."""
     a, b, bulge = start[:2], end[:2], float(start[2])
     chord = b - a
-    if abs(bulge) < _STRAIGHT or not chord.any():
+    if abs(bulge) < SAME or not chord.any():
         return a[None]
     middle = 0.5 * (a + b) + np.array([-chord[1], chord[0]]) * (1.0 - bulge**2) / (4.0 * bulge)
     first = float(np.arctan2(*(a - middle)[::-1]))

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.assembly import Block, replace_block
 from drystone.assembly.sound import self_touching
-from drystone.base.arrays import Bools, Floats, frozen_floats
+from drystone.base.arrays import ROUNDING, Bools, Floats, frozen_floats
 from drystone.base.errors import DefectKind, InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.closing import separate_parts
@@ -21,8 +21,6 @@ from drystone.supports import may_hold
 
 _LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
-SAME_PLACE = 1e-9
-"""Vertices nearer than this share of their block's size are the same point."""
 _HINTED = 2000
 """Faces up to which a repair, or a split, is tried only to say that it would work. Chosen: some
 tenths of a second."""
@@ -89,7 +87,7 @@ def _in_parts(block: Block, split: bool) -> tuple[Made, list[str]]:
     if len(parts) == 1:
         return [block], []
     corners = [block.vertices[sorted({i for loop in part for i in loop})] for part in parts]
-    if coincidence.duplicates(corners, SAME_PLACE):
+    if coincidence.duplicates(corners, ROUNDING):
         raise InputError(
             "a part of it is there twice, at the same place",
             where=f"block '{block.name}'",
@@ -161,7 +159,7 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
     ]
     points = [_scaled(shapes[i], scale) for i in opened]
     loops = [shapes[i].faces for i in opened]
-    welded = coincidence.weld_each(points, loops, SAME_PLACE)
+    welded = coincidence.weld_each(points, loops, ROUNDING)
     for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
         once = list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
         twice = len(faces) - len(once)

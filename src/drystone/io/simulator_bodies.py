@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import HalfspaceIntersection, QhullError
 
 from drystone.assembly import Block
-from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
 from drystone.base.errors import InputError
 from drystone.geometry import boxes
 from drystone.geometry.convex_pieces import ConvexPiece, convex_pieces, hull_of, mesh_of, solid_of
@@ -175,8 +175,6 @@ of it a dome of 237 warped voussoirs has 764 pieces in place of 432, of which th
 _TOLD = 1e-4
 """[m] Blocks that were nearer to touching are cut back without a word. Chosen: the depth at which a
 simulator begins to push them apart visibly."""
-_SAME_ACCELERATION = 1e-6
-"""Largest relative difference of the accelerations of blocks that count as one gravity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +281,7 @@ def gravity_of(model: Model) -> Floats:
     each = wrench[:, :3] / model.assembly.mass[free][:, None]
     common: Floats = each[0]
     scale = max(float(np.abs(each).max()), 1e-300)
-    alike = np.abs(each - common).max() <= _SAME_ACCELERATION * scale
+    alike = np.abs(each - common).max() <= SAME * scale
     if not alike or np.abs(wrench[:, 3:]).max() > 1e-9 * np.abs(wrench).max():
         raise InputError(
             f"the load case '{model.load.name}' is not a uniform acceleration",

@@ -25,6 +25,7 @@ from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.mechanics.statics import Statics, build_statics
 from drystone.model import Model
 from drystone.programs import RBEOptions, solve_rbe
+from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result, Verdict
 from drystone.solvers.program import ConicSolution
 from drystone.stability.problem import Problem
@@ -41,16 +42,12 @@ _STEPS = 100
 without one, whatever their number."""
 
 
-BALANCED = 1e-6
-"""Largest residual of a state of equilibrium that is reported, dimensionless."""
-
-
 def balanced(
     model: Model, force: Floats, raw: ConicSolution, message: str, mechanism: Floats | None = None
 ) -> Result | None:
     """Forces (k, 3) [N] of a program as a result; None where they do not balance the loads."""
     residuals = check_forces(model, force)
-    if max(residuals.equilibrium, residuals.tension) > BALANCED:
+    if max(residuals.equilibrium, residuals.tension) > BALANCE_TOLERANCE:
         return None
     return Result(
         method="rbe", verdict=Verdict.EQUILIBRIUM_EXISTS, model=model, message=message,

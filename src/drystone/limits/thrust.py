@@ -19,9 +19,10 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import EquilibriumSolution, solve_extreme_force
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, as_model
-from drystone.limits.bounds import BALANCED, balanced
+from drystone.limits.bounds import balanced
 from drystone.mechanics.statics import build_statics
 from drystone.model import Model
+from drystone.programs.rbe import BALANCE_TOLERANCE
 from drystone.results import Result
 from drystone.solvers.program import ConicStatus
 
@@ -152,7 +153,7 @@ def thrust_bounds(
         if state is None:
             return float("nan"), None
         value = float((price * solution.force).sum())
-        if abs(value) < BALANCED:  # as far from equilibrium as the forces may be
+        if abs(value) < BALANCE_TOLERANCE:  # as far from equilibrium as the forces may be
             value = 0.0
         return statics.force_unit * value, state
 

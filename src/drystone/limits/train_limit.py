@@ -13,7 +13,7 @@ from drystone.answer import Answer, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
 from drystone.answer.scene import Layer, LayerKind
-from drystone.base.arrays import Floats
+from drystone.base.arrays import SAME, Floats
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -30,9 +30,6 @@ from drystone.loads.fill import Tops
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.problem import Problem
-
-_ALIKE = 1e-6
-"""Factors within this share of the least one are alike: of a bridge from both its ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +90,7 @@ class TrainEnvelope(Answer):
         if not len(self.places) or np.isnan(self.factors).all():
             raise InputError("no place is known", remedy="let the search go on")
         least = float(np.nanmin(self.factors))
-        room = _ALIKE * abs(least) if np.isfinite(least) else 0.0
+        room = SAME * abs(least) if np.isfinite(least) else 0.0
         return int(np.flatnonzero(self.factors <= least + room)[0])
 
     @property
@@ -529,6 +526,6 @@ def _between(found: Sequence[PlacedTrain]) -> list[float]:
     least = float(factor.min(initial=np.inf))
     if not np.isfinite(least):
         return []
-    alike = np.flatnonzero(factor <= least + _ALIKE * abs(least))
+    alike = np.flatnonzero(factor <= least + SAME * abs(least))
     spaces = {i for at in (alike[0], alike[-1]) for i in (at - 1, at) if 0 <= i < len(place) - 1}
     return [0.5 * float(place[i] + place[i + 1]) for i in sorted(spaces)]

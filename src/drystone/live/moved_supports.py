@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.base import units
-from drystone.base.arrays import Floats, cross
+from drystone.base.arrays import SAME, Floats, cross
 from drystone.base.errors import counted
 from drystone.base.progress import Progress
 from drystone.contacts import Contacts
@@ -316,8 +316,6 @@ FOLLOWED_KINDS = tuple(kind for kind in MendOptions().kinds if kind != "glue")
 _HASTE = 4.0
 """How much longer the increments of a quick look are. What it finds is followed once more in those
 of the verdict. Chosen: it takes a quarter of the time."""
-_PRESSES = 1e-6
-"""Normal force by the largest one from which on a corner touches; above the accuracy of rest."""
 
 
 @dataclass(frozen=True)
@@ -397,7 +395,7 @@ def moved_model(found: LargeDisplacement) -> Model:
     """The blocks where they rest or fall, with their joints as far as these press there."""
     model, last = found.model, found.fallen or found.states[-1]
     normal, contacts = last.force[:, 0], last.contacts
-    touches = normal > _PRESSES * float(normal.max(initial=0.0))
+    touches = normal > SAME * float(normal.max(initial=0.0))
     joint = np.zeros(len(contacts), dtype=bool)
     joint[contacts.interface[touches]] = True
     corner = touches[joint[contacts.interface]]

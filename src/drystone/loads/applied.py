@@ -7,15 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints, dot, lengths
+from drystone.base.arrays import ROUNDING, Floats, Ints, dot, lengths
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.geometry.polyhedron import fan_triangles
 from drystone.loads.case import STANDARD_GRAVITY, LoadCase
-
-_OWN = 1e-9
-"""Share of the largest load below which a load is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +73,7 @@ def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
     rest = load.wrench.copy()
     rest[:, :3] -= assembly.mass[:, None] * common
     rest[assembly.fixed] = 0.0
-    least = _OWN * float(np.abs(load.wrench[:, :3]).max(initial=0.0))
+    least = ROUNDING * float(np.abs(load.wrench[:, :3]).max(initial=0.0))
     rest[:, :3][np.abs(rest[:, :3]).max(axis=1) <= least] = 0.0
     rest[:, 3:][np.abs(rest[:, 3:]).max(axis=1) <= least * assembly.size] = 0.0
     block = np.flatnonzero(rest.any(axis=1))
@@ -106,14 +103,14 @@ def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> F
     across = np.cross(way, sides[:, 1])
     volume = dot(sides[:, 0], across)
     area = lengths(np.cross(sides[:, 0], sides[:, 1]))
-    crossed = np.abs(volume) > _OWN * area
+    crossed = np.abs(volume) > ROUNDING * area
     begin = point[line] - triangle[:, 0]
     turned = np.cross(begin, sides[:, 0])
     u, v, way_to = (
         np.divide(one, volume, out=np.full(len(line), np.inf), where=crossed)
         for one in (dot(begin, across), dot(way, turned), dot(sides[:, 1], turned))
     )
-    hit = crossed & (np.minimum(u, v) >= -_OWN) & (u + v <= 1.0 + _OWN)
+    hit = crossed & (np.minimum(u, v) >= -ROUNDING) & (u + v <= 1.0 + ROUNDING)
     first = np.full(len(block), np.inf)
     np.minimum.at(first, line[hit], way_to[hit])
     first = np.where(np.isfinite(first), first, 0.0)

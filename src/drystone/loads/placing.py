@@ -11,17 +11,13 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, frozen, frozen_floats, lengths, whole
+from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats, lengths, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.solid import outside_distance
 from drystone.geometry.triangulate import triangulate
-
-_OFF_BLOCK = 1e-6
-"""A point farther from a block than this share of the block's size lies outside it. Chosen: above
-the rounding of coordinates in model files."""
 
 _FACING = np.cos(np.deg2rad(30.0))
 """A face faces a direction when its normal is within 30 degrees of it. Chosen: the inclined top of
@@ -76,7 +72,7 @@ def wrench_of_masses(assembly: Assembly, acceleration: Floats) -> Floats:
 def off_block(block: Block, points: Floats) -> tuple[str, ...]:
     """A note on each of the points (p, 3) that lies outside a block."""
     _, triangles = _surface(block)
-    away = outside_distance(points, triangles, _OFF_BLOCK * block.size)
+    away = outside_distance(points, triangles, SAME * block.size)
     told = [(", ".join(f"{x:g}" for x in points[i]), away[i]) for i in np.flatnonzero(away)]
     return tuple(f"the point {at} is {far:.3g} m off block '{block.name}'" for at, far in told)
 
@@ -122,7 +118,7 @@ class SurfaceLoad(OneLine):
         if np.array_equal(self.block, other.block) and np.array_equal(self.point, other.point):
             return replace(self, traction=self.traction + other.traction, wrench=wrench)
         mine, more = self._cut_at(other), other._cut_at(self)
-        apart = _OFF_BLOCK * max(float(np.abs(mine.point).max(initial=0.0)), 1e-300)
+        apart = SAME * max(float(np.abs(mine.point).max(initial=0.0)), 1e-300)
         known = {key: i for i, key in enumerate(mine._keys(apart))}
         at = np.array([known.get(key, -1) for key in more._keys(apart)], dtype=np.intp)
         mine.traction[at[at >= 0]] += more.traction[at >= 0]
@@ -140,10 +136,10 @@ class SurfaceLoad(OneLine):
         for block, (start, end) in zip(self.block.tolist(), self.point, strict=True):
             way, ends = end - start, other.point[other.block == block].reshape(-1, 3) - start
             share = ends @ way / max(float(way @ way), 1e-300)
-            on = lengths(ends - share[:, None] * way) <= _OFF_BLOCK * np.sqrt(way @ way)
-            on &= (share > _OFF_BLOCK) & (share < 1.0 - _OFF_BLOCK)
+            on = lengths(ends - share[:, None] * way) <= SAME * np.sqrt(way @ way)
+            on &= (share > SAME) & (share < 1.0 - SAME)
             places = np.sort([0.0, *share[on], 1.0])
-            cuts.append(places[np.append(True, np.diff(places) > _OFF_BLOCK)])
+            cuts.append(places[np.append(True, np.diff(places) > SAME)])
         of = np.repeat(np.arange(len(cuts)), [len(one) - 1 for one in cuts])
         part = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in cuts])[..., None]
         point, traction = (

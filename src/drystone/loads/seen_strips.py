@@ -9,14 +9,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.geometry.triangulate import triangulate
 from drystone.loads.placing import SurfaceLoad
 
-_SAME = 1e-9
-"""Lengths that are equal, by the extent of the assembly."""
 _GAUSS = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
 _SHARE = np.array([5.0, 8.0, 5.0]) / 18.0
 """Points and weights by which polynomials up to the fifth degree are integrated."""
@@ -83,7 +81,7 @@ class SeenStrips(OneLine):
         triangle, face = triangulate(corner, faces.start)
         at = corner[triangle] @ axes.T
         normal = np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0])
-        towards = normal[:, 2] > _SAME * np.linalg.norm(normal, axis=1)
+        towards = normal[:, 2] > ROUNDING * np.linalg.norm(normal, axis=1)
         at, normal, block = at[towards], normal[towards], faces.owner[face[towards]]
         slope = -normal[:, :2] / normal[:, 2:]
         at = np.take_along_axis(at, np.argsort(at[..., 0], axis=1)[..., None], axis=1)
@@ -99,7 +97,7 @@ class SeenStrips(OneLine):
             axes, block[twice], middle[..., 0], middle[..., 1], across, middle[..., 2], slope[twice]
         )
         extent = float(np.ptp(assembly.bounds.reshape(-1, 3), axis=0).max())
-        least = _SAME * extent
+        least = ROUNDING * extent
         made = made._chosen(
             (made.t[:, 1] - made.t[:, 0] > least) & (made.width.max(axis=1) > least)
         )
@@ -145,10 +143,10 @@ class SeenStrips(OneLine):
 
     def _joined(self) -> SeenStrips:
         """One strip for those of a plane face between the same places along t: its triangles."""
-        least = _SAME * max(float(np.abs(self.t).max(initial=0.0)), 1e-300)
+        least = ROUNDING * max(float(np.abs(self.t).max(initial=0.0)), 1e-300)
         plane = self.r - (self.slope[:, :1] * self.t + self.slope[:, 1:] * self.s)
         alike = np.rint(np.column_stack([self.t, plane]) / least)
-        key = np.column_stack([self.block, alike, np.rint(self.slope / _SAME)])
+        key = np.column_stack([self.block, alike, np.rint(self.slope / ROUNDING)])
         _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
         low, high = np.full((2, len(first), 2), np.inf)
         np.minimum.at(low, group.ravel(), self.s - 0.5 * self.width)

@@ -12,15 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import ROUNDING, Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
 from drystone.geometry.polyhedron import body_mass_properties
 from drystone.geometry.surface import closed_surface
-
-WELD = 1e-9
-"""Corners closer than this share of the block's extent are joined. It is far above the rounding of
-coordinates and far below any edge of a model family."""
 
 
 def require(holds: bool, what: str, remedy: str) -> None:
@@ -107,7 +103,7 @@ def welded(
     faces = [frozen_floats(loop, (None, 3), "loop") for loop in loops]
     points = np.concatenate(faces)
     extent = float(np.ptp(points, axis=0).max())
-    first, member = distinct(points, WELD * extent)
+    first, member = distinct(points, ROUNDING * extent)
     ends = np.cumsum([len(face) for face in faces])[:-1]
     rounds = (tuple(dict.fromkeys(part.tolist())) for part in np.split(member, ends))
     surface = closed_surface([loop for loop in rounds if len(loop) > 2], len(first))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drystone import models
-from drystone.base.arrays import Floats
+from drystone.base.arrays import SAME, Floats
 from drystone.limits import Bracket, LimitOptions, limit_friction, limit_tilt, thrust_bounds
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -32,9 +32,6 @@ _CROWN = ("voussoir-06", "voussoir-07", "voussoir-08")
 """Blocks of the joints at mid-span of the arch of 15 voussoirs."""
 
 _BOTH = Objective.QUADRATIC, Objective.LINEAR
-
-_PRESSES = 1e-6
-"""Share of the largest normal force from which on a corner presses; below is rounding."""
 
 
 def pinched_blocks() -> Case:
@@ -72,7 +69,7 @@ def penalty_form() -> Case:
     force, tension = result.force, result.tension
     assert force is not None
     assert tension is not None
-    pulls, small = tension > 0.0, _PRESSES * np.abs(force).max()
+    pulls, small = tension > 0.0, SAME * np.abs(force).max()
     both = int((pulls & (force[:, 0] > small)).sum())
     rubs = int((pulls & (np.linalg.norm(force[:, 1:], axis=1) > small)).sum())
     share = usual.pull.sum() / cheap.pull.sum()
@@ -152,7 +149,7 @@ def _pressing(force: Floats | None) -> int:
     """The number of corners that press."""
     if force is None:
         return 0
-    return int((force[:, 0] > _PRESSES * np.abs(force).max()).sum())
+    return int((force[:, 0] > SAME * np.abs(force).max()).sum())
 
 
 def buttressed_arch() -> Case:

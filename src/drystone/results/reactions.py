@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.answer.scene import Layer, LayerKind
-from drystone.base.arrays import Floats, dot, lengths
+from drystone.base.arrays import SAME, Floats, dot, lengths
 from drystone.base.ragged import sum_by_owner
-from drystone.base.table import NEGLIGIBLE, Table
+from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.joints import Resultants
 from drystone.results.solution import Solution
@@ -29,7 +29,7 @@ def reaction_table(result: Solution) -> Table:
     point /= np.bincount(owner, weight, count)[:, None]
     total = sum_by_owner(force, owner, count)
     moment = sum_by_owner(np.cross(place - point[owner], force), owner, count)
-    rounding = NEGLIGIBLE * float(result.assembly.size.max()) * lengths(total)
+    rounding = SAME * float(result.assembly.size.max()) * lengths(total)
     moment = np.where((lengths(moment) > rounding)[:, None], moment, 0.0)
     columns = {
         "support": [result.assembly.names[i] for i in support],

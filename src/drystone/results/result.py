@@ -12,10 +12,10 @@ import numpy as np
 
 from drystone.answer import Answer, Role, Scene, SceneStage, Sentence, Verdict
 from drystone.assembly import Blocks
-from drystone.base.arrays import lengths
+from drystone.base.arrays import SAME, lengths
 from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
-from drystone.base.table import NEGLIGIBLE, Table
+from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
@@ -222,7 +222,7 @@ class Result(Solution, Answer):
         order = sorted(self.falling, key=lambda i: -size[i])
         force, moment = prop[order, :3], prop[order, 3:]
         arm = float(self.assembly.size.max())  # a moment that is small beside it is rounding
-        seen = lengths(moment) > NEGLIGIBLE * arm * size[order]
+        seen = lengths(moment) > SAME * arm * size[order]
         moment = np.where(seen[:, None], moment, 0.0)
         columns: dict[str, Any] = {"block": [self.assembly.names[i] for i in order]}
         if self.prop is None:
@@ -253,7 +253,7 @@ class Result(Solution, Answer):
             "block_a": [names[i] for i in contacts.block_a[at]],
             "block_b": [names[i] for i in contacts.block_b[at]],
             "normal": normal,
-            "friction": np.where(tangential > NEGLIGIBLE * np.abs(normal), tangential, 0.0),
+            "friction": np.where(tangential > SAME * np.abs(normal), tangential, 0.0),
             "utilisation": used[at],
         }
         return Table("most loaded", columns, {"normal": "N", "friction": "N", "utilisation": "1"})

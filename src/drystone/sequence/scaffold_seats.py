@@ -13,7 +13,7 @@ import shapely.affinity
 import shapely.ops
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats, Ints, unit
+from drystone.base.arrays import ROUNDING, Floats, Ints, unit
 from drystone.base.display import OneLine
 from drystone.base.ragged import Ragged
 from drystone.free_faces import FreePart, free_parts
@@ -22,7 +22,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.planar import parts_of
 from drystone.geometry.polyhedron import Faces, stack_faces
 from drystone.geometry.solid import crossings
-from drystone.geometry.triangulate import WARPED, fan_warped, triangulate
+from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.model import Model
 
 INSET = 0.6
@@ -109,7 +109,7 @@ class Seat(OneLine):
             t = (y * one[:, 1] - x * one[:, 2]) / twice
             inside = np.minimum(np.minimum(s, t), 1.0 - s - t)
             height = corner[:, 0] + s * one[:, 0] + t * two[:, 0]
-            hit = inside >= min(float(inside.max()), -WARPED)
+            hit = inside >= min(float(inside.max()), -ROUNDING)
             best = np.argmin(np.where(hit, np.abs(height - wanted), np.inf))
             out[i] = np.append(height[best], place) @ self.axes
         return out

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, cross, frozen, frozen_floats
+from drystone.base.arrays import SAME, Bools, Floats, cross, frozen, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -36,9 +36,6 @@ STAGE = {
     Drive.SUPPORTS: "moving the supports",
     Drive.FRICTION: "reducing the friction",
 }
-ROUNDING = 1e-6
-"""Force on moving supports that is told as zero, by the weight of all blocks: where nothing resists
-the motion, the drag leaves as much."""
 WATCHED = 0.3
 """[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 
@@ -345,7 +342,7 @@ def _plain(found: LargeDisplacement) -> Floats:
     if found.drive is not Drive.SUPPORTS:
         return load
     weight = np.linalg.norm(found.model.load.wrench[:, :3], axis=1).sum()
-    return np.where(np.abs(load) > ROUNDING * weight, load, 0.0)
+    return np.where(np.abs(load) > SAME * weight, load, 0.0)
 
 
 def _mover(driver: Driver, found: LargeDisplacement) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.base.arrays import Floats, Ints, dot
+from drystone.base.arrays import ROUNDING, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
@@ -27,9 +27,6 @@ _LEAST_COSINE = 0.5
 """Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
 degrees the faces of a block no longer approximate the surface."""
 
-_PLANAR = 1e-9
-"""Distance of a corner from the plane of its face that counts as zero, relative to the square root
-of the area. Chosen: far above rounding, far below the precision of text files."""
 
 HOOK = ((0.4, 1.4), (0.84, 0.185), (0.74, 0.1))
 """Corners of a joggle, from the intrados: position through the thickness, divided by half the
@@ -193,7 +190,7 @@ def _is_warped(corner: Floats) -> bool:
     """Whether four corners (4, 3) [m] are not in one plane."""
     across = np.cross(corner[2] - corner[0], corner[3] - corner[1])
     size = float(np.linalg.norm(across))
-    return bool(abs((corner[1] - corner[0]) @ across) > _PLANAR * size**1.5)
+    return bool(abs((corner[1] - corner[0]) @ across) > ROUNDING * size**1.5)
 
 
 def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
@@ -262,7 +259,7 @@ def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
     height, seen = warp_and_view(pins.point[loop], start)
     area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
     made = [[cap] for cap in caps]
-    for i in np.flatnonzero((height > _PLANAR * np.sqrt(area)) & ~seen).tolist():
+    for i in np.flatnonzero((height > ROUNDING * np.sqrt(area)) & ~seen).tolist():
         corner = np.array(caps[i], dtype=np.intp)
         triangle, _ = triangulate(pins.point[corner], np.array([0, len(corner)]))
         made[i] = [tuple(row) for row in corner[triangle].tolist()]

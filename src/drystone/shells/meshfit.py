@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline, CloughTocher2DInterpolator
 from scipy.sparse.linalg import spsolve
 
-from drystone.base.arrays import Floats, dot, frozen_points
+from drystone.base.arrays import SAME, Floats, dot, frozen_points
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
@@ -308,17 +308,12 @@ def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Float
     return distance
 
 
-_WELD = 1e-6
-"""Vertices closer than this, relative to the size of the mesh, are merged: formats such as STL
-repeat them."""
-
-
 def welded(
     points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None, name: str
 ) -> tuple[Floats, list[list[int]], list[int] | None]:
     """Used vertices, coincident ones merged; the faces and the named corners among them."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    first = first_coincident(points, _WELD * size)
+    first = first_coincident(points, SAME * size)
     loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
     loops = [loop for loop in loops if len(loop) > 2]
     used = sorted({i for loop in loops for i in loop})

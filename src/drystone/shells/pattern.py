@@ -12,16 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.shells.courses import Courses
 from drystone.shells.patch import Side
 from drystone.shells.wedge import Wedge, eased_share, wedge_amount
-
-_SAME = 1e-9
-"""Head joints closer than this in v share their corners."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +109,10 @@ def _wrapped(v: Floats, courses: Courses) -> Floats:
 
 def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
     """Vertex of each corner, and the first corner of each vertex; equal bed line and v."""
-    cyclic = np.where(v > 1.0 - _SAME, 0.0, v) if closed else v
+    cyclic = np.where(v > 1.0 - ROUNDING, 0.0, v) if closed else v
     order = np.lexsort((cyclic, level))
     new = np.ones(len(v), dtype=bool)
-    new[1:] = (np.diff(level[order]) != 0) | (np.diff(cyclic[order]) > _SAME)
+    new[1:] = (np.diff(level[order]) != 0) | (np.diff(cyclic[order]) > ROUNDING)
     vertex = np.empty(len(v), dtype=np.intp)
     vertex[order] = np.cumsum(new) - 1
     return vertex, order[new]
@@ -162,8 +159,8 @@ def _cells(
     first = 0
     for i, heads in enumerate(joints):
         (low_on, low_at), (high_on, high_at) = chains[i], chains[i + 1]
-        low = np.searchsorted(low_at, np.stack([heads + _SAME, heads - _SAME]))
-        high = np.searchsorted(high_at, np.stack([heads + _SAME, heads - _SAME]))
+        low = np.searchsorted(low_at, np.stack([heads + ROUNDING, heads - ROUNDING]))
+        high = np.searchsorted(high_at, np.stack([heads + ROUNDING, heads - ROUNDING]))
         for j in range(len(heads) - 1):
             under = low_on[low[0, j] : low[1, j + 1]].tolist()
             over = high_on[high[0, j] : high[1, j + 1]].tolist()

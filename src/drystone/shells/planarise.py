@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from drystone.base.arrays import Floats, Ints, dot
+from drystone.base.arrays import SAME, Floats, Ints, dot
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.geometry.polyhedron import loop_edges
@@ -197,10 +197,6 @@ _LARGE_DRIFT = 0.25
 """Drift, relative to the width of a block, above which a shell has a note. Chosen: the lap of head
 joints is as large."""
 
-_LARGEST_WARP = 1e-6
-"""Largest warp of a joint, relative to the width of a block. Contacts and volumes have this
-accuracy."""
-
 
 @dataclass(frozen=True, eq=False)
 class PlanarPins:
@@ -312,7 +308,7 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: ShellBody) -> None:
     InputError
         They are neither planar nor faceted.
     """
-    if made.report.warp_after > _LARGEST_WARP and not made.pins.faceted:
+    if made.report.warp_after > SAME and not made.pins.faceted:
         what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
             f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Question, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, dot, unit
+from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
@@ -51,9 +51,6 @@ from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.springers import add_ground, springers
 from drystone.shells.weld import weld
 
-_TOLERANCE = 1e-6
-"""Largest overlap of two blocks, relative to the width of a block."""
-
 
 def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground: Bools) -> None:
     """Refuse a shell with blocks that overlap.
@@ -74,7 +71,7 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground
         The surface crosses itself; two parts of it are closer than the thickness; or a strongly
         curved block reaches into its neighbour.
     """
-    least, bounds, blocks = _TOLERANCE * width, assembly.bounds, assembly.blocks
+    least, bounds, blocks = SAME * width, assembly.bounds, assembly.blocks
     a, b = boxes.overlapping(bounds[:, 0] + 0.5 * least, bounds[:, 1] - 0.5 * least)
     convex = convex_bodies([block.vertices for block in blocks], [block.faces for block in blocks])
     found = shared_volumes(assembly.faces, a, b, np.full(len(a), least), convex)

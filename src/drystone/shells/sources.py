@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import SAME, Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
@@ -22,8 +22,6 @@ from drystone.shells.patch import Patch, check_patch
 _Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
 
-_CORNER_GAP = 1e-6
-"""Largest gap between two boundary curves at a corner, relative to the size of the patch."""
 
 _CROSSING_SAMPLES = 65
 """Samples of each boundary curve in the search for crossings. Chosen."""
@@ -106,7 +104,7 @@ def patch_from_curves(
     }
     for sides, (one, other) in pairs.items():
         gap = float(np.linalg.norm(one - other))
-        if gap > _CORNER_GAP * size:
+        if gap > SAME * size:
             raise InputError(
                 f"boundary curves {sides} are {gap:.3g} m apart at their corner",
                 where=where,

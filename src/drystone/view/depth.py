@@ -18,14 +18,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, dot, plane_cross
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, plane_cross
 from drystone.base.ragged import BATCH, Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.triangulate import triangulate
 
-_EDGE_ON = 1e-9
-"""Directions closer to the paper than this (cosine) hide nothing."""
 _INTERFACE_OVERLAP = 0.1
 """Share of a block's size by which two blocks may reach through their common plane (warped faces,
 gaps, interpenetration) and still be ordered by it; chosen, for drawing only."""
@@ -63,7 +61,7 @@ def ordered_patches(
     """
     faces = assembly.faces
     normal = faces.normals
-    front = normal @ toward > _EDGE_ON
+    front = normal @ toward > ROUNDING
     _, _, drawn = sharp_edges(faces, front)
     bodies = SeparationData.of(assembly, normal)
     before, after = _block_constraints(bodies, contacts, toward, paper)
@@ -143,8 +141,8 @@ def _by_interfaces(
     np.maximum.at(most, place, facing)
     clean = np.ones(len(key), dtype=bool)
     np.logical_and.at(clean, place, apart)
-    clean &= (least > -_EDGE_ON) | (most < _EDGE_ON)
-    direction = np.where(most > _EDGE_ON, 1.0, np.where(least < -_EDGE_ON, -1.0, 0.0))
+    clean &= (least > -ROUNDING) | (most < ROUNDING)
+    direction = np.where(most > ROUNDING, 1.0, np.where(least < -ROUNDING, -1.0, 0.0))
     at = np.searchsorted(key, first * n + second)
     touching = at < len(key)
     touching[touching] = key[at[touching]] == (first * n + second)[touching]
