@@ -32,7 +32,7 @@ from drystone.design import (
     thickening,
     tune,
 )
-from drystone.design.help_needed import Form
+from drystone.design.needs import Form
 from drystone.models import arch, box, buttressed_arch, prism
 from drystone.models.arches import voussoirs_between
 from drystone.stability import CheckOptions

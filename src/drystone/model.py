@@ -17,7 +17,7 @@ from drystone.base.errors import InputError, counted, quoted, require
 from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
-from drystone.detection.block_overlaps import overlap_lines
+from drystone.detection.face_overlaps import overlap_lines
 from drystone.detection.misses import inexact_lines
 from drystone.detection.resample import resampled_lines
 from drystone.detection.tolerances import Missed

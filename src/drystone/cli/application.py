@@ -58,7 +58,7 @@ class _Program(click.Group):
             found = getattr(import_module(f"drystone.cli.{place}"), cmd_name)
             self.add_command(found, cmd_name)
         elif place is not None:
-            from drystone.cli.analysis_command import AnalysisCommand  # when it is asked for
+            from drystone.cli.command import AnalysisCommand  # when it is asked for
 
             words = cmd_name if self is app else f"{self.name} {cmd_name}"
             self.add_command(AnalysisCommand(words, place))

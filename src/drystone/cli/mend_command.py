@@ -236,7 +236,7 @@ def shape(
 def _moves(model: Model, move: str, ways: dict[str, Any]) -> ShapeVariables:
     """What may move; all blocks that are prisms stay so, unless something else is asked for."""
     from drystone import design
-    from drystone.design.free_moves import prism_axis
+    from drystone.design.shared_planes import prism_axis
 
     most = ways.pop("most", 0.1 * float(model.assembly.size[model.assembly.free].mean()))
     along = ways.pop("along", None)

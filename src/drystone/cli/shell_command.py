@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from functools import partial as bound
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -132,7 +131,7 @@ def shell(
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]
-    files = bound(_files, made, out, schedule, unrolled, pictures.of(result)[0])
+    files = partial(_files, made, out, schedule, unrolled, pictures.of(result)[0])
     also = {"shell": made, "buildable": told, "search": tuned}
     return Told(
         result, {key: one for key, one in also.items() if one is not None}, base.shape.name,
@@ -153,7 +152,7 @@ def _search(
     ranges = [parameter_range(text, known) for text in search.vary]
     with_values(wanted, pattern, **{one.name: one.choices[0] if one.choices else one.low
                                     for one in ranges})  # fmt: skip
-    return search.run(bound(varied_shell, wanted, pattern), known, joints, waiting, time_limit)
+    return search.run(partial(varied_shell, wanted, pattern), known, joints, waiting, time_limit)
 
 
 def _files(
@@ -163,11 +162,11 @@ def _files(
 
     jobs: list[Job] = []
     if out is not None:
-        jobs.append((out, bound(io.write, made.assembly)))
+        jobs.append((out, partial(io.write, made.assembly)))
     if schedule is not None:
         jobs.append((schedule, shells.schedule(made).to_csv))
     if unrolled is not None:
-        jobs.append((unrolled, bound(shells.write_unrolled, made)))
+        jobs.append((unrolled, partial(shells.write_unrolled, made)))
     return [*jobs, *pictures], []
 
 

@@ -192,7 +192,7 @@ def _files(
     jobs: list[Any] = []
     if out is not None and found.front:
         from drystone import io
-        from drystone.design.tune_goals import model_of
+        from drystone.design.tuned_values import model_of
 
         jobs.append((out, partial(io.write, model_of(build(**found.front[0].values), how))))
     if png is not None:

@@ -28,14 +28,10 @@ if TYPE_CHECKING:
     from drystone.design.cuts import RecutOptions as RecutOptions
     from drystone.design.cuts import cut_until_free as cut_until_free
     from drystone.design.cuts import recut_joints as recut_joints
-    from drystone.design.diagnosed import Diagnosis as Diagnosis
-    from drystone.design.diagnosed import Region as Region
+    from drystone.design.diagnosis import Diagnosis as Diagnosis
     from drystone.design.diagnosis import DiagnosisOptions as DiagnosisOptions
+    from drystone.design.diagnosis import Region as Region
     from drystone.design.diagnosis import diagnose as diagnose
-    from drystone.design.free_moves import block_moves as block_moves
-    from drystone.design.free_moves import free_vertices as free_vertices
-    from drystone.design.free_moves import joint_moves as joint_moves
-    from drystone.design.free_moves import thickening as thickening
     from drystone.design.joint_motion import JointMotion as JointMotion
     from drystone.design.joint_motion import JointState as JointState
     from drystone.design.joint_surgery import hook_joint as hook_joint
@@ -58,6 +54,10 @@ if TYPE_CHECKING:
     from drystone.design.shape_values import ShapeOptions as ShapeOptions
     from drystone.design.shaping import shape as shape
     from drystone.design.shared_planes import Moves as Moves
+    from drystone.design.shared_planes import block_moves as block_moves
+    from drystone.design.shared_planes import free_vertices as free_vertices
+    from drystone.design.shared_planes import joint_moves as joint_moves
+    from drystone.design.shared_planes import thickening as thickening
     from drystone.design.sharpening import SharpenOptions as SharpenOptions
     from drystone.design.sharpening import sharpen as sharpen
     from drystone.design.tuned_values import Parameter as Parameter
@@ -73,8 +73,7 @@ _NAMES = {
     "cuts": "CutOptions RecutOptions cut_until_free recut_joints",
     "joint_surgery": "hook_joint key_joint move_joint still_edge turn_joint wedge_joint",
     "buildable": "BuildableOptions make_buildable",
-    "diagnosed": "Diagnosis Region",
-    "diagnosis": "DiagnosisOptions diagnose",
+    "diagnosis": "Diagnosis DiagnosisOptions Region diagnose",
     "allowance": "joint_allowance",
     "joint_motion": "JointMotion JointState",
     "needs": "Need Needs Pull",
@@ -82,10 +81,9 @@ _NAMES = {
     "bench": "Tried",
     "margin": "DesignMargin",
     "mends": "MendOptions Mends find_mends mend",
-    "free_moves": "block_moves free_vertices joint_moves thickening",
     "shape_values": "FamilyMoves ShapeAim ShapeOptions",
     "shaping": "shape",
-    "shared_planes": "Moves",
+    "shared_planes": "Moves block_moves free_vertices joint_moves thickening",
     "tuned_values": "Parameter TuneTrial Tuned",
     "tuning": "TuneOptions tune",
     "sharpening": "SharpenOptions sharpen",

@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
-from drystone.design.vertex_measures import BlockVertices
+from drystone.design.vertex_places import BlockVertices
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 

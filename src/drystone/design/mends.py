@@ -19,8 +19,7 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.bench import Tried
 from drystone.design.changed import Changed, Kept
-from drystone.design.diagnosed import Diagnosis
-from drystone.design.diagnosis import DiagnosisOptions, diagnose
+from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind

@@ -12,8 +12,8 @@ from drystone.base.arrays import Floats, lengths
 from drystone.base.errors import DrystoneError, counted
 from drystone.base.progress import Clock, Stopped
 from drystone.design.changed import Changed, Kept
-from drystone.design.help_needed import GROUND
 from drystone.design.mends import stands_already
+from drystone.design.needs import GROUND
 from drystone.design.search import bracket
 from drystone.design.shape_values import (
     MEASURES,

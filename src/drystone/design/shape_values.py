@@ -18,9 +18,9 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
 from drystone.base.settings import Options
 from drystone.design.changed_model import changed
-from drystone.design.help_needed import GROUND, Form
 from drystone.design.margin import DesignMargin
-from drystone.design.vertex_measures import BlockVertices, vertices_of
+from drystone.design.needs import GROUND, Form
+from drystone.design.vertex_places import BlockVertices, vertices_of
 from drystone.geometry.frames import unit
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model

@@ -13,11 +13,11 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import checked_call
 from drystone.design.changed import Changed
-from drystone.design.help_needed import GROUND
+from drystone.design.needs import GROUND
 from drystone.design.search import bracket
 from drystone.design.shape_search import USED_UP, ShapeSearch, ended, farthest
 from drystone.design.shape_values import ShapeAim, ShapeOptions, ShapeVariables
-from drystone.design.vertex_measures import vertices_of
+from drystone.design.vertex_places import vertices_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 
@@ -154,7 +154,7 @@ def shape(
     """Move vertices until a structure stands, or to the best shape that stands.
 
     The help that it needs, and its derivative by all variables (one more solve), come from the
-    compliant state; see ``drystone.design.help_needed``. In each round scipy's SLSQP
+    compliant state; see ``drystone.design.needs``. In each round scipy's SLSQP
     moves the variables within a region of trust. Contacts are then found anew, and the check
     decides. Each round needs the one before, so an ``executor`` has nothing to share.
 

@@ -20,8 +20,14 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.version import version
 from drystone.base.workers import WorkerPool
 from drystone.design.margin import DesignMargin
-from drystone.design.tune_goals import Outcome, outcome_of, refuse_goals
-from drystone.design.tuned_values import Parameter, Tuned, TuneTrial
+from drystone.design.tuned_values import (
+    Outcome,
+    Parameter,
+    Tuned,
+    TuneTrial,
+    outcome_of,
+    refuse_goals,
+)
 from drystone.io.opening import How
 
 FALLS = "falls"

@@ -16,7 +16,7 @@ from drystone.base.progress import Clock, Stopped
 from drystone.design.bench import Bench, Near, Tried
 from drystone.design.changed import Changed, Kept
 from drystone.design.changes import Change
-from drystone.design.diagnosed import Region
+from drystone.design.diagnosis import Region
 from drystone.design.margin import DesignMargin
 from drystone.design.mend_kinds import holding
 from drystone.design.proposals import KnownNeeds

@@ -1,12 +1,10 @@
 """The contacts of an assembly, with a report of what was found and what was left out."""
 
-from drystone.detection.block_overlaps import Overlap
 from drystone.detection.contact_report import ContactReport
-from drystone.detection.find import Detection, find_contacts, find_overlaps
-from drystone.detection.gap_sweep import GapSweep, gap_sweep
-from drystone.detection.misses import Inexact
+from drystone.detection.face_overlaps import Overlap
+from drystone.detection.find import Detection, GapSweep, find_contacts, find_overlaps, gap_sweep
+from drystone.detection.misses import Inexact, Shortfall
 from drystone.detection.resample import Resampled
-from drystone.detection.shortfall import Shortfall
 from drystone.detection.tolerances import DetectionOptions, EdgeContacts, Missed, Reason
 
 __all__ = [

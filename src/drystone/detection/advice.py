@@ -8,8 +8,8 @@ import numpy as np
 
 from drystone.base.display import named, rounded_up
 from drystone.base.errors import counted
-from drystone.detection.block_overlaps import Overlap
-from drystone.detection.shortfall import Shortfall
+from drystone.detection.face_overlaps import Overlap
+from drystone.detection.misses import Shortfall
 from drystone.detection.tolerances import (
     LARGEST,
     SHOWN,

@@ -14,10 +14,9 @@ from drystone.base.display import Card, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.advice import suggestions
-from drystone.detection.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.misses import Inexact, inexact_lines
+from drystone.detection.face_overlaps import Overlap, overlap_lines, require_apart
+from drystone.detection.misses import Inexact, Shortfall, inexact_lines
 from drystone.detection.resample import Resampled, resampled_lines
-from drystone.detection.shortfall import Shortfall
 from drystone.detection.tolerances import (
     SHOWN,
     DetectionOptions,

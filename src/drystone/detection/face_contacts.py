@@ -7,10 +7,9 @@ import numpy as np
 from drystone.detection.candidates import Pairs, facing_patches
 from drystone.detection.face_overlaps import negligible, overlaps, within
 from drystone.detection.interfaces import Interfaces, from_pieces
-from drystone.detection.misses import compare_with_tolerances, dropped, misses
+from drystone.detection.misses import Compared, compare_with_tolerances, dropped, misses
 from drystone.detection.patches import Patches
 from drystone.detection.planes import planes_between, uncovered
-from drystone.detection.shortfall import Compared
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason
 
 

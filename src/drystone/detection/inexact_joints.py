@@ -15,7 +15,6 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.ragged import BATCH, Ragged
-from drystone.detection.block_overlaps import Overlap, block_overlaps
 from drystone.detection.candidates import (
     NEAR_BESIDE,
     Pairs,
@@ -24,7 +23,14 @@ from drystone.detection.candidates import (
     reach_of_patches,
 )
 from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.face_overlaps import joint_width, negligible, overlaps, within
+from drystone.detection.face_overlaps import (
+    Overlap,
+    block_overlaps,
+    joint_width,
+    negligible,
+    overlaps,
+    within,
+)
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import (
     EXPLAINED,

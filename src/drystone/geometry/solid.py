@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, cross, dot
+from drystone.base.arrays import ROUNDING, Bools, Floats, cross, dot
 from drystone.base.ragged import BATCH
 from drystone.geometry import boxes
 
 _FAR = 1000
 """Points of which the distance is found at once, those that may be farthest first. Chosen."""
-_ROUNDING = 1.0 + 1e-9
-"""By which a distance is taken to be larger, so that rounding decides nothing."""
 
 
 def solid_angles(points: Floats, triangles: Floats) -> Floats:
@@ -110,7 +108,7 @@ def farthest(points: Floats, triangles: Floats, least: float) -> float:
     if len(left) == 0:
         return 0.0
     nearest = cKDTree(triangles.reshape(-1, 3)).query(points[left])[0]
-    bound = _ROUNDING * np.asarray(nearest)
+    bound = (1.0 + ROUNDING) * np.asarray(nearest)
     order = np.argsort(-bound, kind="stable")
     deepest = 0.0
     for begin in range(0, len(left), _FAR):

@@ -17,14 +17,14 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import SAME, Floats
 from drystone.base.errors import FormatError
 from drystone.base.units import UNITS
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft
-from drystone.io.face_soup import SINGLE, FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.glb import Z_UP
-from drystone.io.unfolding import Unfolded, unfold
+from drystone.io.outside import Unfolded, unfold
 from drystone.io.xml_tree import numbers, root_of
 
 _Mesh: TypeAlias = tuple[Floats, list[Loop]]
@@ -66,7 +66,7 @@ def read(data: bytes, path: Path) -> Draft:
         raise FormatError(
             "shows no mesh", where=str(path), remedy="export the blocks as meshes in a scene"
         )
-    shapes, notes = shapes_of(soups, SINGLE, path)
+    shapes, notes = shapes_of(soups, SAME, path)
     shapes, renamed = named_apart(shapes)
     return Draft(tuple(shapes), units, notes=(*notes, *renamed))
 

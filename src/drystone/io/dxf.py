@@ -18,17 +18,17 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 
-from drystone.base.arrays import FARTHEST, SAME, Floats
+from drystone.base.arrays import FARTHEST, ROUNDING, SAME, Floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.units import scale_of
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop
 from drystone.io.draft import Draft, DraftBlock
 from drystone.io.dxf_entities import Drawing, Entity, drawing
-from drystone.io.face_soup import EXACT, FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.glb import Z_UP
 from drystone.io.layers import hidden_notes, holds, require_blocks
-from drystone.io.unfolding import Unfolded
+from drystone.io.outside import Unfolded
 
 _CHORD = np.deg2rad(5.0)
 """Largest angle of a chord: it lies within 0.001 of the radius from its arc. Corners are at
@@ -85,7 +85,7 @@ def read(
     ]
     scale = scale_of(units or found.units or "m")
     prisms, notes = _prisms(outlines, bool(soups), thickness, scale, path)
-    made, said = shapes_of(soups, EXACT, path)
+    made, said = shapes_of(soups, ROUNDING, path)
     shapes = [*prisms, *(replace(one, where="", metadata={"layer": one.where}) for one in made)]
     shapes = [replace(one, fixed=holds(one.metadata["layer"])) for one in shapes]
     notes += [*said, *hidden_notes(unread)]
@@ -237,13 +237,13 @@ def _closed(bends: Floats, height: float, entity: Entity) -> Floats | None:
     """Corners (c, 3) of corners with bulges (c, 3), with those on arcs; ``None`` if it is open."""
     if len(bends) < 2:
         return None
-    same = np.abs(bends[0, :2] - bends[-1, :2]).max() <= EXACT * np.abs(bends[:, :2]).max()
+    same = np.abs(bends[0, :2] - bends[-1, :2]).max() <= ROUNDING * np.abs(bends[:, :2]).max()
     if not entity.flags & _CLOSED and not same:
         return None
     flat = np.concatenate(
         [_arc(*pair) for pair in zip(bends, np.roll(bends, -1, axis=0), strict=True)]
     )
-    apart = np.abs(flat - np.roll(flat, 1, axis=0)).max(axis=1) > EXACT * np.abs(flat).max()
+    apart = np.abs(flat - np.roll(flat, 1, axis=0)).max(axis=1) > ROUNDING * np.abs(flat).max()
     flat = flat[apart]
     return np.c_[flat, np.full(len(flat), height)] if len(flat) > 2 else None
 

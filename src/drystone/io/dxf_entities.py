@@ -20,7 +20,7 @@ import numpy as np
 from drystone.base.arrays import FARTHEST, Floats
 from drystone.base.errors import FormatError
 from drystone.base.files import lines_of
-from drystone.io.unfolding import unfold
+from drystone.io.outside import unfold
 
 _UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}
 """By the value of $INSUNITS."""

@@ -19,8 +19,6 @@ from drystone.geometry.soup import split_solids, without_slivers
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
 
-EXACT, SINGLE = 1e-9, 1e-6
-"""Distance of coincident points, relative to the extent, in double and in single precision."""
 _MANY = 5
 """Names in one note."""
 

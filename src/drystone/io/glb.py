@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
 from drystone.geometry.triangulate import fan_warped, point_owners, triangulate
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.face_soup import SINGLE, FaceSoup, in_double, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
-from drystone.io.unfolding import Unfolded
+from drystone.io.outside import Unfolded
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6
@@ -72,7 +72,7 @@ def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
         with np.errstate(all="ignore"):  # overflow is found with the vertices
             turned = vertices @ upright.T
         soups.append(FaceSoup(turned, faces.tolist(), name, where, split=ours is None))
-    shapes, notes = shapes_of(soups, SINGLE, path)
+    shapes, notes = shapes_of(soups, SAME, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     if None not in told.values():
         notes = []
@@ -261,7 +261,7 @@ def write(model: Contents, path: Path) -> None:
 def glb_content(model: Contents) -> tuple[dict[str, Any], bytes]:
     """The JSON part of a file as plain values, and its binary part."""
     assembly = model.assembly
-    faces = fan_warped(assembly.faces, SINGLE)
+    faces = fan_warped(assembly.faces, SAME)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corners = faces.loop[triangle]
     owner = faces.owner[polygon]

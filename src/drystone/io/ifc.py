@@ -13,25 +13,24 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.base.arrays import FARTHEST, Floats
+from drystone.base.arrays import FARTHEST, ROUNDING, Floats
 from drystone.base.errors import FormatError, counted, require
 from drystone.geometry.convex_pieces import mesh_of, solid_of
 from drystone.geometry.polyhedron import Loop
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import Draft
-from drystone.io.face_soup import EXACT, FaceSoup, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.outside import content_of
 
 PROGRAM = Path(__file__).with_name("ifc_extract.py")
-WALL_S = 20.0
 _FIXED = ("IfcFooting", "IfcPile")
 
 
 def read(data: bytes, path: Path) -> Draft:
     """Blocks of an IFC file."""
     require("ifcopenshell", "ifc", "reading IFC")
-    top = parse(content_of(data, path, PROGRAM, {}, WALL_S), path)
+    top = parse(content_of(data, path, PROGRAM, {}), path)
     if top.has("error"):
         raise FormatError(
             "is no IFC file that can be read", where=str(path), remedy="export it again"
@@ -48,7 +47,7 @@ def read(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="walls, columns, beams, members, plates, proxies and their parts are read",
         )
-    shapes, said = shapes_of(soups, EXACT, path)
+    shapes, said = shapes_of(soups, ROUNDING, path)
     shapes = [
         replace(one, fixed=one.where in _FIXED, metadata={"class": one.where}) for one in shapes
     ]

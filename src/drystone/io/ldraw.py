@@ -20,7 +20,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of
 from drystone.io.bricks import FARTHEST, TALL, Brick, draft_of, usual_mass
 from drystone.io.draft import Draft
-from drystone.io.unfolding import unfold
+from drystone.io.outside import unfold
 
 _GRID = np.array([20.0, 20.0, 8.0])
 """Distance of studs twice, and height of a plate, in units of LDraw."""

@@ -19,7 +19,7 @@ from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
 from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_overlaps
-from drystone.detection.block_overlaps import overlap_lines, require_apart
+from drystone.detection.face_overlaps import overlap_lines, require_apart
 from drystone.detection.resample import FEW
 from drystone.io.capacity_words import with_joint_capacity, with_strength
 from drystone.io.draft import Contents

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import QhullError
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.base.arrays import FARTHEST, Floats, frozen_floats
+from drystone.base.arrays import FARTHEST, SAME, Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.files import read_bytes
 from drystone.base.units import scale_of
@@ -24,9 +24,9 @@ from drystone.geometry.convex_pieces import hull_of, mesh_of, solid_of
 from drystone.geometry.polyhedron import BOX, Loop, box_corners, mass_properties, stack_faces
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
-from drystone.io.face_soup import SINGLE, FaceSoup, moved, named_apart, shape_of, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shape_of, shapes_of
+from drystone.io.outside import Unfolded
 from drystone.io.registry import format_of
-from drystone.io.unfolding import Unfolded
 
 Part: TypeAlias = tuple[Floats, Sequence[Loop]]
 """Vertices (v, 3) [m] and faces."""
@@ -101,7 +101,7 @@ def _shape(body: PlacedBody, path: Path) -> DraftBlock:
     whole = _united(body, path) if len(body.parts) > 1 else None
     if whole is None:
         soups = [FaceSoup(p, f, body.name, body.where, split=False) for p, f in body.parts]
-        whole = _together(shapes_of(soups, SINGLE, path)[0])
+        whole = _together(shapes_of(soups, SAME, path)[0])
     loops = [tuple(face) for face in whole.faces]
     own = shape_of(np.asarray(whole.vertices), loops, body.name, body.where)
     return _with_material(own, body)

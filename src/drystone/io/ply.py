@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drystone.base.arrays import ROUNDING, SAME
 from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
 from drystone.io import ply_tables
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, in_double, shape_of, shapes_of
+from drystone.io.face_soup import FaceSoup, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 _MARK = "drystone block "
@@ -48,7 +49,7 @@ def read(data: bytes, path: Path) -> Draft:
         return _ours(vertices, loops, face["block"], marked, path)
     exact = vertex["x"].dtype.itemsize == 8 or not header.order
     soup = FaceSoup(vertices, loops, path.stem, "")
-    shapes, notes = shapes_of([soup], EXACT if exact else SINGLE, path)
+    shapes, notes = shapes_of([soup], ROUNDING if exact else SAME, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 

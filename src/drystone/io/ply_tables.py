@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from drystone.base.errors import FormatError
+from drystone.base.files import MIB
 
 _END = re.compile(rb"[\r\n][ \t]*end_header")
 """It must be a whole line, since a block may have this name."""
-_LONGEST_HEADER = 2**20
-"""[bytes], chosen: far more than any header needs."""
 _TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
@@ -68,7 +67,7 @@ def header_of(data: bytes, path: Path) -> _Header:
     FormatError
         It has no header, or one that cannot be read.
     """
-    ending = _END.search(data, 0, _LONGEST_HEADER)
+    ending = _END.search(data, 0, MIB)
     end = -1 if ending is None else ending.end() - len(b"end_header")
     stop = data.find(b"\n", end)
     if not data.startswith(b"ply") or end < 0:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import ROUNDING, SAME, Floats
 from drystone.base.errors import FormatError, InputError, require
 from drystone.base.files import write_bytes
 from drystone.base.ragged import Ragged
@@ -27,7 +27,7 @@ from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 from drystone.io import outside
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, moved, named_apart, shapes_of
+from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 from drystone.io.layers import hidden_notes, holds, require_blocks
 from drystone.io.rhino_extract import TIE
@@ -121,7 +121,7 @@ def _meshes(
     if told.polygons is not None and told.vertices == len(vertices):
         return [DraftBlock(name, vertices, told.polygons)], []
     faces = [_loop(face, vertices) for face in item["faces"].elements()]
-    tolerance = EXACT if item["exact"].boolean() else SINGLE
+    tolerance = ROUNDING if item["exact"].boolean() else SAME
     soup = FaceSoup(vertices, faces, name, f"{where} '{name}'")
     made, notes = shapes_of([soup], tolerance, path)
     drawn = [f"'{name}' is curved: its render mesh was read"] if kind == "drawn" else []

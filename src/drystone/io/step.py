@@ -17,7 +17,6 @@ from drystone.io.draft import Draft
 from drystone.io.outside import content_of
 
 PROGRAM = Path(__file__).with_name("step_extract.py")
-WALL_S = 20.0
 _SOLID = re.compile(rb"=\s*(MANIFOLD_SOLID_BREP|BREP_WITH_VOIDS|FACETED_BREP)\s*\(")
 
 
@@ -27,7 +26,7 @@ def read(data: bytes, path: Path) -> Draft:
     if not data.lstrip().startswith(b"ISO-10303-21"):
         raise FormatError("is no STEP file", where=str(path), remedy="export it as STEP (AP214)")
     solids = len(_SOLID.findall(data))
-    scene = content_of(data, path, PROGRAM, {}, WALL_S)
+    scene = content_of(data, path, PROGRAM, {})
     if not scene or not solids:
         what = "holds no solid" if scene else "cannot be read: it is damaged"
         raise FormatError(what, where=str(path), remedy="export the blocks as solids (AP214)")

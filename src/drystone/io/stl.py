@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.base.arrays import Floats, unit
+from drystone.base.arrays import ROUNDING, SAME, Floats, unit
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_text
 from drystone.geometry.triangulate import fan_warped, triangulate
 from drystone.io.draft import Contents, Draft
-from drystone.io.face_soup import EXACT, SINGLE, FaceSoup, in_double, shapes_of
+from drystone.io.face_soup import FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Length of the header and of each triangle in the binary form."""
@@ -49,7 +49,7 @@ def _binary(data: bytes, path: Path) -> Draft:
             remedy="export it again",
         )
     corners = in_double(np.frombuffer(data, _TRIANGLE, count, HEADER)["corner"])
-    shapes, notes = shapes_of([_soup(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
+    shapes, notes = shapes_of([_soup(corners.reshape(-1, 3), path.stem, "")], SAME, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 
@@ -91,7 +91,7 @@ def _named(solids: list[tuple[str, int, list[list[float]]]], path: Path) -> Draf
         known = name or (path.stem if len(solids) == 1 else f"solid-{i}")
         corners = np.array(points, dtype=np.float64).reshape(-1, 3)
         soups.append(_soup(corners, known, f"line {line}"))
-    shapes, notes = shapes_of(soups, EXACT, path, shared=False)
+    shapes, notes = shapes_of(soups, ROUNDING, path, shared=False)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 
@@ -119,7 +119,7 @@ def write(model: Contents, path: Path) -> None:
     Polygons are cut into triangles, warped ones about the mean of their corners, as in the volume
     calculation. Supports and densities are not written.
     """
-    faces = fan_warped(model.assembly.faces, EXACT)
+    faces = fan_warped(model.assembly.faces, ROUNDING)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corner = faces.point[faces.loop[triangle]]
     normal = unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]

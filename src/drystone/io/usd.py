@@ -20,7 +20,7 @@ from drystone.base.arrays import FARTHEST, Floats
 from drystone.base.errors import FormatError, require
 from drystone.io.draft import Draft
 from drystone.io.jsontext import Field, parse
-from drystone.io.outside import content_of
+from drystone.io.outside import Unfolded, content_of
 from drystone.io.placed_bodies import (
     Part,
     PlacedBody,
@@ -29,7 +29,6 @@ from drystone.io.placed_bodies import (
     placed,
     shapes_of_bodies,
 )
-from drystone.io.unfolding import Unfolded
 
 PROGRAM = Path(__file__).with_name("usd_extract.py")
 WALL_S = 10.0

@@ -11,9 +11,12 @@ from drystone.limits.imperfections import (
 )
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
-from drystone.limits.limit_families import (
+from drystone.limits.limit_types import (
+    Bracket,
+    Evaluation,
     Family,
     Friction,
+    LimitOptions,
     LoadFactor,
     Parametric,
     Quantity,
@@ -21,7 +24,6 @@ from drystone.limits.limit_families import (
     Tilt,
     Weakened,
 )
-from drystone.limits.limit_types import Bracket, Evaluation, LimitOptions
 from drystone.limits.limits import (
     limit_friction,
     limit_load,

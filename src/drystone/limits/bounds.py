@@ -15,11 +15,9 @@ from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import FactorSolution, LoadFactors
-from drystone.formulations.projection import held_still
-from drystone.limits.limit_families import Family, LoadFactor, Tilt
+from drystone.formulations.equilibrium import FactorSolution, LoadFactors, held_still
 from drystone.limits.limit_search import VerdictSearch, Width
-from drystone.limits.limit_types import Bracket
+from drystone.limits.limit_types import Bracket, Family, LoadFactor, Tilt
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration, is_vertical
 from drystone.mechanics.statics import Statics, build_statics

@@ -14,9 +14,8 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.checks import mechanism_defects
-from drystone.formulations.equilibrium import FactorSolution
+from drystone.formulations.equilibrium import FactorSolution, held_still
 from drystone.formulations.plane_factors import PlaneFactors
-from drystone.formulations.projection import held_still
 from drystone.limits.bounds import balanced, scaled_wrench
 from drystone.limits.limit_types import LimitOptions
 from drystone.loads import LoadCase, Train

@@ -22,9 +22,8 @@ from drystone.limits.limit_checks import (
     one_stiffness,
     verdict,
 )
-from drystone.limits.limit_families import Family
 from drystone.limits.limit_search import VerdictSearch, Width
-from drystone.limits.limit_types import Bracket, FoundBracket, LimitOptions
+from drystone.limits.limit_types import Bracket, Family, FoundBracket, LimitOptions
 from drystone.mechanics.statics import build_statics
 from drystone.results import Result, Verdict
 

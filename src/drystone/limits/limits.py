@@ -24,8 +24,9 @@ from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_checks import Check
-from drystone.limits.limit_families import (
+from drystone.limits.limit_types import (
     Friction,
+    LimitOptions,
     LoadFactor,
     Parametric,
     Quantity,
@@ -34,7 +35,6 @@ from drystone.limits.limit_families import (
     Weakened,
     found,
 )
-from drystone.limits.limit_types import LimitOptions
 from drystone.loads import LoadCase
 from drystone.model import FlushEnds
 

@@ -18,11 +18,10 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 
 import drystone
 from drystone.base.errors import DrystoneError
-from drystone.base.files import utf8
+from drystone.base.files import MIB, utf8
 from drystone.live.desk import Desk
-from drystone.live.guard import LOOPBACK, WISH, Guard, Refusal
+from drystone.live.guard import LOOPBACK, VERSION, WISH, Guard, Refusal, Sent, sent
 from drystone.live.helper import ToolCalls
-from drystone.live.interface import VERSION, Sent, sent
 from drystone.live.python_lines import python_lines
 
 _CONNECTIONS = 64
@@ -31,8 +30,6 @@ PATIENCE = 10.0
 """[s] for a request to arrive as a whole, and for a part of an answer to leave."""
 _LOOK = 1.0
 """[s] between two looks at whether a window was closed."""
-REST = 2**20
-"""[bytes] of a refused body that are read and thrown away, so that the refusal is heard."""
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; connect-src 'self'; frame-ancestors 'none'; "
@@ -277,7 +274,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.server.asked(self.connection)
         return data
 
-    _left = REST
+    _left = MIB  # of a refused body that is read and thrown away, so that the refusal is heard
 
     def _throw_away_body(self) -> None:
         if self.command == "POST" and self._left and not self.headers.get("Expect"):

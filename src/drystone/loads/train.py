@@ -17,8 +17,7 @@ from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import read_bytes, toml_of
 from drystone.base.settings import Options
 from drystone.base.units import quantity
-from drystone.loads.fill import Tops
-from drystone.loads.ground_words import force, length
+from drystone.loads.fill import Tops, force, length
 
 
 def _line_load(text: str) -> float:

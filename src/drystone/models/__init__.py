@@ -5,10 +5,9 @@ with planar faces that touch exactly; lengths are in metres, gravity is along -z
 """
 
 from drystone.base.settings import hold
-from drystone.models.arches import arch, buttressed_arch
+from drystone.models.arches import arch, barrel_vault, buttressed_arch, vault
 from drystone.models.bridges import segmental_bridge
-from drystone.models.curved import cube_curve, curve_three_blocks
-from drystone.models.domes import dome, lune
+from drystone.models.domes import cube_curve, curve_three_blocks, dome, lune
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
 from drystone.models.published import a_model, bridge, concave, h_model, shelf, snake, wedge
 from drystone.models.simple import (
@@ -23,7 +22,6 @@ from drystone.models.simple import (
 )
 from drystone.models.solids import prism, welded
 from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
-from drystone.models.vaults import barrel_vault, vault
 from drystone.models.walls import buttressed_wall, corbelled_wall, ferris_wall, wall
 
 __all__ = [

@@ -1,4 +1,7 @@
-"""Semicircular arches with radial joints."""
+"""Semicircular arches with radial joints.
+
+Barrel vaults in staggered courses.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,8 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
 from drystone.models.simple import box
-from drystone.models.solids import prism, require
+from drystone.models.solids import prism, require, welded
+from drystone.models.walls import course_ends
 
 
 def radial_joints(inner: float, outer: float, voussoirs: int) -> Floats:
@@ -120,3 +124,125 @@ def buttressed_arch(
     fixed = np.zeros(len(blocks), dtype=bool)
     fixed[[0, courses]] = True
     return Assembly(tuple(blocks), fixed).with_density(density)
+
+
+def barrel_vault(
+    radius: float = 2.0,
+    thickness: float = 0.3,
+    length: float = 4.0,
+    courses: int = 15,
+    blocks: int = 6,
+    *,
+    staggered: bool = True,
+) -> Assembly:
+    """A semicircular barrel vault along y with radial bed joints; both lowest courses are fixed.
+
+    Parameters
+    ----------
+    radius : [m]
+        Of the middle surface.
+    thickness, length : [m]
+    courses
+        From springing to springing, the two fixed ones included.
+    blocks
+        Block lengths per course.
+    staggered
+        Every other course is shifted by half a block, with half blocks at its ends.
+
+    Returns
+    -------
+    Assembly
+        ``c00-b00`` along y, course by course from left to right.
+    """
+    require(0.0 < thickness < 2.0 * radius, f"a thickness of {thickness} m", "0 to twice radius")
+    joints = radial_joints(radius - 0.5 * thickness, radius + 0.5 * thickness, courses)
+    return _in_courses(joints, 0.5 * length, 0.0, blocks, staggered)
+
+
+def vault(
+    span: float = 5.0,
+    rise: float = 2.6,
+    thickness: float = 0.28,
+    length: float = 4.4,
+    courses: int = 15,
+    blocks: int = 6,
+    flare: float = 0.25,
+) -> Assembly:
+    """A catenary vault in running bond whose ends lean inwards; both lowest courses are fixed.
+
+    Its middle line is a catenary, so that its own weight presses along it. It is the model of
+    ``drystone demo`` and stands at a friction coefficient of 0.6.
+
+    Parameters
+    ----------
+    span, rise : [m]
+        Of the middle line.
+    thickness : [m]
+        Normal to the middle line.
+    length : [m]
+        Along y at the springings.
+    courses
+        Of equal length along the middle line, from springing to springing.
+    blocks
+        Block lengths per course.
+    flare
+        By how much each half of the vault is shorter per metre of height. The head joints fan out.
+
+    Returns
+    -------
+    Assembly
+        ``c00-b00`` along y, course by course from left to right.
+    """
+    require(
+        min(span, rise, thickness, length) > 0.0, "a vault without extent", "lengths above zero"
+    )
+    require(flare * (rise + thickness) < 0.5 * length, "the ends meet", "reduce the flare")
+    joints = _catenary_joints(span, rise, thickness, courses)
+    return _in_courses(joints, 0.5 * length, -flare, blocks, True)
+
+
+def _catenary_joints(span: float, rise: float, thickness: float, courses: int) -> Floats:
+    """Joints (courses + 1, 2, 2) normal to z = rise - a (cosh(x / a) - 1), at equal arc length.
+
+    The parameter a follows from the rise at half the span by Newton's method on
+    a (cosh(s / a) - 1) = rise, in w = s / a; arc length is a sinh(x / a).
+    """
+    half = 0.5 * span
+    w = 2.0 * np.arcsinh(rise / half)  # cosh(w) - 1 = w rise / half has its root below
+    for _ in range(60):
+        w -= (np.cosh(w) - 1.0 - w * rise / half) / (np.sinh(w) - rise / half)
+    a = half / w
+    arc = np.linspace(-np.sinh(w), np.sinh(w), courses + 1)
+    x = a * np.arcsinh(arc)
+    z = rise - a * (np.cosh(x / a) - 1.0)
+    outward = np.column_stack([arc, np.ones(courses + 1)])
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    middle = np.column_stack([x, z])
+    return np.stack([middle - 0.5 * thickness * outward, middle + 0.5 * thickness * outward], 1)
+
+
+def _in_courses(joints: Floats, half: float, lean: float, blocks: int, staggered: bool) -> Assembly:
+    """Courses between joints (c + 1, 2, 2), cut by head joints y = s (half + lean z), s in -1..1.
+
+    Such cuts are planes, every bed is the plane of its joint, and both curved sides are spanned by
+    lines along y: all faces are exactly planar.
+    """
+    count = len(joints) - 1
+    require(
+        count > 2 and blocks > 0, f"a vault of {count} x {blocks}", "3 courses, 1 block or more"
+    )
+    made: list[Block] = []
+    fixed: list[bool] = []
+    for course, (a, b) in enumerate(pairwise(joints)):
+        section = np.array([a[0], a[1], b[1], b[0]])
+        shifted = staggered and course % 2 == 1
+        cuts = [2.0 * s / blocks - 1.0 for s in course_ends(blocks, shifted, "running")]
+        for i, (near, far) in enumerate(pairwise(cuts)):
+            reach = half + lean * section[:, 1]
+            ends = [np.insert(section, 1, s * reach, axis=1) for s in (near, far)]
+            sides = [
+                np.array([ends[0][j], ends[0][j - 1], ends[1][j - 1], ends[1][j]]) for j in range(4)
+            ]
+            made.append(welded([*ends, *sides], f"c{course:02d}-b{i:02d}"))
+            fixed.append(course in (0, count - 1))
+    return Assembly(tuple(made), np.array(fixed))

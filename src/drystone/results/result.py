@@ -29,8 +29,7 @@ from drystone.joints import (
     thrust_line,
 )
 from drystone.loads.applied import applied_loads, is_vertical
-from drystone.results.reactions import reaction_table
-from drystone.results.solution import Sensitivity, Solution
+from drystone.results.solution import Sensitivity, Solution, reaction_table
 from drystone.results.stage import FAINT, stage_of
 
 

@@ -30,8 +30,7 @@ from drystone.joints import (
     force_network,
     hinged,
 )
-from drystone.results.reactions import reaction_layer
-from drystone.results.solution import Solution
+from drystone.results.solution import Solution, reaction_layer
 from drystone.ties import ties_of
 
 NEGLIGIBLE = 1e-3

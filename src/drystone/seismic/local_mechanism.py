@@ -16,6 +16,7 @@ import numpy as np
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, SceneStage, Sentence, State
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
+from drystone.answer.question import UP
 from drystone.assembly import Assembly
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints, lengths
@@ -35,11 +36,15 @@ from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.load_words import vector
 from drystone.model import Model
-from drystone.seismic.kinematics import Oscillator, Turning, weights_that_move
-from drystone.seismic.spectrum import LimitState, SeismicDemand
+from drystone.seismic.spectrum import (
+    LimitState,
+    Oscillator,
+    SeismicDemand,
+    Turning,
+    weights_that_move,
+)
 from drystone.settlement import push
 
-_UP = np.array([0.0, 0.0, 1.0])
 _MOVES = 1e-2
 """Share of the largest motion from which a block moves. Measured: return walls beside a facade that
 overturns move by a thousandth; counted, they change e* from 1 to 0.54."""
@@ -585,7 +590,7 @@ def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats,
     """A point of the lowest edge of a part on the side to which it falls, and its direction."""
     corners = np.vstack([assembly.blocks[i].vertices for i in part])
     low = corners[corners[:, 2] <= corners[:, 2].min() + 1e-9 * assembly.size.max()]
-    return low[np.argmax(low @ along)], np.cross(_UP, along)
+    return low[np.argmax(low @ along)], np.cross(UP, along)
 
 
 def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
@@ -595,7 +600,7 @@ def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
         raise InputError(f"has {len(ends)} numbers", where="line", remedy="give X,Y,Z,X,Y,Z")
     axis = ends[3:] - ends[:3]
     size = float(np.linalg.norm(axis))
-    forward = float(axis @ np.cross(_UP, along))
+    forward = float(axis @ np.cross(UP, along))
     if abs(forward) <= 1e-6 * size:
         what = "is vertical or along the direction: nothing overturns"
         raise InputError(what, where="line", remedy="give a level line across the direction")

@@ -10,21 +10,22 @@ from drystone.sequence.dataset import (
 )
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.freedom import Freedom, Obstacle, freedom
-from drystone.sequence.friction_sweeps import (
-    FrictionSweep,
-    sweep_friction,
-)
 from drystone.sequence.gravity_regions import GravityRegion, gravity_region
 from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
-from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import Interlocking, interlocking
-from drystone.sequence.margins import Margin, Margins, margins
+from drystone.sequence.margins import (
+    FrictionSweep,
+    Margin,
+    Margins,
+    margins,
+    sweep_friction,
+)
 from drystone.sequence.path_search import NoPath, PathOptions, RemovalPath, find_path
 from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan
 from drystone.sequence.robots import Robot, Turn, Turns, take_turns
-from drystone.sequence.rules import Order, Rules
+from drystone.sequence.rules import Order, RemovalTest, Rules
 from drystone.sequence.scaffold_items import (
     Centring,
     Clamp,

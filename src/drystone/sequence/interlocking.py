@@ -23,7 +23,7 @@ from scipy import sparse
 
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene, seen
-from drystone.base.arrays import Floats
+from drystone.base.arrays import SAME, Floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, SolverError, counted
 from drystone.io.opening import Given, How, as_model
@@ -31,9 +31,6 @@ from drystone.model import Model
 from drystone.sequence.freedom import Joints, free_twists
 from drystone.solvers.program import ConicStatus, ProgramBuilder
 
-OPENS = 1e-6
-"""Least mean of the opening speeds that counts as opening, with the largest speed 1; above the
-solver's tolerance."""
 SLIDES = 1e-7
 """Squares of singular values of B below this share of the largest are zero. Chosen: well above
 rounding."""
@@ -209,7 +206,7 @@ def _opening(rows: sparse.csr_matrix) -> Floats | None:
         raise SolverError("the linear program of interlocking was not solved")
     speed = found.x[motion.place]
     opened = float(np.minimum(rows @ speed, 1.0).sum())
-    return speed if opened > OPENS * count else None
+    return speed if opened > SAME * count else None
 
 
 def _sliding(rows: sparse.csr_matrix) -> Floats | None:

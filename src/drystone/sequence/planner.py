@@ -17,11 +17,10 @@ from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import SPARED, Trimmed, mended, trimmed
-from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.order_search import Costly, OrderSearch
-from drystone.sequence.plan_steps import Step
+from drystone.sequence.plan_steps import Step, checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan
-from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
+from drystone.sequence.rules import BoundRules, Order, RemovalTest, Rules, bind, removal_rank
 from drystone.sequence.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stage_tree import NO_HELP, Node
@@ -36,7 +35,6 @@ from drystone.sequence.stages import (
     mask_of,
     members,
 )
-from drystone.sequence.step_checks import checked_step, falling_words, without_help
 from drystone.stability.screening import stage_screening
 from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole

@@ -11,13 +11,12 @@ from scipy.interpolate import RegularGridInterpolator
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
-from drystone.shells.lengths import arc_lengths, numbers, refuse_unless_positive
-from drystone.shells.patch import Patch
+from drystone.shells.patch import Patch, arc_lengths, numbers, refuse_unless_positive
 
 _MOST_COURSES = 5_000
 """Largest number of courses of a patch. Chosen: far above any vault."""
 
-_TABLE_U = 257
+SAMPLES = 257
 _TABLE_V = 129
 """Samples of the arc-length table. Chosen: linear interpolation moves a bed line by less than 1e-5
 of the patch, the same for all blocks along it."""
@@ -76,7 +75,7 @@ class Courses:
     @cached_property
     def _inverse(self) -> RegularGridInterpolator:
         """Function from (share of the length along u, v) to u."""
-        u, v = np.linspace(0.0, 1.0, _TABLE_U), np.linspace(0.0, 1.0, _TABLE_V)
+        u, v = np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, _TABLE_V)
         points = self.patch.point(u[:, None], v[None, :])
         length = arc_lengths(points)
         share = length / length[-1]
@@ -129,7 +128,7 @@ def lay_courses(
     if sum(value is not None for value in (count, height, heights)) != 1:
         raise InputError("give one of count, height and heights", where=where)
     v = np.linspace(0.0, 1.0, _TABLE_V)
-    points = patch.point(np.linspace(0.0, 1.0, _TABLE_U)[:, None], v[None, :])
+    points = patch.point(np.linspace(0.0, 1.0, SAMPLES)[:, None], v[None, :])
     length = arc_lengths(points)[-1]
     if heights is not None:
         relative = np.atleast_1d(numbers(heights, "heights of courses", where)).ravel()
@@ -164,7 +163,7 @@ def lay_courses(
         raise InputError("a closed patch has no longer side", where=where, remedy="partial=0")
     start, end = np.zeros(full + extra), np.ones(full + extra)
     order = np.ones(full + extra)
-    across = float(arc_lengths(points[_TABLE_U // 2])[-1])
+    across = float(arc_lengths(points[SAMPLES // 2])[-1])
     taper = max(nominal / across, 0.02)
     slots = _spread(full, extra)
     order[np.setdiff1d(np.arange(full + extra), slots)] = relative
@@ -201,9 +200,6 @@ def _extent(
         start, end = max(0.0, middle - taper), min(1.0, middle + taper)
     return start, end
 
-
-SAMPLES = 257
-"""Samples along a course for its length."""
 
 LEAST_LAP = 0.2
 """Smallest distance between head joints of neighbouring courses, relative to the width of a block.

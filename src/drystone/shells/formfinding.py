@@ -24,8 +24,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
-from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.patch import Shape, Side
+from drystone.shells.patch import Shape, Side, refuse_unless_positive
 from drystone.shells.sources import patch_from_grid
 
 _ROUNDS = 60

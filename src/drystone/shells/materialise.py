@@ -19,8 +19,7 @@ from drystone.geometry import polygon
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polyhedron import loop_edges
 from drystone.geometry.triangulate import triangulate, warp_and_view
-from drystone.shells.lengths import numbers
-from drystone.shells.patch import Patch, Shape, curvatures
+from drystone.shells.patch import Patch, Shape, curvatures, numbers
 from drystone.shells.pattern import Tessellation
 
 _LEAST_COSINE = 0.5

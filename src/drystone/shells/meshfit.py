@@ -25,8 +25,7 @@ from drystone.base.errors import InputError
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.polyhedron import edges_of, loop_edges, rings
 from drystone.shells.formfinding import find_form
-from drystone.shells.lengths import arc_lengths
-from drystone.shells.patch import Edge, Patch, Shape, Side, check_patch
+from drystone.shells.patch import Edge, Patch, Shape, Side, arc_lengths, check_patch
 from drystone.shells.shell_families import vaults_between
 from drystone.shells.sources import patch_from_grid
 

@@ -2,11 +2,14 @@
 
 u runs across the courses, from the springing (0) to the crown or the free edge (1); v runs along a
 course. A closed patch, such as a dome, has the same points at v = 0 and v = 1.
+
+Lengths along lines, and checks of lengths and numbers.
 """
 
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,10 +17,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Floats, dot
+from drystone.base.arrays import Floats, dot, floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.shells.lengths import arc_lengths
 
 PatchFunction: TypeAlias = Callable[[Floats, Floats], Any]
 """u (k,), v (k,) in [0, 1] to points (k, 3) [m]."""
@@ -375,3 +377,37 @@ def _resample(points: Floats, count: int) -> Floats:
     length = arc_lengths(points)
     at = np.linspace(0.0, length[-1], count)
     return np.stack([np.interp(at, length, points[:, i]) for i in range(3)], axis=1)
+
+
+def arc_lengths(points: Floats) -> Floats:
+    """Length (p, ...) [m] of polylines (p, ..., 3) from their first point to each one."""
+    step = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    return np.concatenate([np.zeros_like(step[:1]), np.cumsum(step, axis=0)])
+
+
+def refuse_unless_positive(where: str = "", **metres: float) -> None:
+    """Refuse lengths that are not numbers above zero.
+
+    Raises
+    ------
+    InputError
+        There is such a length; it is named.
+    """
+    for name, value in metres.items():
+        said = f"the {name.replace('_', ' ')}"
+        if not 0.0 < number(value, said, finite=False) < math.inf:
+            raise InputError(f"{said} is {value}", where=where, remedy="give metres above zero")
+
+
+def numbers(values: object, what: str, where: str = "") -> Floats:
+    """Values as an array of numbers.
+
+    Raises
+    ------
+    InputError
+        They are no numbers, or ragged.
+    """
+    try:
+        return floats(values, what)
+    except InputError as error:
+        raise error.located(where) from error

@@ -10,8 +10,15 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
-from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.patch import Edge, Patch, PatchFunction, Seam, Shape, Side
+from drystone.shells.patch import (
+    Edge,
+    Patch,
+    PatchFunction,
+    Seam,
+    Shape,
+    Side,
+    refuse_unless_positive,
+)
 
 _VAULT_THICKNESS = 0.075
 """Default thickness of a barrel vault, relative to its span. Chosen: 0.15 of the radius of a

@@ -25,7 +25,6 @@ from drystone.geometry.selfcontact import convex_bodies
 from drystone.geometry.shared_volume import shared_volumes
 from drystone.model import FlushEnds, Model
 from drystone.shells.courses import lay_bond, lay_courses
-from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.materialise import (
     Pins,
     cell_faces,
@@ -35,7 +34,7 @@ from drystone.shells.materialise import (
     mean_width,
     vertex_thickness,
 )
-from drystone.shells.patch import Shape, Side
+from drystone.shells.patch import Shape, Side, refuse_unless_positive
 from drystone.shells.pattern import Tessellation, lay_pattern
 from drystone.shells.planarise import (
     PlanarPins,

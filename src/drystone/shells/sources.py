@@ -16,8 +16,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
-from drystone.shells.lengths import arc_lengths, numbers
-from drystone.shells.patch import Patch, check_patch
+from drystone.shells.patch import Patch, arc_lengths, check_patch, numbers
 
 _Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""

@@ -11,8 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.shells.courses import Courses
-from drystone.shells.lengths import numbers
-from drystone.shells.patch import line_curvatures
+from drystone.shells.patch import line_curvatures, numbers
 
 Wedge: TypeAlias = float | Sequence[float] | Callable[[Floats, Floats], Floats]
 """Shift of bed-joint corners towards the neighbouring course, relative to its height: one value,

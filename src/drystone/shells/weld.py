@@ -11,8 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.geometry.polyhedron import loop_edges, rings
-from drystone.shells.lengths import arc_lengths
-from drystone.shells.patch import Edge, Seam, Shape, Side
+from drystone.shells.patch import Edge, Seam, Shape, Side, arc_lengths
 from drystone.shells.pattern import Pattern, Tessellation
 
 _SNAP = 0.15

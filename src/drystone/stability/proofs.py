@@ -17,8 +17,9 @@ from drystone.contacts import joined_contacts
 from drystone.detection.unjoined import contacts_if_joined, words_on
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
+    held_still,
+    project_on_mechanisms,
 )
-from drystone.formulations.projection import held_still, project_on_mechanisms
 from drystone.mechanics.rest_state import RestState
 from drystone.mechanics.touching import near_edges
 from drystone.model import Model

@@ -58,6 +58,7 @@ from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
 from drystone.joints import forces_around
 from drystone.results.stage import VIRTUAL
+from drystone.stability.proofs import FORCE_TOLERANCE
 from drystone.view.exploded import ways_apart
 from drystone.view.palette import (
     FORCE_RAMP,
@@ -74,10 +75,6 @@ from drystone.virtual import local_corners
 FORMAT = "drystone-page"
 _MANY_INTERFACES = 20_000
 """With more interfaces the kerns are left out: they take seconds."""
-
-
-_ROUNDING = 1e-8
-"""Forces of joints below this share of the largest one are zero: the accuracy of a verdict."""
 
 
 class _Blobs:
@@ -294,7 +291,7 @@ def _stage(stage: SceneStage, scene: Scene, blobs: _Blobs) -> dict[str, Any]:
     for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
         value = _of_joints(name, getattr(stage, name), scene.contacts)
         if value is not None and name in ("normal", "tangential"):
-            value = np.where(np.abs(value) > _ROUNDING * largest, value, 0.0)
+            value = np.where(np.abs(value) > FORCE_TOLERANCE * largest, value, 0.0)
         data[name] = blobs.floats(value) if value is not None else None
     centre = _of_joints("pressure_centre", stage.pressure_centre, scene.contacts)
     data["pressureCentre"] = None if centre is None else blobs.floats(centre - origin)

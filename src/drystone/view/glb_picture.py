@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.face_soup import SINGLE
 from drystone.io.glb import FLOAT, TRIANGLES, Z_UP, container
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
@@ -119,7 +118,7 @@ class _Glb:
     def blocks(self) -> None:
         """A node for each block, about its centroid, below one for each group."""
         assembly = self.scene.assembly
-        faces = fan_warped(assembly.faces, SINGLE)
+        faces = fan_warped(assembly.faces, SAME)
         triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
         corners, owner = faces.loop[triangle], faces.owner[polygon]
         begin = np.searchsorted(owner, np.arange(len(assembly) + 1))

@@ -22,8 +22,8 @@ from drystone.design import (
     thickening,
 )
 from drystone.design.corner_following import Corners
-from drystone.design.help_needed import Form
-from drystone.design.vertex_measures import BlockVertices, vertices_of
+from drystone.design.needs import Form
+from drystone.design.vertex_places import BlockVertices, vertices_of
 from drystone.models import arch, box, concave, dome, prism, shelf, tower
 from drystone.shells.shell_by_name import shell_by_name
 

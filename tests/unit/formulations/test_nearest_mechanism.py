@@ -10,7 +10,7 @@ from benchmarks.workloads import random_pile
 from drystone import Assembly, LoadCase, Model, check, find_contacts
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.equilibrium import STILL, held_still, solve_equilibrium
 from drystone.formulations.nearest_mechanism import (
     NearestMechanism,
     Scaling,
@@ -20,7 +20,6 @@ from drystone.formulations.nearest_mechanism import (
     quotient,
     step_lengths,
 )
-from drystone.formulations.projection import STILL, held_still
 from drystone.models import arch, barrel_vault, box, shelf, tower
 from drystone.solvers.program import ConicStatus
 from drystone.stability.problem import Problem

@@ -8,7 +8,7 @@ from multiprocessing.connection import Connection
 
 import pytest
 
-from drystone.live.jobs import Jobs
+from drystone.live.tasks import Jobs
 
 
 @pytest.fixture

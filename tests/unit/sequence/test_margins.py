@@ -16,7 +16,7 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
-from drystone.sequence.friction_sweeps import at_other_friction
+from drystone.sequence.margins import at_other_friction
 
 
 @pytest.fixture(scope="module")

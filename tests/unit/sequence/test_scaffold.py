@@ -25,9 +25,8 @@ from drystone.sequence import (
 )
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.helping import mended, trimmed
-from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.order_search import OrderSearch
-from drystone.sequence.rules import bind
+from drystone.sequence.rules import RemovalTest, bind
 from drystone.sequence.scaffold_places import Support
 from drystone.sequence.scaffold_seats import surface_triangles
 from drystone.sequence.scaffold_stages import ScaffoldedStages
