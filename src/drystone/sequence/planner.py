@@ -224,10 +224,8 @@ class _Planner:
             return ideal
         if self.cut or known.rank == (0, 0, ideal.cost):
             return known
-        limit = None if any(known.failures) else 2 * known.cost[0]
         try:
-            other = self.searched(complete, bound, limit=limit)
-            other = min(mended(other, self.new_search(bound)), other, key=lambda one: one.rank)
+            other = self.on_scaffolding(complete, bound, known)
         except Costly:
             return known
         except Stopped:
@@ -236,6 +234,18 @@ class _Planner:
         if self.evaluator.late():
             self.cut_short()
         return min(known, other, key=lambda one: one.rank)
+
+    def on_scaffolding(self, complete: StageAnswer, bound: BoundRules, known: Trimmed) -> Trimmed:
+        """The order of a search with scaffolding at each stage; of a known one props are a limit.
+
+        By courses, where the known order is not carried: a course carries the next one, where a
+        strip that leans needs more than struts.
+        """
+        fails = any(known.failures)
+        if fails and bound.rules.order is Order.TOP:
+            bound = bind(replace(bound.rules, order=Order.COURSE), self.model, bound.removal)
+        other = self.searched(complete, bound, limit=None if fails else 2 * known.cost[0])
+        return min(mended(other, self.new_search(bound)), other, key=lambda one: one.rank)
 
     def searched(
         self,
