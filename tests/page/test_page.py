@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 
 import pytest
 from PIL import Image
@@ -16,7 +17,7 @@ from drystone.io import Inspection
 from drystone.models import arch, box, curve_three_blocks, shelf, tower
 from drystone.results import Result
 from drystone.view import save_page
-from tests.page.browser import Tab
+from tests.page.browser import Browser, Tab
 
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
 
@@ -24,6 +25,30 @@ EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
 @pytest.fixture(scope="module")
 def standing() -> Result:
     return drystone.check(arch(0.2, 8), friction=0.7)
+
+
+@pytest.fixture(scope="module")
+def shown(
+    chromium: Browser, standing: Result, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Tab]:
+    """The page of the arch that stands."""
+    path = tmp_path_factory.mktemp("page") / "arch.html"
+    save_page(standing, path)
+    tab = chromium.open(path)
+    chromium.tabs.remove(tab)  # it stays from one test to the next
+    yield tab
+    chromium.tabs.append(tab)
+    tab.close()
+
+
+@pytest.fixture
+def stands(shown: Tab) -> Iterator[Tab]:
+    """That page in front, with nothing chosen, for tests that leave it so or do not mind."""
+    shown.send("Page.bringToFront")
+    shown.key("Escape")
+    yield shown
+    assert shown.complaints() == []
+    assert shown.requests() == []
 
 
 def pixels(tab: Tab) -> bytes:
@@ -101,15 +126,14 @@ def test_a_fall_plays_once_and_its_slider_moves_the_blocks(opened):
     tab.click("#play")
 
 
-def test_a_click_on_a_joint_and_on_a_block_opens_its_card(opened, standing):
-    tab = opened(standing)
-    tab.run("document.querySelector('#worst button').click()")
-    assert tab.text("#card h2").startswith("Joint ")
-    assert tab.run("document.querySelectorAll('#card svg .kern').length") == 1
-    tab.click("#card .row button")
-    assert tab.text("#card h2").startswith("Block ")
-    tab.key("Escape")
-    assert tab.run("document.querySelector('#card h2')") is None
+def test_a_click_on_a_joint_and_on_a_block_opens_its_card(stands):
+    stands.run("document.querySelector('#worst button').click()")
+    assert stands.text("#card h2").startswith("Joint ")
+    assert stands.run("document.querySelectorAll('#card svg .kern').length") == 1
+    stands.click("#card .row button")
+    assert stands.text("#card h2").startswith("Block ")
+    stands.key("Escape")
+    assert stands.run("document.querySelector('#card h2')") is None
 
 
 def test_a_curved_joint_is_one_joint_wherever_it_is_clicked(opened):
@@ -146,32 +170,30 @@ def test_hovering_tells_what_lies_under_the_pointer(opened):
     assert tab.text("#card h2") == "Block block-0"
 
 
-def test_part_of_a_name_finds_blocks(opened, standing):
-    tab = opened(standing)
-    tab.run(
+def test_part_of_a_name_finds_blocks(stands):
+    stands.run(
         "(() => { const e = document.getElementById('name'); e.value = 'SPRINGER';"
         " e.dispatchEvent(new Event('input')); })()"
     )
-    assert tab.run("document.querySelectorAll('#matches button').length") == 2
-    tab.run("document.getElementById('find').requestSubmit()")
-    assert "springer" in tab.text("#card h2")
+    assert stands.run("document.querySelectorAll('#matches button').length") == 2
+    stands.run("document.getElementById('find').requestSubmit()")
+    assert "springer" in stands.text("#card h2")
 
 
-def test_blocks_are_hidden_and_isolated_and_come_back(opened, standing):
-    tab = opened(standing)
-    tab.key("Escape")  # the picture has the focus from here on
-    before = pixels(tab)
-    tab.key(".")
-    selected = tab.text("#card h2")
-    tab.key("i")
-    isolated = pixels(tab)
+def test_blocks_are_hidden_and_isolated_and_come_back(stands):
+    stands.key("Escape")  # the picture has the focus from here on
+    before = pixels(stands)
+    stands.key(".")
+    selected = stands.text("#card h2")
+    stands.key("i")
+    isolated = pixels(stands)
     assert isolated != before
-    assert tab.text("#card h2") == selected
-    assert tab.text("#all").startswith("Show ")
-    tab.key("a")
-    tab.key("Escape")
-    assert tab.run("document.getElementById('all').hidden")
-    assert pixels(tab) == before
+    assert stands.text("#card h2") == selected
+    assert stands.text("#all").startswith("Show ")
+    stands.key("a")
+    stands.key("Escape")
+    assert stands.run("document.getElementById('all').hidden")
+    assert pixels(stands) == before
 
 
 def test_names_are_written_on_blocks_that_are_seen(opened):
@@ -207,12 +229,11 @@ def test_dark_forced_and_small_screens_draw_too(opened, standing, how):
     assert tab.run("document.documentElement.scrollWidth <= innerWidth")
 
 
-def test_a_printed_page_holds_the_picture(opened, standing):
-    tab = opened(standing)
-    paper = tab.printed()
+def test_a_printed_page_holds_the_picture(stands):
+    paper = stands.printed()
     assert b"/Image" in paper
     assert len(re.findall(rb"/Type\s*/Page\b", paper)) == 1  # the legend is not cut off
-    tab.until("document.getElementById('printed').hidden")
+    stands.until("document.getElementById('printed').hidden")
 
 
 def test_the_page_of_a_limit_says_the_limit_and_shows_both_sides(opened):
@@ -391,9 +412,9 @@ def test_a_picture_of_another_size_shows_the_whole_model_until_it_is_moved(opene
         assert (seen == pixels(tab)) != moved
 
 
-def test_a_plane_structure_opens_from_the_front_and_others_do_not(opened, standing):
-    for subject, flat in ((standing, True), (tower(2), False)):
-        tab = opened(subject)
+def test_a_plane_structure_opens_from_the_front_and_others_do_not(stands, opened):
+    for tab, flat in ((stands, True), (opened(tower(2)), False)):
+        tab.send("Page.bringToFront")
         tab.click("#link")
         assert ("&f=1" in tab.run("document.getElementById('address').value")) is flat
 
@@ -413,15 +434,13 @@ def test_fit_leaves_out_most_of_a_slab_below_a_column(opened):
     assert distance[40.0] < 1.5 * distance[1.0]
 
 
-def test_what_stands_has_no_ghost(opened, standing):
-    tab = opened(standing)
-    tab.click("[data-preset=solid]")
-    assert "virtual displacement" not in tab.text("#legend")
+def test_what_stands_has_no_ghost(stands):
+    stands.click("[data-preset=solid]")
+    assert "virtual displacement" not in stands.text("#legend")
 
 
-def test_the_worst_joints_are_drawn_as_plans(opened, standing):
-    tab = opened(standing)
-    tab.run("document.querySelector('#worst details').open = true")
-    tab.until("document.querySelectorAll('#worst .plans svg .kern').length === 4")
-    tab.click("#worst .plans figure")
-    assert tab.text("#card h2").startswith("Joint")
+def test_the_worst_joints_are_drawn_as_plans(stands):
+    stands.run("document.querySelector('#worst details').open = true")
+    stands.until("document.querySelectorAll('#worst .plans svg .kern').length === 4")
+    stands.click("#worst .plans figure")
+    assert stands.text("#card h2").startswith("Joint")
