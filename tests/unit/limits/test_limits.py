@@ -578,7 +578,7 @@ def test_a_limit_tells_where_stiffness_decides_and_for_every_stiffness_if_asked(
 
 def test_a_stopped_search_keeps_the_fall_that_was_followed() -> None:
     model = Model.of(wedge("b", longer=0.2), friction=0.84)
-    few = LimitOptions(scan=1, width=4.0)
+    few = LimitOptions(scan=1, width=8.0)
     calls = itertools.count()
     whole = limit_tilt(model, "x", options=few, stop=lambda: next(calls) < 0)
     late = iter([False] * (next(calls) - 2))
