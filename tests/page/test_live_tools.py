@@ -174,6 +174,8 @@ def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
         tab.run("document.getElementById('mends-box').open = true")
         without = tab.picture("#view")
         tab.click("#mends-find")
+        tab.until("document.querySelector('#mends').textContent.includes('prop')")
+        tab.click("#task-stop")  # what was found stays
         tab.until("document.getElementById('task-stop').hidden")
         assert "for out" in tab.text("#mends button")
         tab.run("[...document.querySelectorAll('#mends button')]"
