@@ -17,11 +17,11 @@ from drystone.base.errors import InputError, counted, quoted, require
 from drystone.base.settings import member_of
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
+from drystone.detection.advice import among
 from drystone.detection.face_overlaps import overlap_lines
 from drystone.detection.misses import inexact_lines
 from drystone.detection.resample import resampled_lines
 from drystone.detection.tolerances import Missed
-from drystone.detection.unjoined import among
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of, to_pyvista, to_trimesh

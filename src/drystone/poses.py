@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene
 from drystone.assembly import Assembly, Block
-from drystone.assembly.sound import require_sound
+from drystone.assembly.block import require_sound
 from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import checked_call

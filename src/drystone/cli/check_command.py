@@ -10,9 +10,8 @@ from drystone.cli import mend_command, options
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW, SHOWN, Subject
 from drystone.cli.offered import Analysis, Option
-from drystone.cli.told import Told
+from drystone.cli.told import Told, Written
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Written
 
 if TYPE_CHECKING:
     from drystone.model import Model

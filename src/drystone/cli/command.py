@@ -31,9 +31,8 @@ from drystone.cli.offered import (
     param_of,
 )
 from drystone.cli.output import UsageFault
-from drystone.cli.told import Told, finish
+from drystone.cli.told import Pictures, Told, WithFilm, WithModel, Written, finish
 from drystone.cli.waiting import UNDER_WAY, Waiting
-from drystone.cli.written import Pictures, WithFilm, WithModel, Written
 
 if TYPE_CHECKING:
     from drystone.base.declared import Declared, Offered

@@ -13,9 +13,8 @@ from drystone.cli import kinds
 from drystone.cli.command import command
 from drystone.cli.model_input import Converted, Inspected, Source, warnings_of
 from drystone.cli.offered import CONTACTS, MODEL, OUTPUT, Argument, Option
-from drystone.cli.told import Files, Told
+from drystone.cli.told import Files, Pictures, Told, left_out
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures, left_out
 
 if TYPE_CHECKING:
     from drystone.io.registry import Format

@@ -12,9 +12,8 @@ from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Source, Subject
 from drystone.cli.offered import OUTPUT, Analysis, Of, Option
-from drystone.cli.told import Told
+from drystone.cli.told import Told, WithModel
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import WithModel
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly, Block

@@ -14,9 +14,8 @@ from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.kinds import output_path
 from drystone.cli.offered import OUTPUT, Argument, Option
-from drystone.cli.told import Told
+from drystone.cli.told import Pictures, Told
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
     from drystone.answer import Answer

@@ -12,9 +12,8 @@ from drystone.cli.check_command import solve
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import LOADS, OUTPUT, Analysis, Of, Option
-from drystone.cli.told import Told
+from drystone.cli.told import Pictures, Told, Written, apart
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures, Written, apart
 
 if TYPE_CHECKING:
     from drystone.answer import Answer

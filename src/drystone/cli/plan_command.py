@@ -15,9 +15,8 @@ from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Of, Option
 from drystone.cli.scaffold_command import SCAFFOLD_LIMITS, refuse_unused
-from drystone.cli.told import Told
+from drystone.cli.told import Told, WithFilm
 from drystone.cli.waiting import Waiting, executor_of
-from drystone.cli.written import WithFilm
 
 if TYPE_CHECKING:
     from drystone.cli.told import Files

@@ -22,10 +22,9 @@ from drystone.cli.shell_pattern import (
     with_values,
 )
 from drystone.cli.surfaces import SurfaceRequest, surface_of
-from drystone.cli.told import Told
+from drystone.cli.told import Pictures, Told, apart
 from drystone.cli.tune_command import SearchRequest, parameter_range
 from drystone.cli.waiting import Waiting
-from drystone.cli.written import Pictures, apart
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly

@@ -1,25 +1,36 @@
-"""The answer of every command: text, JSON, files and an exit code."""
+"""The answer of every command: text, JSON, files and an exit code.
+
+The files of an answer: the page, the figure, the file for CAD programs, tables, the model.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from drystone.base.errors import DrystoneError, FormatError
-from drystone.base.files import Job, write_together
-from drystone.cli import output
+from drystone.base.errors import DrystoneError, FormatError, InputError, require
+from drystone.base.files import Job, same_place, write_text, write_together
+from drystone.cli import kinds, options, output
+from drystone.cli.offered import OUTPUT, Option
 from drystone.cli.output import LISTED, Screen, grouped
 from drystone.cli.waiting import NOTHING, Waiting
 
 if TYPE_CHECKING:
     from drystone.answer import Answer
+    from drystone.assembly import Assembly
     from drystone.base.table import Table
+    from drystone.io.draft import Contents
+    from drystone.io.registry import Format
+    from drystone.report import TitleBlock
+    from drystone.results import Result
+
 
 Files: TypeAlias = tuple[list[Job], list[str]]
 """Files to be written all together, and remarks on them."""
-
 
 STYLE = {
     "good": "bold green",
@@ -173,3 +184,217 @@ def finish(answer: Told, waiting: Waiting, as_json: bool) -> Callable[[], int]:
         return waiting.exit_code(answer.code)
 
     return tell
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The page, the figure, the file for CAD programs and the table: every answer has them."""
+
+    html: options.Html = None
+    png: options.Png = None
+    section: options.Section = None
+    cad: options.RareCad = None
+    csv: options.Csv = None
+    report: options.RareReport = None
+    title_block: options.RareTitleBlock = None
+
+    def __post_init__(self) -> None:
+        every = [getattr(self, one.name) for one in fields(self)]
+        apart([path for one in every for path in (one if isinstance(one, tuple) else (one,))])
+        if self.section is not None and self.html is None and self.png is None:
+            raise InputError(
+                "has no picture to cut", where="--section", remedy="add --html or --png"
+            )
+        if self.title_block is not None:
+            if self.report is None:
+                what, remedy = "is for a calculation report", "add --report sheet.pdf"
+                raise InputError(what, where="--title-block", remedy=remedy)
+            _ = self._about  # before any work
+        if self.report is not None and self.report.suffix.lower() == ".pdf":
+            from drystone.report import require_pdf
+
+            require_pdf()
+        if self.cad is not None and self.cad.suffix.lower() == ".3dm":
+            require("rhino3dm", "cad", "writing 3dm")  # before any work
+
+    @cached_property
+    def _about(self) -> TitleBlock | None:
+        from drystone.report import TitleBlock  # reports are imported when needed
+
+        return None if self.title_block is None else TitleBlock.read(self.title_block)
+
+    def require_through(self, assembly: Assembly) -> None:
+        """Refuse a section beside the model, before any work.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.section is not None:
+            from drystone.view.section import section_through  # pictures are imported when needed
+
+            section_through(assembly, self.section)
+
+    def of(self, answer: Any) -> Files:
+        """The files of an answer, and remarks on them."""
+        jobs: list[Job] = []
+        if self.html is not None or self.png is not None or self.cad is not None:
+            from drystone import view  # as above
+
+            section = self.section
+            for path, write in (
+                (self.html, partial(view.save_page, answer, section=section)),
+                (self.png, partial(view.save_figure, answer, section=section)),
+                (self.cad, partial(view.save_cad, answer)),
+            ):
+                jobs += [] if path is None else [(path, write)]
+        if self.csv is not None:
+            jobs.append((self.csv, answer.table().to_csv))
+        if self.report is not None:
+            from drystone.report import write_report  # as above
+
+            jobs.append((self.report, partial(write_report, answer, about=self._about)))
+        return jobs, []
+
+
+@dataclass(frozen=True)
+class WithFilm(Pictures):
+    """The film of an answer with several stages too."""
+
+    film: Annotated[
+        Path | None,
+        Option("Write a film of the stages, .gif.", OUTPUT, kind=kinds.target(".gif"), expert=True),
+    ] = None
+
+    def of(self, answer: Any) -> Files:
+        """The pictures and the film of an answer, and remarks on them."""
+        jobs, said = super().of(answer)
+        if self.film is not None:
+            from drystone.view import save_film  # pictures are imported when needed
+
+            jobs.append((self.film, partial(save_film, answer)))
+        return jobs, said
+
+
+@dataclass(frozen=True)
+class Written(Pictures):
+    """The tables of joints and of their corners too."""
+
+    cad: options.Cad = None
+    joints: Annotated[
+        tuple[Path, ...],
+        Option(
+            "Write a table of all joints, .csv or .json, or a page on the worst, .html. Can be "
+            "given several times; --corners FILE has the force at every corner.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json", ".html"),
+        ),
+    ] = ()
+    corners: Annotated[
+        tuple[Path, ...],
+        Option(
+            "Write the force at every corner of contact, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+            expert=True,
+        ),
+    ] = ()
+
+    def of(self, answer: Any) -> Files:
+        """The files of an answer that is a result or has one, and remarks on them."""
+        jobs, said = super().of(answer)
+        if not self.joints and not self.corners:
+            return jobs, said
+        result: Result = getattr(answer, "result", answer)
+        if result.force is None:
+            return jobs, ["no table of joints or corners: there are no forces"]
+        for path in self.joints:
+            if path.suffix.lower() == ".html":
+                from drystone.view import save_report
+
+                jobs.append((path, partial(save_report, result)))
+            else:
+                jobs.append(_table(path, result.joints()))
+        jobs += [_table(path, result.corners()) for path in self.corners]
+        return jobs, []
+
+
+def _table(path: Path, table: Table) -> Job:
+    """A file with a table, .csv or .json."""
+    if path.suffix.lower() == ".csv":
+        return path, table.to_csv
+    return path, partial(write_text, text=json.dumps(table.to_dict()))
+
+
+@dataclass(frozen=True)
+class WithModel(Pictures):
+    """The changed model too."""
+
+    out: Annotated[
+        Path | None,
+        Option(
+            "Write the changed model; the suffix determines the format, as with convert.",
+            OUTPUT,
+            kind=kinds.MODEL_FILE,
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.out is not None:
+            from drystone.io.registry import writable  # as above
+
+            writable(self.out)  # before any work
+
+    def of(self, answer: Any) -> Files:
+        """The changed model, and its pictures with the edges of the model before."""
+        jobs, said = super().of(answer)
+        if self.out is None:
+            return jobs, said
+        from drystone import io
+        from drystone.io.registry import contents_of
+
+        origin = getattr(answer.before, "origin", answer.model.origin)
+        units = origin.units
+        write = partial(io.write, answer.model, units=units)
+        chosen = io.format_of(self.out, writing=True)
+        said = [*said, *left_out(chosen, units, contents_of(answer.model))]
+        if "up" in origin.reading:
+            said.append(f"z is up in {self.out.name}")
+        return [(self.out, write), *jobs], said
+
+
+def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
+    """What a format does not store, what of it this model has, and a unit that it does not name."""
+    said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
+    if chosen.loses and _loses_a_pull(chosen, contents):
+        said.append("ties and glue are not in this file, what they hold falls: write .json")
+    if chosen.any_unit and chosen.name != "3dm":
+        said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
+    return said
+
+
+def _loses_a_pull(chosen: Format, contents: Contents) -> bool:
+    """Whether the model has joints that are strong, or ties, that a format does not store."""
+    from drystone.ties import ties_of
+
+    contacts, lost = contents.contacts, ", ties," in chosen.loses
+    if contacts is None:
+        return lost and len(contents.ties) > 0
+    tied = lost and ties_of(contents.assembly, contacts).any()
+    return bool(tied or not contacts.plain.all())
+
+
+def apart(paths: Sequence[Any]) -> None:
+    """Refuse two outputs with one file name.
+
+    Raises
+    ------
+    InputError
+    """
+    seen: set[str] = set()
+    for path in paths:
+        if isinstance(path, Path) and same_place(path) in seen:
+            raise InputError("is named twice", where=f"'{path}'", remedy="name each file once")
+        if isinstance(path, Path):
+            seen.add(same_place(path))

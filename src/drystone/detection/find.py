@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.assembly.sound import require_sound
+from drystone.assembly.block import require_sound
 from drystone.base.arrays import SAME, Floats, Ints, frozen, frozen_floats
 from drystone.base.display import Card, OneLine
 from drystone.base.errors import InputError

@@ -4,8 +4,14 @@ The extra ``gym`` installs gymnasium. ``gymnasium.make("drystone.gym:drystone/As
 given=model)`` makes one too.
 """
 
-from drystone.gym.assembly_env import AssemblyEnv, assembly_envs, expert_actions
-from drystone.gym.building import BuildingOptions, PlacedBlock, friction_left_reward
+from drystone.gym.assembly_env import (
+    AssemblyEnv,
+    BuildingOptions,
+    PlacedBlock,
+    assembly_envs,
+    expert_actions,
+    friction_left_reward,
+)
 
 __all__ = [
     "AssemblyEnv",

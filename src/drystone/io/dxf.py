@@ -23,11 +23,10 @@ from drystone.base.errors import FormatError, InputError, counted
 from drystone.base.units import scale_of
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop
-from drystone.io.draft import Draft, DraftBlock
+from drystone.io.draft import Draft, DraftBlock, hidden_notes, holds, require_blocks
 from drystone.io.dxf_entities import Drawing, Entity, drawing
 from drystone.io.face_soup import FaceSoup, moved, named_apart, shapes_of
 from drystone.io.glb import Z_UP
-from drystone.io.layers import hidden_notes, holds, require_blocks
 from drystone.io.outside import Unfolded
 
 _CHORD = np.deg2rad(5.0)

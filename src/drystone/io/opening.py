@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.assembly.sound import require_sound
+from drystone.assembly.block import require_sound
 from drystone.base.arrays import Bools, Ints, texts
 from drystone.base.display import differing, named, shortened
 from drystone.base.errors import DrystoneError, InputError, counted

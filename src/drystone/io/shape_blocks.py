@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Block, replace_block
-from drystone.assembly.sound import self_touching
+from drystone.assembly.block import self_touching
 from drystone.base.arrays import ROUNDING, Bools, Floats, frozen_floats
 from drystone.base.errors import DefectKind, InputError, counted
 from drystone.geometry import coincidence

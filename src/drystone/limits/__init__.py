@@ -10,9 +10,9 @@ from drystone.limits.imperfections import (
     imperfections,
 )
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_checks import Check
 from drystone.limits.limit_types import (
     Bracket,
+    Check,
     Evaluation,
     Family,
     Friction,

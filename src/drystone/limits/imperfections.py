@@ -23,7 +23,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
-from drystone.limits.limit_checks import STANDS, Check, verdict
+from drystone.limits.limit_types import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.settlement import Loading, Outcome, SettlementOptions, settle

@@ -13,17 +13,20 @@ from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound, rbe
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_checks import (
+from drystone.limits.limit_search import VerdictSearch, Width
+from drystone.limits.limit_types import (
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
+    Bracket,
     Check,
+    Family,
+    FoundBracket,
+    LimitOptions,
     every_stiffness,
     one_stiffness,
     verdict,
 )
-from drystone.limits.limit_search import VerdictSearch, Width
-from drystone.limits.limit_types import Bracket, Family, FoundBracket, LimitOptions
 from drystone.mechanics.statics import build_statics
 from drystone.results import Result, Verdict
 

@@ -13,8 +13,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.base.workers import WorkerPool
-from drystone.limits.limit_checks import STANDS, Check
-from drystone.limits.limit_types import Bracket, Evaluation, Family, FoundBracket
+from drystone.limits.limit_types import STANDS, Bracket, Check, Evaluation, Family, FoundBracket
 from drystone.results import Result, Verdict
 
 _GROWTH = 4.0

@@ -23,8 +23,8 @@ from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_checks import Check
 from drystone.limits.limit_types import (
+    Check,
     Friction,
     LimitOptions,
     LoadFactor,

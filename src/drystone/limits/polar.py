@@ -21,8 +21,7 @@ from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.inside import Means
 from drystone.limits.limit_answer import Limit
-from drystone.limits.limit_checks import Check
-from drystone.limits.limit_types import Bracket, LimitOptions, Tilt
+from drystone.limits.limit_types import Bracket, Check, LimitOptions, Tilt
 from drystone.limits.limits import tilt_limit
 from drystone.model import Model
 

@@ -21,7 +21,7 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
-from drystone.limits.crossing import Crossing, PlacedTrain
+from drystone.limits.bounds import Crossing, PlacedTrain
 from drystone.limits.limit_answer import Limit
 from drystone.limits.limit_types import LimitOptions
 from drystone.limits.limits import limit_load

@@ -14,7 +14,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.checks import block_speed, check_forces, mechanism_defects
 from drystone.contacts import joined_contacts
-from drystone.detection.unjoined import contacts_if_joined, words_on
+from drystone.detection.advice import contacts_if_joined, words_on
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
     held_still,

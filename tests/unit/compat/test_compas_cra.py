@@ -7,7 +7,7 @@ import pytest
 
 from drystone import Assembly, Verdict, find_contacts
 from drystone.base.errors import MissingDependency
-from drystone.compat import compas_cra, cra_assembly, from_compas
+from drystone.compat import compas_cra, from_compas
 from drystone.models import box, h_model, tower, wedge
 from tests.unit.compat.stand_ins import CRAAssembly, Frame, Interface
 
@@ -183,7 +183,7 @@ def test_the_viewer_opens_a_page_with_the_forces_that_are_asked_for(
 
 
 def test_the_class_of_assemblies_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    cra_assembly.assembly_class.cache_clear()
+    compas_cra.assembly_class.cache_clear()
     monkeypatch.setitem(sys.modules, "compas_assembly", None)
     monkeypatch.setitem(sys.modules, "compas_assembly.datastructures", None)
     with pytest.raises(MissingDependency, match="compas_assembly"):

@@ -9,7 +9,7 @@ import pytest
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
 from drystone.assembly import replace_block
 from drystone.geometry.frames import rotation_about
-from drystone.limits.limit_checks import every_stiffness
+from drystone.limits.limit_types import every_stiffness
 from drystone.models import box, bridge, concave, cube_curve, h_model, random_pack, wall, wedge
 from drystone.models.solids import prism
 from drystone.results import Sensitivity

@@ -10,7 +10,7 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.cli import check_command, main, written
+from drystone.cli import check_command, main, told
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
@@ -116,12 +116,12 @@ def test_a_section_beside_the_model_is_refused_before_any_work(
         pytest.importorskip("mujoco")
     model = "arch" if "thickness" in command else tmp_path / "tower.json"
     drystone.write(drystone.Model.of(tower(2)), tmp_path / "tower.json")
-    monkeypatch.setattr(written.Pictures, "of", None)  # no picture is begun
+    monkeypatch.setattr(told.Pictures, "of", None)  # no picture is begun
     monkeypatch.setattr(check_command, "solve", None)
     page = tmp_path / "a.html"
     assert main([*command, str(model), "--section", "z=9", "--html", str(page)]) == 2
-    told = capsys.readouterr().err
-    assert "z = 9 m does not pass through the model" in told
-    assert "give z between" in told
-    assert "%" not in told  # no progress of an analysis
+    said = capsys.readouterr().err
+    assert "z = 9 m does not pass through the model" in said
+    assert "give z between" in said
+    assert "%" not in said  # no progress of an analysis
     assert not page.exists()
