@@ -33,8 +33,9 @@ _STOPPING = "stopping (Ctrl-C again ends at once)"
 class Waiting:
     """Shows stages and their progress inside its context.
 
-    Where stderr is no terminal it has a line, once the work takes long. So it has everywhere before
-    the context: imports take seconds on a busy machine.
+    Where stderr is no terminal it has a line, once the work takes long, and one for each later
+    stage that does. So it has everywhere before the context: imports take seconds on a busy
+    machine.
 
     An instance is the progress callback of the library: ``(stage, done, total)``.
 
@@ -64,7 +65,7 @@ class Waiting:
         self._begun: tuple[str, float] | None = None
         self._state = ("", 0, 0)
         self._doing = ""
-        self._due = False
+        self._due = self._told = False
         self._bar: Progress | None = None
         self._timer: threading.Timer | None = None
         self._lock = threading.RLock()  # Ctrl-C may leave it taken since Python 3.14
@@ -78,6 +79,7 @@ class Waiting:
         self._console = Console(stderr=True)
         if self._console.is_terminal:
             self.close()
+            self._told = False
             self._begin(0.5 * PATIENCE, self._show)
         return self
 
@@ -149,6 +151,9 @@ class Waiting:
         self(wording, 0, 0)
         if self._due:
             self._tell()
+        elif self._told and self._timer is not None:
+            self._timer.cancel()
+            self._begin(1.5 * PATIENCE, self._tell)
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Progress of the running work; a total of zero means that it is not known."""
@@ -206,6 +211,7 @@ class Waiting:
         with self._lock:
             if self._timer is None or sys.stderr is None:
                 return
+            self._told = True
             self._due = self._begun is None  # the stage is told once it begins
             stage, done, total = self._state
             told = f"{stage}, {done} of {total}" if done < total else self._doing or "starting"

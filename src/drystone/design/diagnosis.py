@@ -129,11 +129,11 @@ def diagnose(
     regions: list[Region] = []
     looked = groups[: chosen.regions]
     task = partial(_region, model, answer, prop, chosen, clock)
-    clock.tell("regions", 0, len(looked))
+    clock.tell("what falls", 0, len(looked))
     with WorkerPool(executor) as pool:
         for region in pool.answers(task, looked):
             regions.append(region)
-            clock.tell("regions", len(regions), len(looked))
+            clock.tell("what falls", len(regions), len(looked))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = chosen.needs and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None

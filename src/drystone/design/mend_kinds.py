@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -28,8 +28,8 @@ from drystone.design.changes import (
 from drystone.design.margin import LARGE_REGION, SMALL_REGION
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
-from drystone.design.props import find_props, struts
-from drystone.design.words import force_words, glue_words, names_of, newtons, place
+from drystone.design.props import PropSeat, carries, find_props, struts
+from drystone.design.words import force_words, glue_words, names_of, newtons, place, towards
 from drystone.model import Model
 from drystone.ties import tied
 
@@ -41,9 +41,9 @@ _SLID = (0.2, 0.5, 1.0)
 """Slides that are tried before the least one is searched, by the way to the middle of the joint. It
 is found to a tenth of that: at the least itself a block is about to tip."""
 
-_THICKER = (0.1, 0.3, 1.0)
-"""Increases of thickness that are tried before the least one is searched, relative to that of the
-block."""
+_SHARES = (0.1, 0.3, 1.0)
+"""Increases of thickness by that of the block, and decreases of overhangs by those, that are tried
+before the least one is searched."""
 
 
 def _support(asked: KnownNeeds) -> Proposals:
@@ -81,16 +81,23 @@ def _prop(asked: KnownNeeds) -> Proposals:
         yield f"no prop holds it: tried were {found.tried}"
         return
 
-    def words(forces: Floats, points: Floats) -> str:
-        some = [
-            f"{force_words(force)} against {names_of(bench.local, [seat.block])} at {place(point)}"
-            for seat, force, point in zip(seats, forces, points, strict=True)
-        ]
-        return ("a prop of " if len(seats) == 1 else f"{len(seats)} props: ") + ", ".join(some)
-
+    words = partial(_prop_words, bench.local, seats)
     change = Change.single("prop", props_at(seats), "", added=len(seats))
     told = partial(_by_force, bench, len(seats), words)
     yield Tries([change], "the best props do not keep the margin", told=told)
+
+
+def _prop_words(model: Model, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
+    """Props with their forces [N] and places [m] as text; equal forces are told once."""
+    each = [force_words(force) for force in forces]
+    where = []
+    for seat, force, point in zip(seats, forces, points, strict=True):
+        side = "under" if carries(model, seat.block, force) else "against"
+        where.append(f"{side} {names_of(model, [seat.block])} at {place(point)}")
+    if len(seats) > 1 and len(set(each)) == 1:
+        return f"{len(seats)} props: each of {each[0]}, {', '.join(where)}"
+    some = ", ".join(f"{force} {at}" for force, at in zip(each, where, strict=True))
+    return f"a prop of {some}" if len(seats) == 1 else f"{len(seats)} props: {some}"
 
 
 def _by_force(
@@ -123,13 +130,19 @@ def _tie(asked: KnownNeeds) -> Proposals:
         return tied(model, int(blocks[ends[0]]), int(blocks[ends[1]]))
 
     def words(change: Change, forces: Floats, _: Floats) -> str:
-        return f"a tie that pulls {newtons(math.hypot(*forces[0]))} between {change.words(0.0)}"
+        pull = newtons(math.hypot(*forces[0]))
+        return f"a tie that pulls {pull} between the middles of {change.words(0.0)}"
 
     def told(change: Change) -> Held:
         return _by_force(asked.bench, 1, partial(words, change), change)
 
     changes = [
-        Change.single("tie", partial(make, (i, j)), names_of(local, [i, j]), added=1)
+        Change.single(
+            "tie",
+            partial(make, (i, j)),
+            f"{names_of(local, [i, j])}, {np.linalg.norm(centroid[i] - centroid[j]):.3g} m apart",
+            added=1,
+        )
         for _, i, j in sorted(apart, reverse=True)[:_FIRST]
     ]
     why = f"a tie between blocks that move apart, of {counted(len(changes), 'pair')}"
@@ -173,20 +186,53 @@ def _slide(asked: KnownNeeds) -> Proposals:
         shift = distance * along
         return changed(model, {i: one.transformed(translation=shift) for i, one in some.items()})
 
-    def words(other: int, distance: float) -> str:
-        what = f"{names_of(bench.local, own)} slid by {1e3 * distance:.0f} mm"
-        return f"{what} on {names_of(bench.local, [other])}, towards the middle of the joint"
+    def words(way: Floats, distance: float) -> str:
+        far = f"{1e3 * distance:.0f} mm towards {towards(way)}"
+        return f"{names_of(bench.local, own)} slid by {far} on {names_of(bench.local, below)}"
 
     contacts, ways = bench.local.contacts, list(_ways_below(bench))
+    below = sorted({other for other, _ in ways})
     outer = np.isin(contacts.block_a, own) != np.isin(contacts.block_b, own)
     changes = []
-    for other, way in ways:
+    for _, way in ways:
         far = math.hypot(*way)
-        slid, told = partial(make, way / far), partial(words, other)
+        slid, told = partial(make, way / far), partial(words, way)
         steps = tuple(share * far for share in _SLID)
         changes.append(Change("slide", slid, told, steps, 0.1 * far, joints=int(outer.sum())))
     why = "it falls up to the middle of the joint below it" if ways else "no joint is below it"
     yield Tries(changes, why, Take.SMALLEST)
+    yield Tries(_drawn_back(bench, below), "")
+
+
+def _drawn_back(bench: Bench, below: list[int]) -> list[Change]:
+    """Every block of the region drawn back above the blocks below, so that it overhangs less.
+
+    Only where all joints lie along that way: each block then slides on the one below it.
+    """
+    local, own = bench.local, bench.own
+    if len(own) < 2 or not below:
+        return []
+    mass, centroid, up = local.assembly.mass[own], local.assembly.centroid, -acceleration_of(local)
+    way = mass @ centroid[own] / mass.sum() - centroid[below].mean(axis=0)
+    way -= way @ up / (up @ up) * up
+    if not way.any():
+        return []
+    way /= np.linalg.norm(way)
+    if np.abs(local.contacts.frame[:, 0] @ way).max() > 1e-6:
+        return []
+    out = np.maximum((centroid[own] - centroid[below].mean(axis=0)) @ way, 0.0)
+
+    def make(share: float, model: Model, blocks: Ints, _: Ints) -> Model:
+        shifts = zip(blocks[own].tolist(), -share * out[:, None] * way, strict=True)
+        some = model.assembly.blocks
+        return changed(model, {i: some[i].transformed(translation=shift) for i, shift in shifts})
+
+    def words(share: float) -> str:
+        what = f"each of {names_of(local, own)} drawn back towards {towards(-way)}"
+        far = f"the farthest by {1e3 * share * out.max():.0f} mm"
+        return f"{what}, to overhang {100.0 * share:.0f} % less: {far}"
+
+    return [Change("slide", make, words, _SHARES, 0.01, joints=local.contacts.count)]
 
 
 def _ways_below(bench: Bench) -> Iterator[tuple[int, Floats]]:
@@ -242,8 +288,8 @@ def _thicker(asked: KnownNeeds) -> Proposals:
         told = f"{names} thicker by {100.0 * share:.0f} %, half of it on each face"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 
-    why = f"up to {100.0 * _THICKER[-1]:g} % more thickness"
-    yield Tries([Change("thicker", make, words, _THICKER, 0.02)], why)
+    why = f"up to {100.0 * _SHARES[-1]:g} % more thickness"
+    yield Tries([Change("thicker", make, words, _SHARES, 0.02)], why)
 
 
 def _ballast(asked: KnownNeeds) -> Proposals:
@@ -329,7 +375,7 @@ _PROPOSED: Mapping[str, Callable[[KnownNeeds], Proposals]] = {
 
 _LARGEST = {
     **dict.fromkeys(("support", "merge"), SMALL_REGION),
-    **dict.fromkeys(("slide", "turn", "wedge", "let-in", "thicker"), LARGE_REGION),
+    **dict.fromkeys(("slide", "turn", "wedge", "let-in"), LARGE_REGION),
     "ballast": SEARCHED,
 }
 """The largest number of blocks of a region on which a kind is tried, where there is one. Chosen: a

@@ -362,7 +362,7 @@ def find_props(
             if forces and len(blocks) > LARGE_REGION:  # each trial is slow
                 break
         if forces:
-            forces.sort(key=lambda one: one.size)
+            forces.sort(key=lambda one: (not carries(model, one.block, one.force), one.size))
             slippery = model.with_friction(SPARE * model.contacts.friction)
             several = forces if len(forces) > 1 else []
             firm = (one for one in several if _forces(slippery, [one.seat], stop))
@@ -376,6 +376,12 @@ def find_props(
         return PropSearch((), said)
     said += ", one under each of its blocks, and one under every free part of their faces"
     return PropSearch(tuple(_few_props(model, blocks, motion, stop)), said)
+
+
+def carries(model: Model, block: int, force: Floats) -> bool:
+    """Whether a force (3,) on a block acts mainly against its load: a prop can stand below it."""
+    load = model.load.wrench[block, :3]
+    return bool(-force @ load > np.sqrt(0.5) * np.linalg.norm(force) * np.linalg.norm(load))
 
 
 def _few_props(
@@ -400,7 +406,8 @@ def _few_props(
 def _needed(
     model: Model, held: list[PropForce], stop: Callable[[], bool] | None
 ) -> list[PropForce]:
-    """Those of some props that hold a model that are needed, the first ones left out first."""
+    """Those of some props that hold a model that are needed; those that cannot stand go first."""
+    held.sort(key=lambda one: carries(model, one.block, one.force))
     for seat in [one.seat for one in held]:
         fewer = [one.seat for one in held if one.seat is not seat]
         held = (_forces(model, fewer, stop) if fewer else []) or held

@@ -43,12 +43,17 @@ def force_words(force: Floats) -> str:
     size = math.hypot(*force)
     if abs(force[2]) >= _ALONG * size:
         return newtons(size) + (f" ({'up' if force[2] > 0.0 else 'down'})" if size else "")
-    plan = force[:2] / math.hypot(*force[:2])
-    axes = [a for a, x in zip(("+x", "+y", "-x", "-y"), (*plan, *-plan), strict=True) if x > _ALONG]
-    level = f"level towards {axes[0] if axes else place(plan).removesuffix(' m')}"
+    level = f"level towards {towards(force)}"
     steep = round(math.degrees(math.asin(force[2] / size)))
     slope = f"{abs(steep)} degrees {'above' if steep > 0 else 'below'} " if steep else ""
     return f"{newtons(size)} ({slope}{level})"
+
+
+def towards(way: Floats) -> str:
+    """The level part of a direction (3,) as text."""
+    plan = way[:2] / math.hypot(*way[:2])
+    axes = [a for a, x in zip(("+x", "+y", "-x", "-y"), (*plan, *-plan), strict=True) if x > _ALONG]
+    return axes[0] if axes else place(plan).removesuffix(" m")
 
 
 def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
@@ -58,7 +63,9 @@ def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
     carried = f"a pull, and a shear, of {newtons(rounded_up(strength, 3))}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
-    return f"glue in {len(interfaces)} joints{where}, each of which carries {carried}"
+    count = f"{len(interfaces)} joints"
+    which = f"{count}{where}" if where else f"the {count} that pull"
+    return f"glue in {which}, each of which carries {carried}"
 
 
 def friction_words(where: str, value: float) -> str:

@@ -116,6 +116,7 @@ img { width: 100%; height: auto; } figcaption, caption { font-size: .85em; text-
   margin: .5rem 0; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .15rem .5rem;
   border-bottom: 1px solid #b9b5ab; overflow-wrap: anywhere; }
+thead th { overflow-wrap: normal; } @media print { thead th { overflow-wrap: anywhere; } }
 tr, figure { break-inside: avoid; } figure { margin: .5rem 0; }
 .plans { display: flex; flex-wrap: wrap; gap: .75rem; } .plans figure { width: 150px; }
 .stone { fill: #e4e4e4; stroke: #000; } .kern { fill: none; stroke: #000;

@@ -231,6 +231,20 @@ def test_a_program_that_starts_slowly_says_so_and_goes_on_with_what_it_does(
     assert said.getvalue().startswith("drystone: starting ...\ndrystone: reading a.json ...\n")
 
 
+def test_a_later_stage_that_takes_long_is_told_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    said = text_io.StringIO()
+    for name in ("stderr", "__stderr__"):
+        monkeypatch.setattr(sys, name, said)
+    monkeypatch.setattr("drystone.cli.waiting.PATIENCE", 0.01)
+    with Waiting() as waiting:
+        waiting.stage("read", "reading")
+        wait_for(said, "reading ...")
+        waiting.stage("solve", "solving")
+        wait_for(said, "solving ...")
+        waiting.stage("write", "writing")
+    assert said.getvalue().splitlines()[-2:] == ["drystone: reading ...", "drystone: solving ..."]
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps to such a limit")
 @pytest.mark.parametrize(
     ("code", "words"),

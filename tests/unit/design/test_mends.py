@@ -211,7 +211,7 @@ def test_a_thin_arch_is_glued_in_the_joints_that_pull(tmp_path: Path) -> None:
     model = Model.of(arch(0.06, voussoirs=6), friction=0.5)
     (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
     assert found.change.joints == 5
-    assert found.change.description.startswith("glue in 5 joints, each of which carries a pull")
+    assert found.change.description.startswith("glue in the 5 joints that pull, each of which")
     assert again(found.model, tmp_path).stable
     options = MendOptions(kinds=("turn", "glue"), keep=("voussoir-02",))
     (turned, glued) = find_mends(model, options=options).tried
@@ -369,7 +369,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
         for margin in (DesignMargin(), DesignMargin(load=1.5))
     )
     assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
-    assert "N (up) against 'out' at " in firm.change.description
+    assert "N (up) under 'out' at " in firm.change.description
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
@@ -475,3 +475,54 @@ def test_why_there_is_nothing_to_mend_is_said_once() -> None:
     undecided = replace(check(model), verdict=Verdict.UNDECIDED)
     said = [one.text for one in find_mends(model, result=undecided).sentences()]
     assert sum("no block needs help" in one for one in said) == 1
+
+
+def corbel(count: int = 5, out: float = 0.13) -> Model:
+    """Stones on a bed, each further towards +x than the one below it."""
+    bed = box((1.2, 0.4, 0.2), (0.0, 0.0, -0.2), "bed")
+    stones = [
+        box((0.5, 0.4, 0.2), (0.35 + out * k, 0.0, 0.2 * k), f"stone-{k}") for k in range(count)
+    ]
+    return Model.of(Assembly((bed, *stones)).with_fixed([0]), friction=0.7)
+
+
+def test_a_corbel_is_propped_from_below_or_each_of_its_stones_overhangs_less() -> None:
+    found = find_mends(corbel(), options=MendOptions(kinds=("prop", "slide")))
+    prop, drawn = (one.change for one in found.mends)
+    assert "under 'stone-4' at" in prop.description
+    (region,) = found.diagnosis.regions
+    (held,) = region.needs.props.props
+    assert held.force[2] > 0.9 * held.size
+    assert "drawn back towards -x, to overhang " in drawn.description
+    share = drawn.value
+    # stones 1 to 4 tip about the edge of stone 0 if the mean of their overhangs is above 0.25
+    stands, falls = corbel(out=0.1), corbel(out=0.1001)
+    assert (check(stands).stable, check(falls).falls) == (True, True)
+    assert 0.13 * (1.0 - share) == pytest.approx(0.1, abs=0.13 * 0.011)
+    mended = found.mends[1].model.assembly.centroid[1:, 0]
+    assert np.diff(mended) == pytest.approx(0.13 * (1.0 - share))
+
+
+def test_treads_that_tip_off_their_piers_are_propped_and_not_their_tails_pressed_down() -> None:
+    blocks = []
+    for k in range(3):
+        at, rise = 0.3 * k, 0.3 + 0.18 * k
+        blocks += [
+            box((0.25, 0.3, rise), (0.0, at, 0.0), f"pier-{k}"),
+            box((1.0, 0.3, 0.18), (0.0, at, rise), f"tread-{k}"),
+            box((0.25, 0.3, 0.4), (0.0, at, rise + 0.18), f"tail-{k}"),
+        ]
+    model = Model.of(Assembly(tuple(blocks)).with_fixed([0, 3, 6]), friction=0.6)
+    found = find_mends(model, options=MendOptions(kinds=("prop", "slide")))
+    told = {one.change.kind: one.change.description for one in found.mends}
+    assert told["prop"].startswith("3 props: each of 720 N (up), under 'tread-0' at")
+    slid = next(one.change for one in found.mends if "slid by" in one.change.description)
+    assert slid.description.endswith("towards -x on 'pier-0', 'pier-1' and 'pier-2'")
+
+
+def test_a_vault_of_many_blocks_may_be_thicker_and_a_tie_says_how_long_it_is() -> None:
+    vault = drystone.models.barrel_vault(thickness=0.09, courses=15, blocks=3, length=2.0)
+    found = find_mends(vault, friction=0.6, options=MendOptions(kinds=("thicker", "tie")))
+    tie, thicker = (one.change.description for one in found.mends)
+    assert "between the middles of 'c03-b01' and 'c11-b01', 2.96 m apart" in tie
+    assert "thicker by 52 %" in thicker
