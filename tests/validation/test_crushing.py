@@ -6,9 +6,9 @@ from scipy.optimize import linprog
 
 import drystone
 from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
-from drystone.checks import check_forces, mechanism_defects
+from drystone.checks import check_forces, mechanism_defects, normal_force_by_strength
 from drystone.limits import LimitOptions, limit_tilt, thrust_bounds
-from drystone.models import box
+from drystone.models import box, wall
 from drystone.stability.strength import crushing_factor
 
 WIDTH, DEPTH, STRENGTH = 1.0, 0.5, 1e5
@@ -228,6 +228,21 @@ def test_a_bridge_carries_less_the_weaker_its_stone(strength, published):
     assert found.stands == pytest.approx(own, rel=1e-3)
     assert found.falls == pytest.approx(own, rel=1e-3)
     assert own == pytest.approx(published, rel=0.01)  # kN, of another program
+
+
+def test_a_head_joint_that_only_rounding_presses_uses_no_strength():
+    """2.8 m of wall press on its foot; forces of 1e-14 N in head joints act on their edges."""
+    model = Model.of(wall(8, 4, (1.0, 0.5, 0.4)), friction=0.6)
+    found = check(model.with_capacity(JointCapacity.of_stress(model.contacts, compression=2e5)))
+    assert found.strength_use.max() == pytest.approx(2.8 * UNIT_WEIGHT / 2e5)
+
+
+def test_rounding_on_an_edge_beside_a_large_force_crushes_nothing():
+    model = pier(1.0)
+    normal = np.zeros(model.contacts.corner_count)
+    normal[:4], normal[4] = 1e3, 1e-14
+    use, _ = normal_force_by_strength(model.contacts, normal)
+    assert use == pytest.approx([4e3 / (STRENGTH * WIDTH * DEPTH), 0.0])
 
 
 def test_the_last_joint_crushes_later_than_the_first():

@@ -125,8 +125,7 @@ def least_strength(result: Result) -> tuple[float, int]:
         pulls = (contacts.capacity.tension > 0.0) & contacts.corners.any(force[:, 0] < 0.0)
         linear = contacts.corners.max(plane_pressure(contacts, force))
         stress = np.where(pulls, linear, stress)
-    most = contacts.corners.max(force[:, 0])  # what is rounding presses on no corner
-    stress = np.where((contacts.area > 0.0) & (most > 1e-9 * most.max()), stress, 0.0)
+    stress = np.where(contacts.area > 0.0, stress, 0.0)
     at = int(np.argmax(stress))
     return float(stress[at]), at
 
