@@ -7,7 +7,7 @@ from scipy.optimize import linprog
 import drystone
 from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
 from drystone.checks import check_forces, mechanism_defects, normal_force_by_strength
-from drystone.limits import LimitOptions, limit_tilt, thrust_bounds
+from drystone.limits import LimitOptions, limit_thickness, limit_tilt, thrust_bounds
 from drystone.models import box, wall
 from drystone.stability.strength import crushing_factor
 
@@ -333,3 +333,21 @@ def test_a_column_that_is_pulled_off_its_mortar_falls() -> None:
         compression=47726.163235113694,
     )
     assert check(model.with_load(load).with_capacity(capacity)).falls
+
+
+def test_the_least_thickness_of_a_leg_that_crushes():
+    """A cube of weight W on a leg of 0.1 m by t: t = W / (f 1 m - weight of the leg by t)."""
+
+    def build(thickness):
+        base = box((2.0, 1.0, 0.2), (0.0, 0.0, -0.2), name="base")
+        leg = box((thickness, 1.0, 0.1), (1.0 - 0.5 * thickness, 0.0, 0.0), name="leg")
+        return Assembly(
+            (base, leg, box((1.0, 1.0, 1.0), (0.5, 0.0, 0.1), name="cube")), [True, False, False]
+        )
+
+    limit = limit_thickness(build, 1.0, 0.1, strength="60kPa")
+    expected = UNIT_WEIGHT / (6e4 - 0.1 * UNIT_WEIGHT)
+    assert limit.best.stands == pytest.approx(expected, rel=1e-3)
+    assert limit.best.falls == pytest.approx(expected, rel=1e-3)
+    assert limit.best.falls < expected < limit.best.stands
+    assert "only 0.999 of them" in limit.best.falling.message  # not "only 1"

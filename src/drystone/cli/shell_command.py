@@ -204,7 +204,7 @@ def thickness(
         Of(
             "drystone.limits.limit_thickness",
             without=("find", "parameter", "unit"),
-            shown=("friction",),
+            shown=("friction", "strength"),
         ),
     ],
     pictures: Pictures,
@@ -215,9 +215,7 @@ def thickness(
     build, known = families.family(family)
     if parameter is not None and parameter != name:
         if thick is None or thin is None:
-            raise InputError(
-                "needs a range", where="--parameter", remedy="give --from and --to too"
-            )
+            raise InputError("needs a range", where="--parameter", remedy="give --from and --to")
         families.refuse_unknown(parameter, known, "--parameter")
         name, unit = parameter, ""
     fixed = dict(families.setting(text, known) for text in set)

@@ -27,6 +27,7 @@ from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.geometry.frames import axis_words, rotation_about, unit
+from drystone.io.capacity_words import with_strength
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
 from drystone.model import FlushEnds, Model
@@ -456,9 +457,10 @@ class Parametric(OneLine):
         return Model(assembly, self.find(assembly), ends=self.ends)
 
 
-def found(friction: float, assembly: Assembly) -> Contacts:
-    """The contacts of an assembly, all with one friction coefficient."""
-    return find_contacts(assembly, friction=friction).contacts
+def found(friction: float, strength: str | None, assembly: Assembly) -> Contacts:
+    """The contacts of an assembly, all with one friction coefficient, and one strength."""
+    model = Model(assembly, find_contacts(assembly, friction=friction).contacts)
+    return (model if strength is None else with_strength(model, strength)).contacts
 
 
 Check: TypeAlias = Callable[[Model], Result]

@@ -256,6 +256,7 @@ def limit_thickness(
     thin: float,
     *,
     friction: float = 0.6,
+    strength: str | None = None,
     find: Callable[[Assembly], Contacts] | None = None,
     parameter: str = "thickness",
     unit: str = "",
@@ -277,6 +278,8 @@ def limit_thickness(
         Start of the search, where it should stand, and its end.
     friction
         Of all joints.
+    strength
+        Pressure under which all joints crush, such as ``5MPa``; without limit when left out.
     find
         Function that finds the contacts; when left out, :func:`drystone.find_contacts`.
     parameter, unit
@@ -296,7 +299,7 @@ def limit_thickness(
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")
-    finder = find if find is not None else partial(found, friction)
+    finder = find if find is not None else partial(found, friction, strength)
     family = Parametric(build, finder, Quantity(parameter, unit), ends)
     width = 1e-5 * abs(first - last)
     means = Means.of(check, options, executor, progress, stop, time_limit_s)

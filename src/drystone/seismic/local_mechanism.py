@@ -170,8 +170,7 @@ class LocalMechanism(Answer):
             full = "FC = 1: full knowledge of the building is taken (confidence in the site file)"
             said.append(Sentence(full, Role.REMARK))
         if not math.isfinite(self.oscillator.reach):
-            missing = "the displacement at which it overturns is not known"
-            said.append(Sentence(missing, Role.REMARK))
+            said.append(Sentence("its displacement at overturning is not known", Role.REMARK))
         return said
 
     def tables(self) -> Sequence[Table]:

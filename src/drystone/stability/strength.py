@@ -91,7 +91,7 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
 
 def crushing_words(model: Model, found: Carried) -> str:
     """How much of the loads is carried, why so little, and the joint that crushes most."""
-    words = f"{CRUSHES}, only {found.share:.3g} of them"
+    words = f"{CRUSHES}, only {min(found.share, 0.999):.3g} of them"
     if (model.contacts.crushes & (model.contacts.area == 0.0)).any():
         words += "; edges and corners have no area and carry nothing"
     at = None if found.mechanism is None else crushed_most(model, found.mechanism)
