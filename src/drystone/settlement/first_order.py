@@ -312,7 +312,8 @@ def support_response(
     Raises
     ------
     InputError
-        A block that is not fixed, nothing that moves, or nothing that loads the free blocks.
+        A block that is not fixed, nothing that moves, nothing that loads the free blocks, or joints
+        that carry more than friction.
 
     Examples
     --------
@@ -329,14 +330,14 @@ def support_response(
     >>> [assembly.names[model.contacts.block_a[i]] for i in settled.open_joints()]
     ['b']
     """
-    chosen = SupportResponseOptions.of(options)
     given = as_model(given, **how)
     given.require_ends_as_drawn("the answer to small motions")
+    given.require_dry("the answer to small motions", "an open joint would pull on")
     assembly, contacts = given.assembly, given.contacts
     case = _case(assembly, motion, given.load)
     prescribed = np.zeros((len(assembly), 6)) if case.motion is None else case.motion
     size = float(block_speed(assembly, prescribed).max())
-    task = _Task(given.with_load(case), chosen, size)
+    task = _Task(given.with_load(case), SupportResponseOptions.of(options), size)
     before, after = _state(task, np.zeros_like(prescribed)), _state(task, prescribed)
     moved = prescribed if after.displacement is None else after.displacement
     relative = corner_motion(Assembly(assembly.blocks), contacts, moved)

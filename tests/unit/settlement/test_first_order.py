@@ -6,6 +6,7 @@ import pytest
 from drystone import (
     Assembly,
     InputError,
+    JointCapacity,
     LoadCase,
     Verdict,
     check,
@@ -174,6 +175,14 @@ def test_a_settlement_is_drawn_with_its_joints_open() -> None:
     assert fall[1] == pytest.approx(-0.3 * np.median(beam().size))
     assert fall[[0, 2]] == pytest.approx([0.0, 0.0])
     assert fall[3] == pytest.approx(0.0, abs=1e-2 * abs(fall[1]))
+
+
+@pytest.mark.parametrize("kind", ["tension", "compression"])
+def test_joints_that_carry_more_than_friction_are_refused(kind: str) -> None:
+    model = Model.of(beam())
+    glued = model.with_capacity(JointCapacity.of_stress(model.contacts, **{kind: 1e6}))
+    with pytest.raises(InputError, match="takes dry joints only"):
+        support_response(glued, {"b": (0.0, 0.0, -0.01)})
 
 
 def test_without_weight_nothing_settles() -> None:
