@@ -66,7 +66,7 @@ def vaults_from_mesh(
     points = frozen_points(vertices, (None, 3), "vertices")
     points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
-    chosen = named if named is not None else _support_ends(points, border)
+    chosen = named if named is not None else _support_ends(points, loops, border)
     if len(chosen) < 6 or len(chosen) % 2:
         raise InputError(
             f"its border has {len(chosen)} corners",
@@ -92,7 +92,7 @@ def vaults_from_mesh(
 
 
 def several_supports(vertices: object, faces: Sequence[Sequence[int]]) -> bool:
-    """Whether the border of a mesh turns as sharply at six corners or more.
+    """Whether the border of a mesh turns outwards as sharply at six corners or more.
 
     Raises
     ------
@@ -100,16 +100,17 @@ def several_supports(vertices: object, faces: Sequence[Sequence[int]]) -> bool:
         The mesh is closed or has several borders.
     """
     points, loops, _ = welded(frozen_points(vertices, (None, 3), "vertices"), faces, None, "mesh")
-    return bool(_support_ends(points, border_of(loops, "surface")))
+    return bool(_support_ends(points, loops, border_of(loops, "surface")))
 
 
-def _support_ends(points: Floats, border: list[int]) -> list[int]:
+def _support_ends(points: Floats, loops: list[list[int]], border: list[int]) -> list[int]:
     """The ends of the supports, along the border; none where these are not three or more.
 
-    Corners are the turns at least half as sharp as the sharpest one. Of the sides between them
-    every other one is a support, the lower ones.
+    Corners are the outward turns at least half as sharp as the sharpest one: an open side may turn
+    inwards between two legs. Of the sides between the corners every other one is a support, the
+    lower ones.
     """
-    turn = turns_of(points, border)
+    turn = turns_of(points, border) * _outward(points, loops, border)
     ends = [border[i] for i in np.flatnonzero(turn >= 0.5 * turn.max()).tolist()]
     if len(ends) < 6 or len(ends) % 2:
         return []
@@ -369,6 +370,18 @@ def turns_of(points: Floats, border: list[int]) -> Floats:
     cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     turn: Floats = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
     return turn
+
+
+def _outward(points: Floats, loops: list[list[int]], border: list[int]) -> Floats:
+    """(b,) 1 where the border turns around the mesh, seen along its normal, -1 where inwards."""
+    normal = np.zeros_like(points)
+    for loop in loops:
+        across = points[loop] - points[loop[0]]
+        normal[loop] += np.cross(across[:-1], across[1:]).sum(axis=0)
+    run = points[border]
+    before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
+    outward: Floats = np.sign(dot(np.cross(before, after), normal[border]))
+    return outward
 
 
 def side_between(border: list[int], start: int, end: int) -> list[int]:

@@ -63,6 +63,20 @@ def test_the_surface_goes_through_the_mesh() -> None:
     assert max(apart) < 0.1  # the samples are that far apart
 
 
+def test_open_sides_may_turn_inwards_between_legs() -> None:
+    at = range(16)  # three by three squares of five faces, without those at the corners
+    inside = [(i, j) for i in at for j in at if i // 5 == 1 or j // 5 == 1]
+    inside = [(i, j) for i, j in inside if i < 15 and j < 15]
+    x, y = np.meshgrid(np.linspace(-3.0, 3.0, 16), np.linspace(-3.0, 3.0, 16), indexing="ij")
+    points = np.stack([x, y, 2.0 - 0.12 * (x**2 + y**2)], axis=-1).reshape(-1, 3)
+    loop = (0, 16, 17, 1)
+    faces = [[16 * i + j + step for step in loop] for i, j in inside]
+    shape = vaults_from_mesh(points, faces)
+    feet = np.concatenate([shape.points_along(edge, 5) for edge in shape.supports])
+    assert len(shape.patches) == 4
+    assert np.abs(feet[:, :2]).max(axis=1) == pytest.approx(3.0, abs=0.01)
+
+
 def test_corners_that_are_no_ends_of_supports_are_refused() -> None:
     points, faces = legs()
     with pytest.raises(InputError, match=r"4 corners.*three supports or more"):
