@@ -262,6 +262,16 @@ def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exi
     assert lost == []
 
 
+def test_the_commands_for_the_shelf_name_the_two_pieces_that_fall(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (ROOT / "docs" / "trust" / "tables" / "figures.csv").read_text("utf-8")
+    (what,) = (row[2] for row in csv.reader(page.splitlines()) if row[0] == "6.12")
+    for line in re.findall(r"`drystone ([^`]*FILE[^`]*)`", what):
+        main([str(tmp_path / "shelf.json") if word == "FILE" else word for word in line.split()])
+    assert "help is needed at block-9, block-10" in capsys.readouterr().out
+
+
 def commands_of(page: Path) -> list[str]:
     """The command lines of a page, and in its text the commands that name a file."""
     text = page.read_text("utf-8").replace("\\\n", " ")
