@@ -2,9 +2,9 @@
 Leaning tower (section 7.2.1, figure 7.1)
 =========================================
 
-A leaning monolith is cut from the top down. Each cut is chosen so that the block above it can be
-taken off and the rest stands. Then the tower can be built from the ground without a prop. The
-shape is ours: the source gives no dimensions.
+A leaning monolith is cut from the bottom up; the source cuts from the top. Each cut is chosen so
+that the part above it stands on what is below. Then the tower can be built from the ground without
+a prop. The shape is ours: the source gives no dimensions.
 """
 
 from drystone.design import CutOptions, cut_until_free
