@@ -27,6 +27,7 @@ from drystone.design.search import bracket, each_needed
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.programs.penalty import glued_state
+from drystone.results import Result
 from drystone.stability import check
 from drystone.stability.problem import Problem
 
@@ -242,7 +243,7 @@ class _Sharpening:
 
     def run(self) -> Changed:
         sharpness, rounds, stands = self.rounds()
-        message = self.why(sharpness)
+        message = ""
         if stands:
             close, late = self.options.close, self.clock.late
             _, high = bracket(
@@ -263,6 +264,7 @@ class _Sharpening:
                 message += "; it was stopped before each of them was known to be needed"
         before, model = self.joints.model, self.joints.wedged(sharpness)
         result = self.options.margin.holds(model)
+        message = message or self.why(sharpness, result)
         names, contacts = before.assembly.names, before.contacts
         kept = [
             Kept(
@@ -323,7 +325,7 @@ class _Sharpening:
                     self.limit[k] = sharpness[k]
             return fitting, model
 
-    def why(self, sharpness: Floats) -> str:
+    def why(self, sharpness: Floats, result: Result) -> str:
         """Why no sharpness holds it."""
         if self.clock.late():
             return "it was stopped before it stood"
@@ -337,6 +339,8 @@ class _Sharpening:
         if most >= self.options.most:
             what = "allow sharper wedges, or try"
         told = f"it does not stand with {some} sharpened by up to {most:g} degrees"
+        if result.stable:
+            told += " for all contact stiffnesses"
         return f"{told}: {what} 'drystone mend'"
 
     def holds(self, sharpness: Floats) -> bool:

@@ -145,3 +145,10 @@ def test_the_command_writes_the_model_and_tells_the_joints(
     assert told["verdict"] == "unstable"
     assert told["changes"][0]["blocks"] == "box, out"
     assert out.exists()
+
+
+def test_stable_for_some_stiffnesses_only_is_not_said_to_fall() -> None:
+    found = sharpen(arch(0.08), friction=0.6)
+    assert (found.result.stable, found.stands) == (True, False)
+    assert "does not stand with 18 joints" in found.message
+    assert "for all contact stiffnesses" in found.message
