@@ -18,6 +18,7 @@ import argparse
 import contextlib
 import faulthandler
 import json
+import math
 import os
 import random
 import resource
@@ -586,38 +587,44 @@ def is_whole(name: str, data: bytes) -> bool:
         return data.rstrip().endswith((b"</html>", b"</svg>"))
     if suffix == ".png":
         return data.endswith(b"IEND\xaeB`\x82")
+    if suffix == ".gif":
+        return data.endswith(b";")
     if suffix == ".glb":
         return int.from_bytes(data[8:12], "little") == len(data)
     return suffix in ("", ".3dm") or data.endswith(b"\n")
 
 
 def answered(text: str) -> Any:
-    """An answer as JSON, without what differs from run to run: times, rounding, counts of work."""
+    """An answer as JSON, without what differs from run to run: times and counts of work."""
     try:
-        return _rounded(json.loads(text))
+        return _timeless(json.loads(text))
     except ValueError:
         return text
 
 
 def different(one: Any, other: Any, place: str = "answer") -> str:
-    """Where two answers differ first, and how; empty where they do not."""
+    """Where two answers differ first by more than rounding, and how; empty where they do not."""
     if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
         parts = [different(one[key], other[key], f"{place}.{key}") for key in one]
     elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         pairs = enumerate(zip(one, other, strict=True))
         parts = [different(*pair, f"{place}[{number}]") for number, pair in pairs]
+    elif (
+        isinstance(one, float)
+        and isinstance(other, float)
+        and math.isclose(one, other, rel_tol=1e-6, abs_tol=1e-6)
+    ):
+        parts = []
     else:
         parts = [f"{place} is {str(one)[:60]}, not {str(other)[:60]}"] if one != other else []
     return next(filter(None, parts), "")
 
 
-def _rounded(value: Any) -> Any:
+def _timeless(value: Any) -> Any:
     if isinstance(value, dict):
         left = {key: one for key, one in value.items() if key not in TIMES and key[-2:] != "_s"}
-        return {key: _rounded(one) for key, one in left.items()}
-    if isinstance(value, list):
-        return [_rounded(one) for one in value]
-    return round(value, 6) + 0.0 if isinstance(value, float) else value
+        return {key: _timeless(one) for key, one in left.items()}
+    return [*map(_timeless, value)] if isinstance(value, list) else value
 
 
 def main() -> int:

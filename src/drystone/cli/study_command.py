@@ -12,7 +12,7 @@ from drystone.cli import families, kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
 from drystone.cli.offered import OUTPUT, Argument, Of, Option
-from drystone.cli.told import Told
+from drystone.cli.told import Files, Told
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -85,30 +85,40 @@ def study(
     with waiting.keywords(time_limit, workers) as common:
         found = studied(build, parameters, limit=limit or "", out=out, **common)
     refused = int((found["verdict"] == "refused").sum())
-    jobs: list[Job] = [] if csv is None else [(csv, found.to_csv)]
-    if png is not None:
-        jobs.append((png, partial(save_chart, study_chart(found))))
-    if map is not None:
-        jobs.append((map, partial(save_chart, study_map(found))))
-    if html is not None:
-        jobs.append((html, partial(save_study, found)))
+
+    def files() -> Files:
+        jobs: list[Job] = [] if csv is None else [(csv, found.to_csv)]
+        varied = _varied(parameters)
+        if png is not None:
+            jobs.append((png, partial(save_chart, study_chart(found, *varied))))
+        if map is not None:
+            jobs.append((map, partial(save_chart, study_map(found, *varied))))
+        if html is not None:
+            jobs.append((html, partial(save_study, found)))
+        return jobs, []
+
     text = f"{counted(len(found), 'row')}, {refused} refused"
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
     shown = Table(found.title, columns, found.units, found.bounds, found.hidden)
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
-    return Told(told, subject=subject, files=lambda: (jobs, []))
+    return Told(told, subject=subject, files=files)
 
 
 def _require_drawn(
     parameters: Mapping[str, Sequence[Any]], where: str, path: Path | None, counts: Sequence[int]
 ) -> None:
     """Refuse a picture of as many parameters as it cannot draw, before any work."""
-    varied = sum(len(values) > 1 for values in parameters.values()) or len(parameters)
+    varied = len(_varied(parameters))
     if path is not None and varied not in counts:
         raise InputError(
             f"draws {' or '.join(map(str, counts))} varying parameters, not {varied}", where=where,
             remedy="give others one value, or leave it out; --csv has every row",
         )  # fmt: skip
+
+
+def _varied(parameters: Mapping[str, Sequence[Any]]) -> list[str]:
+    """The parameters with several values; all of them where none has."""
+    return [one for one, values in parameters.items() if len(values) > 1] or [*parameters]
 
 
 def _asked(subject: str, texts: tuple[str, ...]) -> tuple[Any, dict[str, list[Any]]]:

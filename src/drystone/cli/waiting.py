@@ -6,9 +6,11 @@ import signal
 import sys
 import threading
 import time
+from _thread import interrupt_main
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -253,14 +255,27 @@ def ends_as_ctrl_c() -> Iterator[None]:
 
     One that is ignored, as ``nohup`` has it, stays ignored.
     """
-    requests = _handled_by(signal.SIG_DFL)
+    requests, told = _handled_by(signal.SIG_DFL), sys.unraisablehook
     for one in requests:
         signal.signal(one, signal.default_int_handler)
+    sys.unraisablehook = partial(_not_lost, told)
     try:
         yield
     finally:
+        sys.unraisablehook = told
         for one in requests:
             signal.signal(one, signal.SIG_DFL)
+
+
+def _not_lost(told: Callable[[Any], object], lost: Any) -> None:
+    """Send a request to end again that came where Python drops errors, as where a value is freed.
+
+    It is sent from another thread, so that it does not come in here. Other errors are told.
+    """
+    if lost.exc_type is not KeyboardInterrupt:
+        told(lost)
+    elif heard := [one for one in _REQUESTS if callable(signal.getsignal(one))]:
+        threading.Timer(0.01, interrupt_main, heard[:1]).start()
 
 
 def _handled_by(handler: object) -> list[signal.Signals]:

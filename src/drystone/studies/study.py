@@ -253,6 +253,8 @@ def _first_found(table: Table) -> str:
 def _numbers(table: Table, name: str) -> Any:
     """A column of numbers."""
     values = np.asarray(table[name])
+    if not len(values):
+        raise InputError("there is no picture: there is no row")
     if values.dtype.kind not in "iuf":
         raise InputError("has no numbers", where=name, remedy="choose another column")
     return values
@@ -355,7 +357,8 @@ def _rows(parameters: Any) -> list[dict[str, Any]]:
                   for name, one in parameters.items()]  # fmt: skip
         rows = [dict(zip(parameters, each, strict=True)) for each in product(*values)]
     else:
-        rows = [dict(one) for one in parameters]
+        rows = [dict(of_type(one, Mapping, "a row", "give a dictionary"))  # type: ignore[type-abstract]
+                for one in parameters]  # fmt: skip
     if not rows or not rows[0]:
         raise InputError("there is no row", where="parameters", remedy="give values of each")
     for number, row in enumerate(rows):

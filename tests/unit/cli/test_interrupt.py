@@ -1,6 +1,8 @@
 """Ctrl-C: what is known is told, and what is said about files is true."""
 
+import contextlib
 import functools
+import importlib
 import json
 import multiprocessing
 import os
@@ -371,3 +373,47 @@ def test_strict_wants_every_stiffness_tried() -> None:
     stopped = replace(result, stopped="the time was up")
     assert [check_command.exit_code(result, strict) for strict in (False, True)] == [0, 0]
     assert [check_command.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]
+
+
+@posix
+def test_ctrl_c_where_python_drops_errors_is_heard(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in what is called when a value that others watch is freed."""
+
+    class Freed:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    def checked(*_: object, **__: object) -> None:
+        Freed()
+        time.sleep(30.0)
+
+    monkeypatch.setattr("drystone.cli.waiting.Waiting.stoppable", contextlib.nullcontext)
+    monkeypatch.setattr("drystone.stability.check", checked)
+    io.write(tower(2), tmp_path / "tower.json")
+    assert main(["check", str(tmp_path / "tower.json")]) == 130
+    assert capsys.readouterr().err == "drystone: interrupted; nothing was written\n"
+
+
+@posix
+@pytest.mark.parametrize(("rows", "drawn"), [(0, False), (1, True), (2, True)])
+def test_a_study_that_is_cut_short_draws_the_rows_it_has(
+    rows: int, drawn: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    module = importlib.import_module("drystone.studies.study")
+    answered, known = module._row, iter(range(rows))
+
+    def one(*given: object) -> list[object] | None:
+        if next(known, None) is None:
+            signal.raise_signal(signal.SIGTERM)
+        return answered(*given)
+
+    monkeypatch.setattr(module, "_row", one)
+    files = [str(tmp_path / name) for name in ("map.svg", "chart.svg")]
+    asked = ["study", "tower", "--set", "count=2:3:2", "--set", "friction=0.6:0.8:2"]
+    assert main([*asked, "--map", files[0], "--png", files[1]]) == 130
+    out = capsys.readouterr().out
+    assert Path(files[0]).exists() == Path(files[1]).exists() == drawn
+    assert ("there is no picture: there is no row" in out) != drawn
