@@ -13,6 +13,7 @@ from drystone.base.arrays import ROUNDING, SAME, Bools, Floats, Ints, cross, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.ragged import Ragged, sum_by_owner
+from drystone.base.settings import hold
 from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
@@ -456,3 +457,5 @@ __all__ = [
     "world_forces",
     "worst_joints",
 ]
+
+hold(globals())

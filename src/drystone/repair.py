@@ -12,6 +12,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.base.arrays import ROUNDING, SAME, Floats, frozen_points, unit
 from drystone.base.errors import InputError, counted
+from drystone.base.settings import hold
 from drystone.geometry import coincidence
 from drystone.geometry.closing import plane_lids, separate_parts, with_joints, without_membranes
 from drystone.geometry.coincidence import first_coincident
@@ -445,3 +446,5 @@ def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ..
 
 
 __all__ = ["mended_block", "mended_blocks", "split_components", "support_from_surface"]
+
+hold(globals())

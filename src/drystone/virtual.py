@@ -18,6 +18,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, dot, frozen_floats
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
+from drystone.base.settings import hold
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.geometry.kern import Sections, kern, sections
@@ -245,3 +246,5 @@ __all__ = [
     "towards_extrados",
     "towards_intrados",
 ]
+
+hold(globals())

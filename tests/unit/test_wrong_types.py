@@ -1,13 +1,16 @@
 """Values of the wrong type end in one InputError that names them, and never in a traceback."""
 
+import contextlib
 import dataclasses
 import inspect
 import re
+import runpy
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import numpy as np
 import pytest
@@ -29,6 +32,7 @@ from drystone import (
     sequence,
     solve_rbe,
 )
+from drystone.base.hints import hints_of
 from drystone.base.settings import Options
 from drystone.limits import Imperfections
 from drystone.models import tower
@@ -39,6 +43,8 @@ from drystone.shells import Layout, ShellBody
 TOWER = tower(2)
 MODEL = Model.of(TOWER)
 CONTACTS = MODEL.contacts
+RESULT = check(MODEL)
+ROOT = Path(__file__).parents[2]
 WRONG = [
     42, 2.5, True, "x", None, [1, 2], {"a": 1}, object(), np.zeros(3), TOWER, CONTACTS, MODEL,
     1j, 10**400, [10**400, 0, 0], np.array([1.0, 2j, 0.0]), np.array(["a", "b"]), b"\0", -1e400,
@@ -379,3 +385,43 @@ def test_numbers_of_other_kinds_are_taken_or_refused(tmp_path: Path) -> None:
         LoadCase.seismic(TOWER, 1e308)
     with pytest.raises(InputError, match="give finite numbers"):
         LoadCase.extra_mass(TOWER, "block-1", 1e308)
+
+
+def public_functions() -> list[str]:
+    """Those of the reference that ``drystone`` itself does not have, but ``serve``, which waits."""
+    rooms = runpy.run_path(str(ROOT / "docs" / "site" / "reference.py"))["ROOMS"].values()
+    return sorted(
+        f"{module}.{name}"
+        for module in {one for many in rooms for one in many} - {"drystone"}
+        for name in import_module(module).__all__
+        if inspect.isfunction(getattr(import_module(module), name))
+        and name not in (*drystone.__all__, "serve")
+    )
+
+
+def usual(hint: Any) -> Any:
+    """A value that an annotation allows, where one is known."""
+    known = {
+        Assembly: TOWER, Model: MODEL, Contacts: CONTACTS, drystone.Result: RESULT, float: 1.0,
+        int: 1, str: "block-1", Block: TOWER.blocks[0], np.ndarray: np.ones((2, 6)),
+    }  # fmt: skip
+    kinds = [get_origin(one) or one for one in (*get_args(hint), hint)]
+    return next((value for kind, value in known.items() if kind in kinds), None)
+
+
+@pytest.mark.parametrize("name", public_functions())
+def test_a_public_function_of_a_room_refuses_values_of_another_type(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    room, _, own = name.rpartition(".")
+    call = getattr(import_module(room), own)
+    hints, known = hints_of(inspect.unwrap(call)), inspect.signature(call).parameters
+    named = [one for one in known.values() if one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)]
+    given = {one.name: usual(hints.get(one.name)) for one in named if one.default is one.empty}
+    for one in named:
+        if one.name in ("how", "progress", "stop", "executor", "time_limit_s"):
+            continue
+        for wrong in (2.5, "x", object(), np.array(["a", "b"]), 10**400, [1, 2]):
+            with contextlib.suppress(InputError, drystone.MissingDependency):
+                call(**{**given, one.name: wrong})

@@ -4,6 +4,7 @@ from drystone.answer.answer import Answer, Statement, plain, worst_first
 from drystone.answer.question import Question
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.answer.sentences import Role, Sentence, Verdict
+from drystone.base.settings import hold
 
 __all__ = [
     "Answer",
@@ -21,3 +22,5 @@ __all__ = [
     "plain",
     "worst_first",
 ]
+
+hold(globals())

@@ -101,7 +101,7 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             )
         if not named.keys() <= own:
             _refuse_unknown(function, named)
-        refuse_wrong((*zip(known, given, strict=False), *named.items()), hints_of(function))
+        _refuse({**dict(zip(known, given, strict=False)), **named}, hints_of(function))
         limit = number(named.get("time_limit_s", 0.0), "the time limit", finite=False)
         if not limit >= 0.0:
             raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
@@ -121,24 +121,30 @@ def hold(room: dict[str, Any]) -> None:
     A number is finite, a count up to a million.
     """
     for name in room["__all__"]:
-        if inspect.isfunction(room[name]) and not hasattr(room[name], "__wrapped__"):
+        if inspect.isfunction(room.get(name)) and not hasattr(room[name], "__wrapped__"):
             room[name] = _held(room[name])
             room[name].__module__ = room["__name__"]  # where it is found when it was sent on
 
 
-def _held(make: Callable[..., R]) -> Callable[..., R]:
-    hints, known = hints_of(make), inspect.signature(make).parameters
+def _refuse(asked: Mapping[str, Any], hints: Mapping[str, Any]) -> None:
+    """Refuse values that annotations do not allow, and counts above a million."""
+    refuse_wrong(asked.items(), hints)
+    for name, value in asked.items():
+        if isinstance(value, int) and int in kinds_of(hints.get(name)):
+            refuse_many(value, name, 1_000_000)
 
+
+def _held(make: Callable[..., R]) -> Callable[..., R]:
     @functools.wraps(make)
     def held(*given: Any, **named: Any) -> R:
-        refuse_unknown(named, known, f"{make.__name__} has")
+        hints, known = hints_of(make), inspect.signature(make).parameters
+        if not any(one.kind is one.VAR_KEYWORD for one in known.values()):
+            refuse_unknown(named, known, f"{make.__name__} has")
         asked = {**dict(zip(known, given, strict=False)), **named}
-        refuse_wrong(asked.items(), hints)
+        _refuse(asked, hints)
         for name, value in asked.items():
             if hints.get(name) is float:
                 asked[name] = number(value, name)
-            elif hints.get(name) is int:
-                refuse_many(value, name, 1_000_000)
         with np.errstate(all="ignore"):  # what overflows is refused where blocks are made
             try:
                 return make(*given[len(known) :], **asked)
@@ -146,7 +152,7 @@ def _held(make: Callable[..., R]) -> Callable[..., R]:
                 blame(make, given, named, error)
                 if isinstance(error, DrystoneError) or any(map(callable, asked.values())):
                     raise
-                said = f"{make.__name__} cannot be made of these values"
+                said = f"{make.__name__} cannot take these values"
                 raise InputError(said, remedy=str(error)) from error
 
     return held

@@ -29,6 +29,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools
 from drystone.base.errors import require
+from drystone.base.settings import hold
 from drystone.checks import corner_motion
 from drystone.compat.compas import blocks_of, from_compas, interfaces_of, joined_interfaces
 from drystone.contacts import Contacts
@@ -480,3 +481,5 @@ def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
     else:
         now, wanted = float(np.abs(moved).max(initial=0.0)), d_bnd
     return wanted / now if now > 0.0 else 1.0
+
+hold(globals())

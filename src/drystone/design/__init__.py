@@ -6,6 +6,8 @@ Each name is loaded when it is first asked for: a diagnosis needs neither shells
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drystone.base.settings import hold
+
 if TYPE_CHECKING:
     from drystone.design.allowance import joint_allowance as joint_allowance
     from drystone.design.bench import Tried as Tried
@@ -101,7 +103,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'drystone.design' has no attribute '{name}'")
     value = getattr(import_module(f"drystone.design.{_HOME[name]}"), name)
     globals()[name] = value
-    return value
+    hold(globals())
+    return globals()[name]
 
 
 def __dir__() -> list[str]:

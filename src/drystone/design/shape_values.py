@@ -6,7 +6,7 @@ import enum
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from scipy import sparse
@@ -254,6 +254,7 @@ STEP = 6e-6
 errors of rounding and of the step are equal."""
 
 
+@runtime_checkable
 class ShapeVariables(Protocol):
     """How vertices depend on variables."""
 

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from drystone.base.arrays import ROUNDING, Floats
+from drystone.base.arrays import ROUNDING, Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import checked_call
@@ -191,7 +191,8 @@ def shape(
     chosen = ShapeOptions.of(options)
     clock = Clock(time_limit_s, stop, progress)
     model = as_model(given, **how)
-    variables = moves(model) if callable(moves) else moves
+    made = moves(model) if callable(moves) else moves
+    variables = of_type(made, ShapeVariables, "moves", "give block_moves(...)")  # type: ignore[type-abstract]
     vertex = vertices_of(model.assembly)
     here = variables.moved(vertex, np.zeros(variables.count))
     if np.abs(here - vertex).max() > ROUNDING * float(np.ptp(vertex, axis=0).max()):

@@ -1,5 +1,6 @@
 """The contacts of an assembly, with a report of what was found and what was left out."""
 
+from drystone.base.settings import hold
 from drystone.detection.contact_report import ContactReport
 from drystone.detection.face_overlaps import Overlap
 from drystone.detection.find import Detection, GapSweep, find_contacts, find_overlaps, gap_sweep
@@ -23,3 +24,5 @@ __all__ = [
     "find_overlaps",
     "gap_sweep",
 ]
+
+hold(globals())

@@ -5,6 +5,7 @@
 True
 """
 
+from drystone.base.settings import hold
 from drystone.io.draft import Contents
 from drystone.io.inspection import Inspection
 from drystone.io.opening import as_model, read
@@ -23,3 +24,5 @@ __all__ = [
     "read_file",
     "write",
 ]
+
+hold(globals())

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from drystone.base.declared import Offered
+from drystone.base.settings import hold
 from drystone.limits.imperfections import (
     Imperfections,
     StandingShare,
@@ -87,3 +88,5 @@ LIMITS: Mapping[str, Offered] = {
     "train": Offered(limit_train, "arch.json --steps 5", ("train", "fill", "steps"), writes="film"),
 }
 """The limits of a model, by what the command line and other programs call them."""
+
+hold(globals())

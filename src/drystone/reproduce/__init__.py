@@ -13,6 +13,7 @@ from pathlib import Path
 from drystone.answer import Role, Sentence, Statement
 from drystone.base.errors import InputError
 from drystone.base.files import Job, PathLike, write_together
+from drystone.base.settings import hold
 from drystone.base.table import Table
 from drystone.reproduce import assembly_cases, equilibrium_cases, method_cases, tilt_cases
 from drystone.reproduce.published_case import Case, Line
@@ -134,3 +135,5 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
 
 
 __all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case", "sections", "sections_of"]
+
+hold(globals())

@@ -19,7 +19,7 @@ from drystone.answer.drawing import interface_layers, load_layers, marks, seen, 
 from drystone.answer.question import UP
 from drystone.assembly import Assembly
 from drystone.base import units
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Floats, Ints, lengths, texts
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted
@@ -372,7 +372,8 @@ def local_mechanism(
         raise InputError("is vertical", where="direction", remedy="give x, y or another level one")
     along /= np.linalg.norm(along)
     clock = Clock(time_limit_s, stop)
-    ties = [ties] if isinstance(ties, str) else ties
+    part = part if isinstance(part, str) else tuple(part)
+    ties = texts(ties)
     asked = _Asked(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
         part=part if isinstance(part, str) else ", ".join(part),

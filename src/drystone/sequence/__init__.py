@@ -1,5 +1,6 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
+from drystone.base.settings import hold
 from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 from drystone.sequence.dataset import (
     BuiltOrder,
@@ -116,3 +117,5 @@ __all__ = [
     "take_turns",
     "with_scaffold",
 ]
+
+hold(globals())

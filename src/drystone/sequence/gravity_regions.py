@@ -11,7 +11,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence, Verdict
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import bare_scene
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, frozen_floats
 from drystone.base.declared import Offered
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -199,7 +199,7 @@ def _unit_directions(directions: int | Floats) -> Floats:
         if directions < 1:
             raise InputError(f"{directions} directions", remedy="give one or more")
         return _spread(directions)
-    given = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
+    given = frozen_floats(np.atleast_2d(directions), (None, 3), "directions")
     length = np.linalg.norm(given, axis=1, keepdims=True)
     if not (len(length) and np.isfinite(length).all() and (length > 0.0).all()):
         raise InputError("a direction is zero or not finite", where="directions")

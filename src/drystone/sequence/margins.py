@@ -298,7 +298,7 @@ def sweep_friction(
     frictions
     plan_at
     """
-    if not frictions:
+    if not len(frictions):
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
     values = tuple(sorted(float(f) for f in frictions))
     clock = Clock(time_limit_s, stop)

@@ -1,5 +1,6 @@
 """Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
+from drystone.base.settings import hold
 from drystone.mechanics.corners import Carrier
 from drystone.model import FlushEnds
 from drystone.settlement.first_order import (
@@ -43,3 +44,5 @@ __all__ = [
     "support_forces",
     "support_response",
 ]
+
+hold(globals())

@@ -1,5 +1,6 @@
 """Many checks of one structure: combinations with partial factors, tables of parameters."""
 
+from drystone.base.settings import hold
 from drystone.studies.combination_file import Action, Combination, Situation, read_combinations
 from drystone.studies.combinations import Combinations, combinations
 from drystone.studies.study import study, study_chart, study_map
@@ -15,3 +16,5 @@ __all__ = [
     "study_chart",
     "study_map",
 ]
+
+hold(globals())

@@ -1,6 +1,7 @@
 """Pictures of results: self-contained pages, static figures, CAD files."""
 
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
+from drystone.base.settings import hold
 from drystone.view.figure import save_figure
 from drystone.view.gif import save_film
 from drystone.view.joint_page import save_report
@@ -32,3 +33,5 @@ __all__ = [
     "scene_of",
     "show",
 ]
+
+hold(globals())
