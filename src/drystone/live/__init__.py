@@ -3,10 +3,7 @@
 ``drystone live MODEL`` starts it. It needs nothing but the standard library.
 """
 
-from drystone.base.settings import hold
 from drystone.live.serving import serve
 from drystone.live.wish import more_gravity
 
 __all__ = ["more_gravity", "serve"]
-
-hold(globals())

@@ -11,6 +11,7 @@ import numpy as np
 from drystone.base import units
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
+from drystone.base.settings import checked_call
 from drystone.design.changed_model import acceleration_of
 from drystone.io.jsontext import Field
 from drystone.limits import Tilt
@@ -207,6 +208,7 @@ def _load_name(load: LoadCase, wish: Wish) -> str:
     return ", ".join(words)
 
 
+@checked_call
 def more_gravity(model: Model, gravity: float) -> LoadCase:
     """What is to be added to the load of a model so that gravity has another size [m/s2]."""
     acceleration = acceleration_of(model)
