@@ -482,4 +482,5 @@ def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
         now, wanted = float(np.abs(moved).max(initial=0.0)), d_bnd
     return wanted / now if now > 0.0 else 1.0
 
+
 hold(globals())
