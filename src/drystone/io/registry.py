@@ -79,7 +79,7 @@ def _function(place: str, usual: str) -> Callable[..., Any]:
     return getattr(import_module(f"drystone.io.{module}"), function or usual)
 
 
-_LAYERED = ("draft", "hidden")
+_LAYERED = ("layers", "hidden")
 _LOADS = "loads and results"
 _CONTACTS = f"contacts, ties, joint capacities, {_LOADS}"
 _MATERIAL = f"supports, densities, metadata, {_CONTACTS}"
@@ -282,7 +282,7 @@ def _draft(
     """The draft of a file, or of several together; its unit if it is not that; other options."""
     if units is not None:
         scale_of(units)
-    asked: dict[str, Any] = {"draft": texts(layers), "hidden": hidden}
+    asked: dict[str, Any] = {"layers": texts(layers), "hidden": hidden}
     if thickness is not None:
         told = length(thickness, "thickness") if isinstance(thickness, str) else thickness
         asked["thickness"] = number(told, "thickness")

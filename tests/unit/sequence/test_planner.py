@@ -411,7 +411,7 @@ def test_margins_that_are_stopped_keep_the_stages_that_are_known():
 
 
 def test_a_plan_whose_stages_were_only_looked_at_says_so(monkeypatch):
-    for module in ("planner", "staged_model"):
+    for module in ("planner", "stages"):
         monkeypatch.setattr(f"drystone.sequence.{module}.CHECKED", 7)
     assert planned(tower(2)).message == "every stage stands"  # 4 corners
     assert planned(tower(3)).message == (
