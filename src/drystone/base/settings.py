@@ -135,10 +135,13 @@ def _refuse(asked: Mapping[str, Any], hints: Mapping[str, Any]) -> None:
 
 
 def _held(make: Callable[..., R]) -> Callable[..., R]:
+    known = inspect.signature(make).parameters
+    open_ended = any(one.kind is one.VAR_KEYWORD for one in known.values())
+
     @functools.wraps(make)
     def held(*given: Any, **named: Any) -> R:
-        hints, known = hints_of(make), inspect.signature(make).parameters
-        if not any(one.kind is one.VAR_KEYWORD for one in known.values()):
+        hints = hints_of(make)
+        if not open_ended:
             refuse_unknown(named, known, f"{make.__name__} has")
         asked = {**dict(zip(known, given, strict=False)), **named}
         _refuse(asked, hints)
