@@ -50,7 +50,16 @@ def force_words(force: Floats) -> str:
 
 
 def towards(way: Floats) -> str:
-    """The level part of a direction (3,) as text."""
+    """The level part of a direction (3,) as text; that along z where it has none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> towards(np.array([0.0, -2.0, 1.0])), towards(np.array([0.0, 0.0, -1.0]))
+    ('-y', '-z')
+    """
+    if abs(way[2]) >= _ALONG * math.hypot(*way):
+        return "+z" if way[2] > 0.0 else "-z"
     plan = way[:2] / math.hypot(*way[:2])
     axes = [a for a, x in zip(("+x", "+y", "-x", "-y"), (*plan, *-plan), strict=True) if x > _ALONG]
     return axes[0] if axes else place(plan).removesuffix(" m")

@@ -486,6 +486,16 @@ def corbel(count: int = 5, out: float = 0.13) -> Model:
     return Model.of(Assembly((bed, *stones)).with_fixed([0]), friction=0.7)
 
 
+def test_words_of_a_mend_tell_the_way_where_gravity_is_not_along_z() -> None:
+    """What was level is along z then."""
+    turned = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    assembly = corbel().assembly.transformed(turned)
+    load = LoadCase.gravity(assembly, direction=(-1.0, 0.0, 0.0))
+    model = Model.of(assembly, friction=0.7).with_load(load)
+    (drawn,) = find_mends(model, options=MendOptions(kinds=("slide",))).mends
+    assert "drawn back towards +z, to overhang " in drawn.change.description
+
+
 def test_a_corbel_is_propped_from_below_or_each_of_its_stones_overhangs_less() -> None:
     found = find_mends(corbel(), options=MendOptions(kinds=("prop", "slide")))
     prop, drawn = (one.change for one in found.mends)
