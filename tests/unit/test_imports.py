@@ -1,6 +1,8 @@
 """Which module imports which: no circles, and names by which a file is found."""
 
 import ast
+import subprocess
+import sys
 from collections import Counter
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -51,3 +53,28 @@ def test_a_public_class_has_a_name_of_its_own() -> None:
     classes = [node.name for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]
     assert len(classes) > 200
     assert [n for n, count in Counter(classes).items() if count > 1 and n[0] != "_"] == []
+
+
+EXTRAS = (
+    "anyio anywidget cascadio casadi compas compas_assembly compas_dem distributed gymnasium "
+    "ifcopenshell imageio_ffmpeg mcp mujoco networkx optuna pandas piqp pxr pyarrow pydantic "
+    "pyvista reportlab rhino3dm trimesh"
+)
+
+
+def test_only_environments_and_the_protocol_need_an_extra_to_be_loaded() -> None:
+    code = """
+import importlib, sys
+sys.modules.update(dict.fromkeys(sys.argv[1].split()))  # as if they were not installed
+for name in sys.argv[2].split():
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        print(name)
+"""
+    names = " ".join(name for name in MODULES if not name.endswith("__main__"))
+    ran = subprocess.run(
+        [sys.executable, "-c", code, EXTRAS, names], capture_output=True, text=True, check=True
+    )
+    failed = [name for name in ran.stdout.split() if not name.startswith("drystone.gym")]
+    assert failed == ["drystone.mcp.tools"]

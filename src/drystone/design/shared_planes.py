@@ -299,7 +299,7 @@ def free_vertices(
     directions: str | None = None,
     along: Prisms = "y",
     mirror: Literal["x", "y", "z"] | None = None,
-    keep: Sequence[int | str] = (),
+    keep: str | Sequence[int | str] = (),
     keep_side: Literal["intrados", "extrados"] | None = None,
     sectors: int = 1,
 ) -> Moves:

@@ -3,6 +3,6 @@
 ``drystone mcp FOLDER`` starts it. The extra ``mcp`` installs the package of the protocol.
 """
 
-from drystone.mcp.tools import serve
+from drystone.mcp.server import serve
 
 __all__ = ["serve"]

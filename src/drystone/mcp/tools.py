@@ -1,7 +1,4 @@
-"""The tools in the form of the protocol: names, arguments, descriptions.
-
-The server: it starts, listens, and ends when its client closes the connection.
-"""
+"""The tools in the form of the protocol: names, arguments, descriptions."""
 
 from __future__ import annotations
 
@@ -14,7 +11,6 @@ from contextlib import asynccontextmanager, suppress
 from functools import partial
 from inspect import Parameter, Signature
 from itertools import chain
-from pathlib import Path
 from typing import Annotated, Any
 
 import anyio
@@ -23,11 +19,17 @@ from mcp.server import MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp.server.stdio import stdio_server
 from mcp.shared.message import SessionMessage
-from mcp.types import PARSE_ERROR, ErrorData, JSONRPCError, ToolAnnotations, jsonrpc_message_adapter
+from mcp.types import (
+    PARSE_ERROR,
+    ErrorData,
+    JSONRPCError,
+    ToolAnnotations,
+    jsonrpc_message_adapter,
+)
 from pydantic import WithJsonSchema
 
 import drystone
-from drystone.base.errors import InputError, meant, refuse_unknown, require
+from drystone.base.errors import InputError, meant, refuse_unknown
 from drystone.mcp.answers import TOOLS, Tool, answer
 from drystone.mcp.folder import MODEL, Folder
 
@@ -210,34 +212,3 @@ def _arguments(tool: Tool) -> dict[str, dict[str, Any]]:
     }
     own = {name: one.schema for name, one in tool.arguments.items()}
     return {"model": model, **own} if tool.of_model else own
-
-
-def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 16.0) -> None:
-    """Answer the calls of one client over standard input and output.
-
-    It ends when the client disconnects, or with Ctrl-C.
-
-    Parameters
-    ----------
-    folder
-        The only folder that files are read from.
-    time_limit : [s]
-        Time for one call; clients of the protocol often wait for 60 s.
-    size_limit : [MiB]
-        Size of one model: by default about 50,000 blocks of six faces in our JSON.
-
-    Raises
-    ------
-    InputError
-        There is no such folder, or a limit is not above zero.
-    MissingDependency
-        The package ``mcp`` is not installed.
-    """
-    for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
-        if not 0.0 < value < float("inf"):
-            raise InputError(f"is {value}", where=name, remedy="give a number above zero")
-    models = Folder.of(folder, size_limit)
-    require("mcp", "mcp", "the server")
-
-    with suppress(KeyboardInterrupt):
-        build(models, time_limit).run()

@@ -344,7 +344,7 @@ def test_moves_that_make_no_sense_are_refused() -> None:
         free_vertices(model, 0.1, along=None, sectors=3)
     with pytest.raises(InputError, match="sectors is 0"):
         free_vertices(model, 0.1, sectors=0)
-    with pytest.raises(InputError, match="no side 'top'"):
+    with pytest.raises(InputError, match="one of 'intrados', 'extrados'"):
         free_vertices(model, 0.1, keep_side="top")
     with pytest.raises(InputError, match="no joint has ends"):
         joint_moves(staggered(), 0.1)

@@ -209,7 +209,7 @@ def test_toml_that_takes_very_much_is_refused_before_it_does(
     path = tmp_path / "side.toml"
     path.write_text(content, encoding="utf-8")
     for read in (
-        lambda: read_combinations(path, tower(2)),
+        lambda: read_combinations(path, Model.of(tower(2))),
         lambda: TitleBlock.read(path),
         lambda: Train.named(str(path)),
         lambda: SeismicDemand.named(path),

@@ -323,7 +323,7 @@ def test_a_stage_on_struts_is_checked_with_other_stiffnesses_as_one_with_ideal_p
         (lambda: Clamp("slab", moment=-3.0), "its moment is -3.0"),
         (lambda: Clamp("slab", moment=float("nan")), "its moment is nan"),
         (lambda: Centring("slab"), "its face"),
-        (lambda: "a stick", "no strut"),
+        (lambda: "a stick", "give a list of items"),
     ],
 )
 def test_bad_items_are_refused(make, words):

@@ -1,0 +1,41 @@
+"""The server: it starts, listens, and ends when its client closes the connection."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+from drystone.base.errors import InputError, require
+from drystone.mcp.folder import Folder
+
+
+def serve(folder: str | Path, *, time_limit: float = 50.0, size_limit: float = 16.0) -> None:
+    """Answer the calls of one client over standard input and output.
+
+    It ends when the client disconnects, or with Ctrl-C.
+
+    Parameters
+    ----------
+    folder
+        The only folder that files are read from.
+    time_limit : [s]
+        Time for one call; clients of the protocol often wait for 60 s.
+    size_limit : [MiB]
+        Size of one model: by default about 50,000 blocks of six faces in our JSON.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or a limit is not above zero.
+    MissingDependency
+        The package ``mcp`` is not installed.
+    """
+    for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
+        if not 0.0 < value < float("inf"):
+            raise InputError(f"is {value}", where=name, remedy="give a number above zero")
+    models = Folder.of(folder, size_limit)
+    require("mcp", "mcp", "the server")
+    from drystone.mcp.tools import build  # needs the package
+
+    with suppress(KeyboardInterrupt):
+        build(models, time_limit).run()
