@@ -7,6 +7,7 @@ import random
 import sys
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 
 import drystone
 from drystone.design import Parameter, TuneOptions, tune
+from drystone.detection import DetectionOptions
 from drystone.models import tower
 from drystone.sequence import DatasetOptions, dataset, read_dataset
 from drystone.studies import study
@@ -158,6 +160,14 @@ def test_a_structure_of_a_data_set_that_was_changed_is_refused_and_written_anew(
     assert len(read_dataset(folder).orders) == len(whole)  # type: ignore[arg-type]
 
 
+@WORK
+def test_lines_that_are_lost_doubled_or_out_of_order_never_give_another_answer(work, file) -> None:
+    whole = work(file)
+    head, first, *others = file.read_bytes().splitlines(keepends=True)
+    for lines in (others, [first, first, *others], [*others[::-1], first], [first, *others, first]):
+        assert again(work, file, b"".join([head, *lines])) in ("refused", whole)
+
+
 @pytest.mark.parametrize("part", ["order", "held", "falling"])
 @pytest.mark.parametrize("block", [-1, 3, 10**30])
 def test_an_order_with_blocks_that_its_structure_has_not_is_refused(
@@ -254,3 +264,71 @@ def test_a_stored_model_that_is_cut_or_damaged_is_read_or_refused_in_one_line(
             assert file.name in said or (said == "" and not is_lost)
             assert "\n" not in said
         file.write_bytes(data)
+
+
+def asked_twice(ask: Callable[[], object], change: Callable[[], object], file: Path) -> bool:
+    """Whether work that something was changed of is refused, and goes on before."""
+    ask()
+    ask()
+    change()
+    try:
+        ask()
+    except drystone.InputError as error:
+        return str(file) in str(error)
+    return False
+
+
+@pytest.mark.parametrize("work", ["checked", "studied", "varied", "tuned"])
+def test_a_file_that_an_option_names_and_every_wrench_are_of_the_work(work: str, tmp_path) -> None:
+    """Two load cases of one total are told alike; a table of capacities has the same name."""
+    file, table, blocks = tmp_path / "kept", tmp_path / "joints.csv", tower(3)
+    names = blocks.names
+    load = [drystone.LoadCase.gravity(blocks)]
+
+    def ask(name: str, given: object) -> object:
+        if work == "checked":
+            return drystone.check_many([blocks], out=file, **{name: given})
+        if work == "varied":
+            return study(blocks, {name: [given]}, out=file)
+        if work == "studied":
+            return study(blocks, {"friction": [0.6]}, out=file, **{name: given})
+        options = TuneOptions(trials=1)
+        edge = [Parameter("edge", 0.9, 1.1)]
+        return tune(partial(tower, 3), edge, how={name: given}, store=file, options=options)
+
+    def write(tension: float) -> None:
+        lines = ["block_a,block_b,tension", f"{names[0]},{names[1]},{tension}"]
+        table.write_text("\n".join([*lines, f"{names[1]},{names[2]},{tension}"]))
+
+    def push(block: int) -> None:
+        other = drystone.LoadCase.point_load(blocks, names[block], force=(1e5, 0.0, 0.0))
+        load[0] = drystone.LoadCase.gravity(blocks) + other
+
+    push(1)
+    assert asked_twice(lambda: ask("load", load[0]), lambda: push(2), file)
+    file.unlink()
+    write(1e6)
+    assert asked_twice(lambda: ask("joint_capacity", str(table)), lambda: write(0.0), file)
+    file.unlink()
+    write(1e6)
+    asked = f"{table},ductile"
+    assert asked_twice(lambda: ask("joint_capacity", asked), lambda: write(1.0), file)
+
+
+def test_load_cases_of_a_model_and_all_digits_of_options_are_of_the_work(file: Path) -> None:
+    blocks = tower(3)
+    push = drystone.LoadCase.point_load(blocks, blocks.names[2], force=(1e5, 0.0, 0.0))
+    push = replace(push, name="push")
+    asked = [0.001, 0.0050001]
+
+    def of_cases() -> object:
+        model = replace(drystone.Model.of(blocks, friction=0.6), cases=(asked[0] * push,))
+        return drystone.check_many([model], out=file, case="push")
+
+    def of_digits() -> object:
+        options = DetectionOptions(gap=asked[1])
+        return drystone.check_many([blocks], out=file, detection=options)
+
+    assert asked_twice(of_cases, lambda: asked.__setitem__(0, 1.0), file)
+    file.unlink()
+    assert asked_twice(of_digits, lambda: asked.__setitem__(1, 0.00500014), file)

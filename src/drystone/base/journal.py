@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import logging
 import os
+import re
 import zlib
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
 from io import BytesIO
 from itertools import chain
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from drystone.base.display import shortened
 from drystone.base.errors import FormatError
-from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
+from drystone.base.files import PathLike, digest, plain_target, read_bytes, unwritable
 from drystone.base.progress import Workers
 from drystone.base.workers import WorkerPool
 
@@ -175,6 +181,47 @@ def add_answers(
             tell(len(done))
 
 
+def exactly(value: Any) -> str:
+    """A value in words that are the same in every process, and others where an answer may be.
+
+    All digits of all numbers are told, and the content of files that a text names; of a function
+    its name only.
+    """
+    if isinstance(value, str | os.PathLike):
+        text = os.fspath(value)
+        named = {text, text.rpartition(",")[0], *re.split(r"[\s=]", text)}  # FILE,ductile too
+        files = [digest(one) for one in sorted(named) if _is_file(one)]
+        return repr((text, files)) if files else repr(text)
+    if isinstance(value, list | tuple | set | frozenset):
+        told = [exactly(one) for one in value]
+        return f"({', '.join(told if isinstance(value, list | tuple) else sorted(told))})"
+    parts = _parts(value)
+    return repr(value) if parts is None else exactly(parts)
+
+
+def _parts(value: Any) -> Any:
+    """What a value is made of; None where its ``repr`` tells all of it."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return sorted(value.items())
+    if isinstance(value, partial):
+        return value.func, value.args, value.keywords
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = [getattr(value, one.name) for one in dataclasses.fields(value)]
+        return type(value).__qualname__, *fields
+    if callable(value):
+        return getattr(value, "__qualname__", type(value).__qualname__)
+    return None
+
+
+def _is_file(name: str) -> bool:
+    try:
+        return Path(name).is_file()
+    except (OSError, ValueError):  # a long text is no name
+        return False
+
+
 def _no_journal(path: PathLike) -> FormatError:
     return FormatError(
         "is no journal, or its first line is damaged",
@@ -208,4 +255,4 @@ def _value(line: bytes) -> Any:
     return json.loads(text)
 
 
-__all__ = ["Journal", "add_answers"]
+__all__ = ["Journal", "add_answers", "exactly"]

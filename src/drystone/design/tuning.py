@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import FormatError, refuse_unknown, require
-from drystone.base.journal import Journal
+from drystone.base.journal import Journal, exactly
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.version import version
@@ -120,7 +120,7 @@ def tune(
     clock = Clock(time_limit_s, stop, progress)
     given = dict(how or {})
     evaluate = partial(outcome_of, build, given, asked, chosen.margin, chosen.props, clock=clock)
-    built = told(partial(build, **given))
+    built = exactly(partial(build, **given))
     with WorkerPool(executor) as pool:
         return _ValueSearch(parameters, asked, evaluate, built, store, chosen, pool, clock).run()
 
@@ -164,7 +164,7 @@ class _ValueSearch:
             "parameters": [[one.name, *map(str, self.range_of(one))] for one in self.parameters],
             "goals": self.goals,
             "structures": self.built,
-            "margin": str(options.margin),
+            "margin": exactly(options.margin),
             "number of props": options.props,
             "seed": options.seed,
             "batch": options.batch,
@@ -244,16 +244,6 @@ class _ValueSearch:
                 remedy="go on where it was begun, or name another file",
             )
         return outcome
-
-
-def told(made: Any) -> str:
-    """What builds a structure, in words that are the same in every process."""
-    if isinstance(made, partial):
-        given = [*made.args, *sorted(made.keywords.items())]
-        return f"{told(made.func)}({', '.join(map(told, given))})"
-    if isinstance(made, tuple):
-        return f"({', '.join(map(told, made))})"
-    return str(getattr(made, "__qualname__", made))
 
 
 def _failed(_: Mapping[str, Any]) -> Outcome:

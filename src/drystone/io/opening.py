@@ -545,7 +545,7 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
 
 
 def content_of(given: object) -> str:
-    """A hash of files, or of blocks, contacts and load; empty for others and for missing files."""
+    """A hash of files, or of blocks, contacts and loads; empty for others and for missing files."""
     if is_paths(given):
         try:
             return digest_of(files_at(given))
@@ -565,8 +565,9 @@ def _joints_and_load(model: Model) -> list[Any]:
     """What a model has beside its blocks, as arrays."""
     known, capacity = model.contacts, model.contacts.capacity
     arrays: list[Any] = [
-        model.load.wrench, known.block_a, known.block_b, known.frame, known.friction, known.point,
-        known.interface, np.array(model.ends or []),
+        *(one.wrench for one in (model.load, *model.cases)),
+        np.array([one.name for one in model.cases]), np.array(model.ends or []),
+        known.block_a, known.block_b, known.frame, known.friction, known.point, known.interface,
     ]  # fmt: skip
     if capacity is not None:
         arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]

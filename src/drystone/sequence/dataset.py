@@ -289,6 +289,7 @@ def dataset(
     total = sum(len(task.orders) for task in tasks)
     clock, folder = Clock(time_limit_s, stop), as_path(out)
     shards = _Shards(folder, _about(given, chosen, total), given)
+    _require_asked(shards, tasks)
     _write_structures(folder, dict(zip(names, given, strict=True)))
     left = _left(tasks, len(shards.found))
     with WorkerPool(executor) as pool:
@@ -407,6 +408,26 @@ def _write_structures(folder: Path, models: Mapping[str, Model]) -> None:
         (folder / part).mkdir(parents=True, exist_ok=True)
     for name, model in models.items():
         write(model, folder / "structures" / f"{name}.json")
+
+
+def _require_asked(shards: _Shards, tasks: Sequence[_Task]) -> None:
+    """Refuse records of other orders than those that are asked for, as where a line was removed."""
+    asked = [(task, drawn) for task in tasks for drawn in task.orders]
+    for number, one in enumerate(shards.found):
+        if number >= len(asked) or not _is_of(one, *asked[number]):
+            raise FormatError(
+                f"record {number} is of another order than was asked for",
+                where=str(shards.folder / _shard(number // SHARD)),
+                remedy="remove this file and later ones to make their orders anew",
+            )
+
+
+def _is_of(one: BuiltOrder, task: _Task, drawn: Stages) -> bool:
+    """Whether an order is the one that was drawn, or may be that of the planner."""
+    if one.structure != task.number or one.planned > task.planned:
+        return False
+    steps = zip(map(list, one.order), map(list, one.held), strict=True)
+    return one.planned or [*steps] == drawn
 
 
 def _left(tasks: Sequence[_Task], done: int) -> list[tuple[int, _Task]]:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, Unpack
 from drystone.assembly import Assembly
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
-from drystone.base.journal import Journal, add_answers
+from drystone.base.journal import Journal, add_answers, exactly
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -105,8 +105,8 @@ def check_many(
 
 def _about(options: CheckOptions, each_s: float, how: Mapping[str, Any]) -> dict[str, str]:
     """What the answers depend on beside the models."""
-    asked = {"options": repr(options), "each_s": repr(each_s)}
-    asked |= {name: repr(how[name]) for name in sorted(how)}
+    asked = {name: exactly(one) for name, one in sorted(how.items())}
+    asked |= {"options": exactly(options), "each_s": repr(each_s)}
     return {"format": "drystone-verdicts", "version": version(), **asked}
 
 

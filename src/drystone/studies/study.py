@@ -16,7 +16,7 @@ from drystone.base.arrays import of_type
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
-from drystone.base.journal import Journal, add_answers
+from drystone.base.journal import Journal, add_answers, exactly
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
@@ -130,11 +130,12 @@ def study(
     _require_taken(rows[0], build)
     chosen, clock = CheckOptions.of(options), Clock(time_limit_s, stop, progress)
     about = {
-        "format": "drystone-study", "version": version(), "limit": limit, "each_s": repr(each_s),
-        "options": repr(chosen), "parameters": sorted(rows[0]),
+        "format": "drystone-study", "version": version(), "limit": exactly(limit),
+        "each_s": repr(each_s), "options": exactly(chosen), "parameters": sorted(rows[0]),
         "build": getattr(build, "__qualname__", None) or quoted(build, 120),
         "content": content_of(build),
-        **{name: repr(value) for name, value in sorted(how.items())},
+        "inputs": _contents(rows),
+        **{name: exactly(value) for name, value in sorted(how.items())},
     }  # fmt: skip
     names = ("number", *rows[0], *found)
     journal = None if out is None else Journal(out, about, partial(_listed, names, _columns(limit)))
@@ -407,6 +408,12 @@ def _listed(names: Sequence[str], numbers: Iterable[str], record: Any) -> list[A
     if not isinstance(row["number"], int) or {list, dict} & {*map(type, row.values())}:
         raise TypeError("it is no row")
     return [*row.values()]
+
+
+def _contents(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """What inputs have beside what the rows say: arrays, and the content of files."""
+    inputs = [one for row in rows for one in row.values()]
+    return sorted({*map(exactly, inputs)} - {repr(_plain(one)) for one in inputs})
 
 
 def _plain(value: Any) -> Any:
