@@ -87,8 +87,9 @@ class _Lines:
         while line := await self._next():
             for text in (line.decode(errors="replace"), _without_halves(line)):
                 with suppress(ValueError):
-                    jsonrpc_message_adapter.validate_json(text)
-                    return text
+                    said = jsonrpc_message_adapter.validate_json(text)
+                    if hasattr(said, "id") or "id" not in json.loads(text):
+                        return text  # another id than a text or a whole number gets no answer
             wrong = ErrorData(code=PARSE_ERROR, message="the line is no message of JSON-RPC")
             await self.told.send(SessionMessage(JSONRPCError(jsonrpc="2.0", id=None, error=wrong)))
         raise StopAsyncIteration

@@ -372,7 +372,9 @@ def test_every_line_is_answered_and_a_request_to_end_ends_it_while_none_comes(ra
     assert "a?.json: there is no such file" in raw.call("check", "a\ud800.json")
     assert "there is no such file" in raw.call("check", "x" * 5000)
     assert "there is no tool 'chekc'; did you mean check" in raw.call("chekc", "shelf.json")
-    for line in ("no JSON", '{"id": 5}', "[" * 5000, '{"id": %s}' % ("1" * 5000)):
+    listed = '{"jsonrpc": "2.0", "method": "tools/list", "id": %s}'
+    odd = [listed % one for one in ("null", "1.5", "1e400", "{}")]
+    for line in ("no JSON", '{"id": 5}', "[" * 5000, '{"id": %s}' % ("1" * 5000), *odd):
         answered = raw.ask(line)
         assert (answered["id"], answered["error"]["code"]) == (None, -32700)
     assert '"verdict": "unstable"' in raw.call("check", "shelf.json")
