@@ -82,6 +82,7 @@ def study(
     _require_drawn(parameters, "--png", png, (1, 2))
     _require_drawn(parameters, "--map", map, (2,))
     waiting.stage("solve", "studying")
+    waiting.checkpoint = out
     with waiting.keywords(time_limit, workers) as common:
         found = studied(build, parameters, limit=limit or "", out=out, **common)
     refused = int((found["verdict"] == "refused").sum())

@@ -100,6 +100,7 @@ class SearchRequest:
 
         goals = (*self.least, *(f"-{goal}" for goal in self.most)) or ("volume",)
         waiting.stage("tune", "searching")
+        waiting.checkpoint = self.store
         with waiting.keywords(time_limit, self.workers) as common:
             return design.tune(
                 build, ranges, goals=goals, how=how, store=self.store, options=self.chosen, **common

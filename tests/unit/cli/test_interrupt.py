@@ -15,11 +15,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import drystone
 from drystone import check, io
+from drystone.base.journal import Journal
 from drystone.cli import check_command, main
 from drystone.cli.waiting import Waiting
 from drystone.model import Model
@@ -240,6 +242,34 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     assert not page.exists()
     assert main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"]["free"] == 4
+
+
+@pytest.mark.parametrize(
+    ("words", "kept"),
+    [
+        ("tune tower --set count=2 --vary edge=0.5:2 --store kept", "kept"),
+        ("study tower --set count=2 --set count=3 --out kept.jsonl", "kept.jsonl"),
+        ("dataset tower.json --out kept", "kept/orders"),
+    ],
+)
+def test_work_that_is_ended_at_once_names_what_keeps_it(
+    words: str,
+    kept: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    once = Journal.add
+
+    def ended(self: Journal, records: Any) -> None:
+        once(self, records)
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    io.write(drystone.Model.of(tower(3)), "tower.json")
+    monkeypatch.setattr(Journal, "add", ended)
+    assert main(words.split()) == 130
+    assert f"'{Path(kept)}' keeps what was found" in capsys.readouterr().err
 
 
 @posix
