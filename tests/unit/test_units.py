@@ -53,6 +53,13 @@ def test_a_number_has_one_of_its_units() -> None:
             units.measured(text, units.FORCES)
 
 
+def test_a_number_of_thousands_of_digits_is_no_example_of_what_to_write() -> None:
+    for text, example in (("9" * 5000 + "mm", "0.15mm"), ("0." + "3" * 5000, "0.333333333333N")):
+        with pytest.raises(InputError, match=f" {example}") as caught:
+            units.measured(text, units.FORCES if "." in text else units.UNITS)
+        assert len(str(caught.value)) < 600
+
+
 def test_a_column_of_forces_has_no_smaller_unit_than_its_largest_value() -> None:
     told = Table("props", {"force": [275.0, 0.0305, 0.0, 12300.0]}, {"force": "N"}).cells()[1]
     assert [row[0] for row in told] == ["275 N", "0.0305 N", "0 N", "12.3 kN"]
