@@ -336,7 +336,7 @@ def _was_left(folder: Path) -> bool:
     if machine and machine == _machine() and process.isdecimal():
         try:
             os.kill(int(process), 0)
-        except ProcessLookupError:
+        except (ProcessLookupError, OverflowError):  # no process has a number that large
             return True
         except PermissionError:  # it is of somebody else
             return False

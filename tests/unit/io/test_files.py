@@ -160,6 +160,7 @@ def test_a_full_disk_is_told_as_one(tmp_path: Path, number: int, remedy: str) ->
 
 def test_what_a_killed_process_left_is_removed_by_the_next_that_writes(tmp_path: Path) -> None:
     left, young = tmp_path / ".drystone-1", tmp_path / ".drystone-2"
+    (tmp_path / f".drystone-{files._machine()}-{'9' * 30}-x").mkdir()  # no process has this number
     for one in (left, young):
         one.mkdir()
         (one / "half.json").touch()
