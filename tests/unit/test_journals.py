@@ -315,6 +315,19 @@ def test_a_file_that_an_option_names_and_every_wrench_are_of_the_work(work: str,
     assert asked_twice(lambda: ask("joint_capacity", asked), lambda: write(1.0), file)
 
 
+def test_meshes_that_a_scene_names_are_of_the_work(file: Path, tmp_path: Path) -> None:
+    drystone.write(drystone.Model.of(tower(3)), tmp_path / "pile.urdf")
+    mesh = sorted(tmp_path.rglob("*.obj"))[-1]
+
+    def ask() -> object:
+        return drystone.check_many([tmp_path / "pile.urdf"], out=file, supports="lowest")
+
+    def grow() -> None:
+        mesh.write_text(mesh.read_text().replace("v 0.5", "v 0.6"))
+
+    assert asked_twice(ask, grow, file)
+
+
 def test_load_cases_of_a_model_and_all_digits_of_options_are_of_the_work(file: Path) -> None:
     blocks = tower(3)
     push = drystone.LoadCase.point_load(blocks, blocks.names[2], force=(1e5, 0.0, 0.0))

@@ -547,10 +547,7 @@ def _changed(model: Model, loads: Loads, how: How) -> Model:
 def content_of(given: object) -> str:
     """A hash of files, or of blocks, contacts and loads; empty for others and for missing files."""
     if is_paths(given):
-        try:
-            return digest_of(files_at(given))
-        except (OSError, DrystoneError):  # it is refused where it is read
-            return ""
+        return _content_at(given)
     if not isinstance(given, Model | Assembly):
         return ""
     assembly = given.assembly if isinstance(given, Model) else given
@@ -559,6 +556,17 @@ def content_of(given: object) -> str:
     for array in arrays + (_joints_and_load(given) if isinstance(given, Model) else []):
         content.update(np.ascontiguousarray(array).tobytes())
     return content.hexdigest()
+
+
+def _content_at(path: Paths) -> str:
+    """A hash of files, and of what is in the meshes that scenes name; empty where it cannot be."""
+    try:
+        told = digest_of(files := files_at(path))
+        if {one.suffix.lower() for one in files} & {".urdf", ".xml", ".mjcf"}:
+            told += content_of(read_file(path).assembly)
+    except (OSError, DrystoneError):  # it is refused where it is read
+        return ""
+    return told
 
 
 def _joints_and_load(model: Model) -> list[Any]:
