@@ -473,5 +473,5 @@ class Film(Answer):
         )  # fmt: skip
 
     def save_glb(self, path: PathLike) -> None:
-        """Write the film as an animated GLB; see :func:`write_film`."""
+        """Write the film as an animated GLB; see ``write_film``."""
         write_film(self.model, self.time, self.positions, path)
