@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import closing
 
-from drystone.cli.waiting import Waiting
+from drystone.cli.waiting import UNDER_WAY, Waiting
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     # Before numpy is imported. The matrices are many and small. On a busy machine of two cores the
@@ -17,10 +17,13 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; see :func:`drystone.cli.application.main`."""
-    with closing(Waiting()):  # says what is done from here on
-        try:
-            from drystone.cli.application import main as run  # Ctrl-C may come during this import
-        except KeyboardInterrupt:
-            print("drystone: interrupted; nothing was written", file=sys.stderr)
-            return 130
-        return run(arguments)
+    try:
+        with closing(Waiting()):  # says what is done from here on
+            try:
+                from drystone.cli.application import main as run  # Ctrl-C may come meanwhile
+            except KeyboardInterrupt:
+                print("drystone: interrupted; nothing was written", file=sys.stderr)
+                return 130
+            return run(arguments)
+    finally:
+        UNDER_WAY.set(None)  # the next command of this process was not interrupted
