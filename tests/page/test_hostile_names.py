@@ -79,7 +79,8 @@ def test_a_calculation_report_shows_names_as_text(opened: Callable[..., Tab]) ->
 def test_a_notebook_shows_names_as_text(opened: Callable[..., Tab]) -> None:
     for text in (Frame(MODEL)._repr_html_(), drystone.check(MODEL)._repr_html_()):
         page = f"<!doctype html><meta charset=utf-8>{text}".encode("utf-8", "backslashreplace")
-        tab = opened(lambda path, page=page: path.write_bytes(page))
+        tab = opened(lambda path, page=page: path.write_bytes(page), size=(390, 800))
+        assert tab.run("document.documentElement.scrollWidth") <= 390
         assert tab.run("window.fired") is None
         assert tab.run("document.querySelectorAll('img[src=x]').length") == 0
 

@@ -130,7 +130,8 @@ class Answer(OfModel, OneLine, ABC):
         tables = "".join(one._repr_html_() for one in self.tables())
         return (
             '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
-            f'<div style="max-width:32em"><b>{html.escape(self.title)}</b>{told}{tables}'
+            '<div style="max-width:min(32em,100%);overflow:auto;overflow-wrap:anywhere">'
+            f"<b>{html.escape(self.title)}</b>{told}{tables}"
             f'<div style="opacity:.7">{html.escape(self.asked.line())}</div></div>'
             f"{picture_of(self)}</div>"
         )

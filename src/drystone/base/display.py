@@ -114,8 +114,8 @@ class Card(OneLine):
         )
         return (
             '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
-            f'<div style="max-width:28em"><b>{type(self).__name__}</b>'
-            f"<div>{html.escape(sentence)}</div><table>{rows}</table></div>"
+            '<div style="max-width:min(28em,100%);overflow:auto;overflow-wrap:anywhere">'
+            f"<b>{type(self).__name__}</b><div>{html.escape(sentence)}</div><table>{rows}</table></div>"
             f"{picture_of(self)}</div>"
         )
 
