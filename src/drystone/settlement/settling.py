@@ -89,7 +89,8 @@ def _said_longer(path: SettlementPath) -> str:
         return ""
     other = "resting" if path.carrier is Carrier.MOVING else "moving"
     far = millimetres(rounded_up(1e3 * path.beyond, 2) / 1e3)
-    return f"; it stands where the faces of the {other} block go on {far} mm beyond those ends"
+    longer = f"go on more than {far} mm beyond those ends"
+    return f"; it stands where the faces of the {other} block {longer}"
 
 
 def _said_met(path: SettlementPath) -> str:

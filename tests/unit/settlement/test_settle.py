@@ -157,7 +157,9 @@ def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
 
 def test_flush_ends_say_by_how_much_the_other_face_has_to_be_longer() -> None:
     flush = tilted(wedge("b"), X, 50.0, options=SettlementOptions(fall=0.1))
-    assert "the faces of the resting block go on 3.5 mm beyond those ends" in flush.message
+    assert (
+        "the faces of the resting block go on more than 3.5 mm beyond those ends" in flush.message
+    )
     exact = SettlementOptions(carrier="exact", fall=0.1)  # type: ignore[arg-type]
     assert tilted(wedge("b"), X, 50.0, options=exact).outcome is Outcome.FALLS
     for share, outcome in ((0.97, Outcome.FALLS), (1.03, Outcome.RESTS)):
