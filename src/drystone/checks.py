@@ -206,7 +206,7 @@ def normal_force_by_strength(contacts: Contacts, normal: Floats) -> tuple[Floats
     area = contacts.area[finite]
     share = stress_block(flat, loops.start, at)[0] / np.where(area > 0.0, area, 1.0)
     carried = contacts.capacity.compression[finite] * share
-    loaded = whole > 1e-9 * whole.max(initial=0.0)  # less is rounding
+    loaded = whole > ROUNDING * whole.max(initial=0.0)
     use[finite] = np.where(loaded, whole / np.maximum(carried, 1e-300), 0.0)
     excess[finite] = np.where(pressed, np.maximum(whole - carried, 0.0), 0.0)
     return use, excess

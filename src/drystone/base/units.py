@@ -72,8 +72,8 @@ def measured(
     factor = None if match is None else units[match[2]] if match[2] else plain
     value = math.nan if match is None or factor is None else float(match[1]) * factor
     if not math.isfinite(value):
-        size = f"{float(match[1]):.12g}" if match else "inf"
-        size = "0.15" if "inf" in size else size
+        typed = math.inf if match is None or math.isinf(value) else float(match[1])
+        size = f"{typed:.12g}" if math.isfinite(typed) else "0.15"
         examples = [f"{size}{unit}" for unit in units][:3]
         alone = [size] if plain is not None else []
         raise InputError(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.display import rounded_down
 from drystone.base.progress import Clock, Stop
 from drystone.checks import Residuals, check_forces, crushed_most
 from drystone.formulations.corner_forces import FrictionCone
@@ -91,7 +92,7 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
 
 def crushing_words(model: Model, found: Carried) -> str:
     """How much of the loads is carried, why so little, and the joint that crushes most."""
-    words = f"{CRUSHES}, only {min(found.share, 0.999):.3g} of them"
+    words = f"{CRUSHES}, only {rounded_down(found.share, 3):g} of them"
     if (model.contacts.crushes & (model.contacts.area == 0.0)).any():
         words += "; edges and corners have no area and carry nothing"
     at = None if found.mechanism is None else crushed_most(model, found.mechanism)
