@@ -74,11 +74,10 @@ def measured(
     if not math.isfinite(value):
         typed = math.inf if match is None or math.isinf(value) else float(match[1])
         size = f"{typed:.12g}" if math.isfinite(typed) else "0.15"
-        examples = [f"{size}{unit}" for unit in units][:3]
-        alone = [size] if plain is not None else []
+        examples = [f"{size}{unit}" for unit in ("", *units)][plain is None : 4]
         raise InputError(
             f"{what} '{text}' is not a number with a unit",
-            remedy=f"write {', '.join([*alone, *examples])}",
+            remedy=f"write {', '.join(examples)}",
         )
     return value
 
