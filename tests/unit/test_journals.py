@@ -315,6 +315,16 @@ def test_a_file_that_an_option_names_and_every_wrench_are_of_the_work(work: str,
     assert asked_twice(lambda: ask("joint_capacity", asked), lambda: write(1.0), file)
 
 
+def test_areas_of_joints_are_of_the_work(file: Path) -> None:
+    given = [drystone.Model.of(tower(3), supports="lowest")]
+
+    def halve() -> None:
+        contacts = given[0].contacts
+        given[0] = given[0].with_contacts(replace(contacts, area=contacts.area / 2.0))
+
+    assert asked_twice(lambda: drystone.check_many(given, out=file), halve, file)
+
+
 def test_meshes_that_a_scene_names_are_of_the_work(file: Path, tmp_path: Path) -> None:
     drystone.write(drystone.Model.of(tower(3)), tmp_path / "pile.urdf")
     mesh = sorted(tmp_path.rglob("*.obj"))[-1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, Literal, TypeAlias, Unpack
 
 import numpy as np
@@ -575,7 +575,7 @@ def _joints_and_load(model: Model) -> list[Any]:
     arrays: list[Any] = [
         *(one.wrench for one in (model.load, *model.cases)),
         np.array([one.name for one in model.cases]), np.array(model.ends or []),
-        known.block_a, known.block_b, known.frame, known.friction, known.point, known.interface,
+        *(getattr(known, one.name) for one in fields(known) if one.name != "capacity"),
     ]  # fmt: skip
     if capacity is not None:
         arrays += [*(getattr(capacity, name) for name in DRY), np.array(capacity.brittle)]
