@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Contacts, InputError, LoadCase, Model, Result, Verdict, solve_rbe
+from drystone.design import Changed
 from drystone.joints import chain, corner_pressure, force_network, hinged, worst_joints
 from drystone.models import arch, tower, wall
 from drystone.ties import tied
+from drystone.view.palette import PRESETS, is_shown
 from tests.oracle import touching_faces
 
 TOWER = tower(2)
@@ -153,7 +155,8 @@ def test_the_force_network_of_an_arch_is_its_thrust_line() -> None:
 
 
 def test_a_tie_is_a_line_of_its_own_and_no_part_of_the_force_network() -> None:
-    model = tied(Model(arch(0.3, 7), touching_faces(arch(0.3, 7), 0.7)), 3, 5)
+    before = Model(arch(0.3, 7), touching_faces(arch(0.3, 7), 0.7))
+    model = tied(before, 3, 5)
     result = solve_rbe(model)
     tie = len(model.contacts.area) - 1
     result = replace(result, force=np.where(model.contacts.interface[:, None] == tie,
@@ -163,6 +166,9 @@ def test_a_tie_is_a_line_of_its_own_and_no_part_of_the_force_network() -> None:
     (drawn,) = (one for one in result.layers().stages[0].layers if one.key == "tie-forces")
     np.testing.assert_allclose(drawn.position + drawn.vector, model.assembly.centroid[[3]])
     assert drawn.label == "a tie, which pulls 2 kN"
+    assert all(is_shown(drawn, name) for name in PRESETS)  # without it the arch may not stand
+    (mended,) = Changed.by_hand(before, result).layers().stages
+    assert [one.label for one in mended.layers if "tie" in one.label] == [drawn.label]
 
 
 def test_a_force_on_the_rim_is_a_hinge_and_one_inside_is_none() -> None:

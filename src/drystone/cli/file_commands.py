@@ -11,7 +11,7 @@ from drystone.base.errors import InputError
 from drystone.base.files import plain_target, same_place
 from drystone.cli import kinds
 from drystone.cli.command import command
-from drystone.cli.model_input import Converted, Inspected, Source, warnings_of
+from drystone.cli.model_input import Converted, Inspected, Source, on_its_side, warnings_of
 from drystone.cli.offered import CONTACTS, MODEL, OUTPUT, Argument, Option
 from drystone.cli.told import Files, Pictures, Told, left_out
 from drystone.cli.waiting import Waiting
@@ -160,6 +160,7 @@ def inspect(
     from drystone.detection import find_contacts, gap_sweep
     from drystone.io.inspection import Inspection, usable
     from drystone.io.opening import tolerances
+    from drystone.model import Model
 
     waiting.stage("read", f"reading {source.name}")
     how = source.how
@@ -172,6 +173,8 @@ def inspect(
         pictures.require_through(assembly)
         waiting.stage("detect", "finding contacts")
         found = find_contacts(assembly, options=options)
+        if "up" not in how and supports and (said := on_its_side(Model(assembly, found.contacts))):
+            notes.append(said)
         if sweep:
             waiting.stage("sweep", "trying gaps")
             swept = gap_sweep(assembly, progress=waiting)

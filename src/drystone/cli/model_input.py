@@ -175,7 +175,7 @@ class Subject:
         return io.read(self.place, **how, progress=lambda stage, *_: waiting.stage(*stages[stage]))
 
 
-_READ = ("units", "split", "repair", "layers", "hidden", "thickness", "max_size")
+_READ = ("units", "split", "repair", "layers", "hidden", "thickness", "max_size", "up")
 """How the blocks of files are read."""
 
 
@@ -183,21 +183,25 @@ _READ = ("units", "split", "repair", "layers", "hidden", "thickness", "max_size"
 class Source(Subject):
     """The blocks of files, without supports, materials and loads."""
 
-    reading: Annotated[Analysis, HOW(_READ)]
+    reading: Annotated[Analysis, HOW(_READ, shown=("units", "up"))]
 
 
 @dataclass(frozen=True)
 class Inspected(Subject):
     """Blocks that are looked at, and the tolerances of the contact search."""
 
-    reading: Annotated[Analysis, HOW((*_READ, "supports", "gap", "angle", "edges"))]
+    reading: Annotated[
+        Analysis, HOW((*_READ, "supports", "gap", "angle", "edges"), shown=(*SHOWN, "up"))
+    ]
 
 
 @dataclass(frozen=True)
 class Converted(Subject):
     """Blocks that are written again."""
 
-    reading: Annotated[Analysis, HOW((*_READ, "skip_defects", "supports", "friction"))]
+    reading: Annotated[
+        Analysis, HOW((*_READ, "skip_defects", "supports", "friction"), shown=(*SHOWN, "up"))
+    ]
 
 
 @dataclass(frozen=True)
@@ -210,7 +214,7 @@ class OneFile(Subject):
 def _refuse_supports(model: Model, how: dict[str, Any], name: str) -> None:
     """Raise InputError where no block is fixed, or every block is."""
     from drystone.model import up_of_load  # as above
-    from drystone.supports import require_supports, select
+    from drystone.supports import require_supports
 
     chosen = how.get("supports") is not None
     fixed, remedy = model.assembly.fixed, "name fewer blocks with --supports"
@@ -219,11 +223,8 @@ def _refuse_supports(model: Model, how: dict[str, Any], name: str) -> None:
         layers = sorted({str(block.metadata.get("layer", "")) for block in model.assembly.blocks})
         if any(layers):
             remedy += f"; or draw what moves on another layer than {named(layers, 4)}"
-    if fixed.all() and "up" not in how and chosen:
-        lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints)
-        if not lying.fixed.all():
-            some = counted(int(lying.fixed.sum()), "block")
-            remedy += f"; or does the model lie on its side? With --up y 'lowest' fixes {some}"
+    if "up" not in how and chosen and (said := on_its_side(model)):
+        remedy += f"; or {said}"
     require_supports(
         model.assembly,
         model.joints,
@@ -232,6 +233,18 @@ def _refuse_supports(model: Model, how: dict[str, Any], name: str) -> None:
         option="--supports",
         remedy=remedy,
     )
+
+
+def on_its_side(model: Model) -> str:
+    """The question whether y points up, where every block is fixed and that would free some."""
+    if not model.assembly.fixed.all():
+        return ""
+    from drystone.supports import select  # as above
+
+    lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints).fixed
+    some = counted(int(lying.sum()), "block")
+    said = f"does the model lie on its side? With --up y 'lowest' fixes {some}"
+    return "" if lying.all() else said
 
 
 def warnings_of(report: ContactReport) -> Iterable[str]:

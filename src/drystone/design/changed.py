@@ -178,7 +178,9 @@ class Changed(Answer):
         """The changed structure, the edges that are gone or new, and what was added."""
         before, result = self.before, self.result
         stage = result.stage("mended")
-        layers = [*stage.layers, *_marked(before, result.model), *_weights(before, result.model)]
+        known = {layer.key for layer in stage.layers}
+        marked = [one for one in _marked(before, result.model) if one.key not in known]
+        layers = [*stage.layers, *marked, *_weights(before, result.model)]
         layers += _outlines(before.assembly, result.assembly)
         names = result.assembly.names
         added = np.array([name not in before.assembly for name in names], dtype=bool)
@@ -257,13 +259,13 @@ def _marked(before: Model, after: Model) -> list[Layer]:
     for key, what, colour, chosen in (
         ("glued", "glued joint", "added", glued),
         ("rougher", "rougher joint", "kern", rougher),
-        ("ties", "tie", "added", more[:, 2]),
+        ("tie-forces", "tie", "added", more[:, 2]),
     ):
         some = np.flatnonzero(chosen).tolist()
         if not some:
             continue
         ends = after.assembly.centroid[np.stack([contacts.block_a, contacts.block_b], axis=1)]
-        rings = [ends[k] if key == "ties" else contacts.polygon(k) for k in some]
+        rings = [ends[k] if key == "tie-forces" else contacts.polygon(k) for k in some]
         start = np.concatenate(rings)
         along = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]) - start
         label = counted(len({pairs[k] for k in some}), what)

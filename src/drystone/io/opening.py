@@ -33,12 +33,6 @@ from drystone.model import FlushEnds, Model, Origin, up_of_load
 from drystone.supports import GroundPlane, ground_of, require_supports, select
 from drystone.ties import with_ties
 
-UP = {
-    "z": np.eye(3),
-    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-}
-"""Rotations from the vertical axis of a file to z."""
-
 Whole: TypeAlias = LoadCase | float | Sequence[float]
 """The whole load of a model: a load case, a multiple of gravity, or an acceleration (3,) [m/s2]."""
 
@@ -71,12 +65,11 @@ class How(FileOptions, total=False):
     without: str | Sequence[str]
     isolate: str | Sequence[str]
     crack: str | Sequence[str]
-    up: Literal["z", "y"]
     search: bool
     skip_defects: bool
 
 
-_OF_FILES = (*FileOptions.__annotations__, "up", "search", "skip_defects")
+_OF_FILES = (*FileOptions.__annotations__, "search", "skip_defects")
 """Arguments of :func:`drystone.read` that only a file has."""
 _OF_THE_SEARCH = ("anyway", "detection", "gap", "angle", "edges", "density")
 """Those that a model, whose contacts are known, does not take."""
@@ -236,12 +229,12 @@ def read(
     }  # fmt: skip
     of_file: FileOptions = {
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
-        "thickness": thickness, "max_size": max_size,
+        "thickness": thickness, "max_size": max_size, "up": up,
     }  # fmt: skip
     layer = supports if isinstance(supports, str) else None
     contents = read_file(path, supports=layer, skip_defects=skip_defects, **of_file)
     model = _model_of(
-        contents if up == "z" else _upright(contents, up, path),
+        contents,
         Loads(gravity, load, case, seismic),
         tolerances(detection, gap, angle, edges),
         asked,
@@ -266,17 +259,6 @@ def _told(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.10g}"
     return "yes" if value is True else shortened(str(value), 60)
-
-
-def _upright(contents: Contents, up: str, path: Paths) -> Contents:
-    """The content of a file with another axis up."""
-    if contents.contacts is not None or contents.loads:
-        raise InputError(
-            "the file has contacts or loads, whose axes are known",
-            where=str(path),
-            remedy="leave up out",
-        )
-    return replace(contents, assembly=contents.assembly.transformed(UP[up]))
 
 
 def _model_of(

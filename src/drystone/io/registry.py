@@ -183,7 +183,7 @@ class FileOptions(TypedDict, total=False):
 
     Attributes
     ----------
-    units, layers, hidden, thickness, split, repair
+    units, layers, hidden, thickness, split, repair, up
         As in :func:`drystone.read`.
     max_size : [MiB]
         Refuse larger files, before they are read; 64 when left out.
@@ -196,6 +196,7 @@ class FileOptions(TypedDict, total=False):
     max_size: float | None
     split: bool
     repair: bool
+    up: Literal["z", "y"]
 
 
 def files_at(path: Paths) -> tuple[Path, ...]:

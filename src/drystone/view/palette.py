@@ -168,9 +168,7 @@ _MARKS = _LOADS | {"hinges", "sliding", "help", "tension"}
 _ASKED = _LOADS | {"missed", "missed-points", "defects", "lines", "opening"}
 
 PRESETS: Mapping[str, Preset] = {
-    "forces": Preset(
-        "Forces", _MARKS | {"joint-force", "network", "tie-forces", "opening", "reactions"}
-    ),
+    "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening", "reactions"}),
     "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
     "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
     "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),

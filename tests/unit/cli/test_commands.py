@@ -209,6 +209,20 @@ def test_all_blocks_fixed_is_bad_input_with_advice(tmp_path: Path, capsys: Capsy
         assert advice in err
 
 
+def test_blocks_that_lie_on_their_side_are_inspected_and_converted_upright(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = file(tmp_path, arch().transformed(Y_UP), "lying.obj")
+    _, told = answer(capsys, "inspect", model, "--supports", "lowest")
+    assert "With --up y 'lowest' fixes 2 blocks" in told["notes"][-1]
+    assert main(["convert", model, str(tmp_path / "upright.obj"), "--up", "y"]) == 0
+    capsys.readouterr()
+    for file_and_axis in ([model, "--up", "y"], [str(tmp_path / "upright.obj")]):
+        _, told = answer(capsys, "inspect", *file_and_axis, "--supports", "lowest")
+        assert told["notes"] == []
+        assert told["places"][0]["bounds"] == pytest.approx(arch().blocks[0].bounds)
+
+
 def test_size_and_mass_are_told(tmp_path: Path, capsys: Capsys) -> None:
     _, told = answer(capsys, "check", file(tmp_path, tower(3)))
     assert told["asked"]["size"] == pytest.approx([1.0, 1.0, 3.0])
