@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -84,14 +84,6 @@ def refuse_unknown(name: str, known: Parameters, where: str) -> None:
     if name not in known:
         remedy = meant(name, known, f"use {', '.join(known)}" if known else "it has none")
         raise InputError(f"there is no parameter '{name}'", where=where, remedy=remedy)
-
-
-def refuse_missing(known: Parameters, given: Container[str]) -> None:
-    """Raise InputError where a parameter that has no default is not given."""
-    for one in known.values():
-        if one.default is inspect.Parameter.empty and one.name not in given:
-            what = f"{one.name} is missing"
-            raise InputError(what, where="--set", remedy=f"write {one.name}=VALUE")
 
 
 def setting(text: str, known: Parameters) -> tuple[str, Any]:

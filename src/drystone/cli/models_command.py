@@ -53,7 +53,6 @@ def models(
         return Told(_all_families())
     build, known = families.family(family)
     given = dict(families.setting(text, known) for text in set)
-    families.refuse_missing(known, given)
     from drystone.io import format_of  # the program starts fast
 
     waiting.stage("build", f"building {family}")
@@ -84,10 +83,7 @@ def _told(name: str) -> dict[str, Any]:
     return {
         "family": name,
         "summary": summary,
-        "parameters": {
-            name: None if one.default is inspect.Parameter.empty else one.default
-            for name, one in known.items()
-        },
+        "parameters": {name: one.default for name, one in known.items()},
     }
 
 

@@ -144,7 +144,6 @@ def _asked(subject: str, texts: tuple[str, ...]) -> tuple[Any, dict[str, list[An
         for one in each:
             key, given = families.setting(f"{name}={one}", known)
             values.setdefault(key, []).append(given)
-    families.refuse_missing(own, values)
     return build, values
 
 

@@ -23,6 +23,7 @@ from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, diagnose
 from drystone.design.margin import QUICK, DesignMargin
 from drystone.design.mend_kinds import KINDS
 from drystone.design.whole_check import mends_of_kind
+from drystone.design.words import NOTHING
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
@@ -214,7 +215,7 @@ class Mends(Answer):
         verdict, *reasons = self.diagnosis.sentences()
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         mends = [Sentence(text) for text in self._listed()]
-        reasons = [one for one in reasons if one.text != self.message]
+        reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
         said = [verdict, Sentence(self.message), *mends, *failed, *reasons]
         return [one for one in said if one.text]
 

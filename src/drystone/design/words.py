@@ -120,10 +120,13 @@ def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
     return f"the {'upper' if above else 'lower'} joint, with {names_of(model, [other])},"
 
 
+NOTHING = "it stands: nothing is missing"
+
+
 def nothing(result: Result) -> str:
     """The sentence if no region was found."""
     settles = "as its joints lie no block needs help: how they settle decides"
-    return "it stands: nothing is missing" if result.stable else settles
+    return NOTHING if result.stable else settles
 
 
 def friction_of_all(value: float, said: Sequence[float | None]) -> str:

@@ -97,7 +97,8 @@ class DetectionOptions(Options):
         for name, largest in LARGEST.items():
             value = getattr(self, name)
             if not 0.0 <= value <= largest:
-                raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}")
+                or_length = ", or a length such as 5mm" if name == "gap" else ""
+                raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}{or_length}")
         if self.gap_length is not None and not 0.0 <= self.gap_length < float("inf"):
             raise InputError(f"gap is {self.gap_length} m", remedy="give a length above zero")
 

@@ -117,10 +117,11 @@ def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part], list[
 def _vertex(argument: str, where: str) -> list[float]:
     words = argument.split()
     if not 3 <= len(words) <= 7 or not all(NUMBER.fullmatch(word) for word in words):
+        cut_off = ": it may have been cut off there" if len(words) < 3 else ""
         raise FormatError(
             f"vertex '{argument[:60]}' is not three numbers",
             where=where,
-            remedy="export the file again: it may have been cut off there",
+            remedy=f"export the file again{cut_off}",
         )
     point = [float(word) for word in words[:3]]
     if not all(abs(x) < float("inf") for x in point):

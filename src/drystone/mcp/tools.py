@@ -36,8 +36,8 @@ from drystone.mcp.folder import MODEL, Folder
 INSTRUCTIONS = """\
 drystone tells whether a structure of loose rigid blocks stands by contact and friction alone.
 Lengths are in metres, forces in newtons, angles in degrees, masses in kilograms; z points up.
-A model is a file in the folder of this server or an object: {"blocks": [{"name", "vertices",
-"faces", "fixed"}]}, faces as lists of vertex numbers, counter-clockwise from outside.
+A model is {"file": NAME} in the folder of this server or {"content": {"blocks": [{"name",
+"vertices", "faces", "fixed"}]}}, faces as lists of vertex numbers, counter-clockwise from outside.
 Begin with 'inspect' where the contacts are not known to be right. 'undecided' is an answer: it is
 no hint in either direction."""
 

@@ -146,7 +146,7 @@ WEDGES: dict[str, tuple[float, float, float]] = {
 to the horizontal, each with a low and a high wedge."""
 
 
-def wedge(kind: Literal["a", "b", "c", "d"], longer: float = 0.0) -> Assembly:
+def wedge(kind: Literal["a", "b", "c", "d"] = "a", longer: float = 0.0) -> Assembly:
     """A free wedge in a V-shaped groove of two fixed blocks: two joints, published tilt limits.
 
     Types ``a`` (low) and ``b`` (high) sit in a steep groove, ``c`` (high) and ``d`` (low) in a

@@ -26,7 +26,7 @@ def box(
 
 
 def tower(
-    count: int,
+    count: int = 5,
     edge: float = 1.0,
     *,
     course: float | None = None,
@@ -100,7 +100,7 @@ def _shaft(count: int, edge: float, rise: float, thickness: float, stones: int) 
     return blocks
 
 
-def incline(angle_deg: float, size: Sequence[float] = (1.0, 0.8, 0.5)) -> Assembly:
+def incline(angle_deg: float = 20.0, size: Sequence[float] = (1.0, 0.8, 0.5)) -> Assembly:
     """A block on a fixed plane inclined by ``angle_deg``, sloping down towards +x.
 
     It slides when ``tan(angle) > friction`` and topples when ``tan(angle) > length / height``.
@@ -159,7 +159,9 @@ def harmonic_offsets(count: int, length: float = 1.0, share: float = 1.0) -> lis
     return [share * length / (2.0 * (count - i)) for i in range(count)]
 
 
-def overhang(offsets: Sequence[float], size: Sequence[float] = (1.0, 0.5, 0.25)) -> Assembly:
+def overhang(
+    offsets: Sequence[float] = (0.25, 0.5), size: Sequence[float] = (1.0, 0.5, 0.25)
+) -> Assembly:
     """A stack of bricks, each shifted along +x from the one below.
 
     Parameters

@@ -91,7 +91,7 @@ def wall(
     return Assembly(tuple(blocks), np.arange(len(blocks)) < lowest)
 
 
-def ferris_wall(number: int) -> Assembly:
+def ferris_wall(number: int = 1) -> Assembly:
     """Wall 1 (6 courses, 33 blocks) or 2 (10 courses, 55 blocks) of Ferris and Tin-Loi 2001.
 
     Blocks of 0.4 x 0.175 m on a fixed ground, half blocks at the ends of the first, third, ...

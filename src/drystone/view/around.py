@@ -103,7 +103,7 @@ def write_title(
     )
     lines = _wrapped(asked, characters)
     if len(lines) > 4 - len(message):  # the date and the version are never cut
-        room = (4 - len(message)) * (characters - 12) - len(scene.made)
+        room = max(characters, (4 - len(message)) * (characters - 12) - len(scene.made))
         told = textwrap.shorten(asked_line(facts), room, placeholder=" ...")
         lines = _wrapped(f"{told} \N{MIDDLE DOT} {scene.made}", characters)
     lines += message

@@ -169,7 +169,6 @@ def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys
         (["check"], "MODEL: is missing"),
         (["mcp", ".", "more"], "'more' is one argument too many"),
         (["check", "x.json", "--frction", "1"], "there is no option '--frction'; did you mean"),
-        (["tune", "tower", "--vary", "edge=1:2"], "--set: count is missing; write count=VALUE"),
         (["limit", "tlit"], "there is no command 'tlit'; did you mean 'tilt'"),
     ):
         assert main(given) == 2

@@ -401,7 +401,11 @@ def test_angle_and_edges_of_the_search_are_options(tmp_path: Path, capsys: Capsy
     for command in ("settle", "plan"):
         assert main([command, model, "--angle", "90"]) == 2
         assert "give 0 to 45" in capsys.readouterr().err
-    for wrong, remedy in ((("--angle", "90"), "give 0 to 45"), (("--edges", "x"), "always")):
+    for wrong, remedy in (
+        (("--angle", "90"), "give 0 to 45"),
+        (("--gap", "5"), "or a length such as 5mm"),
+        (("--edges", "x"), "always"),
+    ):
         assert main(["inspect", model, *wrong]) == 2
         assert remedy in capsys.readouterr().err
 

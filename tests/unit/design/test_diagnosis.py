@@ -269,7 +269,9 @@ def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFix
     path = tmp_path / "tower.json"
     drystone.write(Model.of(tower(2), friction=0.6), path)
     assert main(["mend", str(path)]) == 0
-    assert "it stands: nothing is missing" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "it stands already: ask for a margin" in told
+    assert "it stands: " not in told  # which says no more
 
 
 def test_a_diagnosis_has_the_verdict_of_the_check() -> None:

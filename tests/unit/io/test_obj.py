@@ -166,6 +166,15 @@ def test_a_number_of_very_many_digits_is_refused_at_once(tmp_path: Path) -> None
         load(tmp_path, f"v 0 0 {'9' * 200_000}-\n")
 
 
+@pytest.mark.parametrize(("line", "is_cut"), [("v 1 x 0", False), ("v 1 0", True), ("v 1 x", True)])
+def test_a_vertex_that_is_whole_is_not_told_to_be_cut_off(
+    line: str, is_cut: bool, tmp_path: Path
+) -> None:
+    with pytest.raises(FormatError, match="not three numbers") as refused:
+        load(tmp_path, f"{line}\n")
+    assert ("cut off" in refused.value.remedy) == is_cut
+
+
 def test_spaces_between_the_words_of_a_name_are_kept(tmp_path: Path) -> None:
     model = tower(2)
     blocks = [

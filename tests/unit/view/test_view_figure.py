@@ -42,6 +42,8 @@ def test_a_png_has_the_size_that_was_asked_for(tmp_path: Path) -> None:
     save_figure(falling_tower(), path, size=(4.0, 3.0), dpi=50)
     assert png_size(path) == (200, 150)
     assert list(tmp_path.iterdir()) == [path]
+    save_figure(drystone.check(tower(2), friction=0.6), path, size=(1.0, 2.0), dpi=50)
+    assert png_size(path) == (50, 100)
 
 
 def test_an_svg_is_drawn_and_parsed_back(tmp_path: Path) -> None:
