@@ -49,7 +49,10 @@ function captions(data, stage, theme, told, { width, height }) {
 // The outline of a swatch, as corners; a disc has none.
 function swatchCorners({ shape, x, y }) {
   const box = (x0, y0, x1, y1) => [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-  if (shape === "thin" || shape === "thick" || shape === "dashed") return box(x, y + 4, x + 16, y + 8);
+  if (shape === "arrow") {
+    return [[0, 4.5], [10, 4.5], [10, 1], [16, 6], [10, 11], [10, 7.5], [0, 7.5]].map(([dx, dy]) => [x + dx, y + dy]);
+  }
+  if (shape === "thick" || shape === "dashed") return box(x, y + 4, x + 16, y + 8);
   if (shape === "diamond") return [[x + 8, y], [x + 14, y + 6], [x + 8, y + 12], [x + 2, y + 6]];
   return box(x, y, x + 16, y + 12);
 }

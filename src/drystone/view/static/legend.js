@@ -20,7 +20,7 @@ function swatch(colour, shape) {
 }
 
 const FALLING = 3; // the state of a block that falls
-const SHAPE_OF = { polygons: "", arrows: "thin", lines: "thick", markers: "disc" };
+const SHAPE_OF = { polygons: "", arrows: "arrow", lines: "thick", markers: "disc" };
 
 function layerSwatch(layer, colours) {
   const shape = layer.kind === "markers" ? layer.shape : SHAPE_OF[layer.kind];
