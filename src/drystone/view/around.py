@@ -85,7 +85,7 @@ def write_title(
     characters = max(20, int(size[0] * 11.0))  # up to the colour bar
     top = 0.975
     if stage.headline:
-        room = 0.75 * characters  # of letters of 13 points; a verdict may stand at the end
+        room = 0.55 * characters  # of bold letters of 13 points; a verdict may stand at the end
         points = 13.0 * min(1.0, max(0.65, room / len(stage.headline)))
         told = textwrap.shorten(stage.headline, int(room * 13.0 / points), placeholder=" ...")
         figure.text(

@@ -71,6 +71,10 @@ def test_a_long_headline_is_smaller_and_keeps_its_end() -> None:
     (head,) = [one for one in draw(replace(scene, stages=stages), (6.0, 4.5)).texts
                if one.get_text() == long]  # fmt: skip
     assert head.get_fontsize() < 13.0
+    stages = tuple(replace(one, headline="Dome wall " * 12) for one in scene.stages)
+    figure = draw(replace(scene, stages=stages), (9.0, 6.5))
+    (head,) = [one for one in figure.texts if one.get_text().startswith("Dome wall")]
+    assert head.get_window_extent().x1 < 0.75 * figure.bbox.width  # the colour bar is beside it
 
 
 def test_the_scale_bar_stands_below_the_blocks() -> None:
