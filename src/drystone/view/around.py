@@ -86,7 +86,7 @@ def write_title(
     top = 0.975
     if stage.headline:
         room = 0.55 * characters  # of bold letters of 13 points; a verdict may stand at the end
-        points = 13.0 * min(1.0, max(0.65, room / len(stage.headline)))
+        points = 13.0 * min(1.0, max(0.55, room / len(stage.headline)))
         told = textwrap.shorten(stage.headline, int(room * 13.0 / points), placeholder=" ...")
         figure.text(
             0.02, top, told, fontsize=points, fontweight="bold", color=colour, va="top",
