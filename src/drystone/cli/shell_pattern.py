@@ -143,9 +143,8 @@ def shell_on(
 ) -> Shell:
     """The shell that is asked for, on its surface."""
     from drystone.shells import build_shell
-    from drystone.shells.shell_by_name import usual_courses
 
-    layout = pattern.layout(base.width, usual_courses(wanted.surface))
+    layout = pattern.layout(base.width, base.courses)
     body = pattern.body(wanted.thickness)
     return build_shell(base.shape, layout, body, progress=progress)
 

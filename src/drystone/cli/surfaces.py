@@ -13,6 +13,9 @@ from drystone.cli import kinds
 from drystone.cli.offered import MODEL, Argument, Option
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drystone.base.arrays import Floats
     from drystone.shells import Patch, Shape, Side
 
 _FOOT = 0.02
@@ -101,8 +104,8 @@ class SurfaceRequest:
         tuple[int, ...] | None,
         Option(
             "Vertices of a mesh, from 0, that are its corners, in their order along its border: "
-            "bottom left, bottom right, top right, top left; or the two ends of each of three or "
-            "more supports (those where it turns).",
+            "bottom left, bottom right, top right, top left; or the two ends of each support of a "
+            "mesh of several legs (those of its lower sides).",
             MODEL,
             kind=kinds.OptionKind("NUMBER[,NUMBER...]", _vertices),
             expert=True,
@@ -123,11 +126,14 @@ class Surface:
     shape
     width : [m]
         Of its blocks where none is given: an eighth of its span, or of a way from foot to foot.
+    courses
+        Where none are given. Of the vaults of a mesh: so that blocks are twice as wide as high.
     notes
     """
 
     shape: Shape
     width: float
+    courses: int
     notes: tuple[str, ...]
 
 
@@ -139,7 +145,14 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     InputError
         A surface that is not known, or an option that it does not have.
     """
-    from drystone.shells.shell_by_name import EYE, SPAN, SURFACES, shape_by_name, usual_width
+    from drystone.shells.shell_by_name import (
+        EYE,
+        SPAN,
+        SURFACES,
+        shape_by_name,
+        usual_courses,
+        usual_width,
+    )
 
     kind = wanted.surface if wanted.surface in SURFACES else None
     if kind is None and not Path(wanted.surface).suffix:
@@ -160,7 +173,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
         keystone=wanted.keystone,
         thickness=wanted.thickness,
     )
-    return Surface(shape, usual_width(kind, span), notes)
+    return Surface(shape, usual_width(kind, span), usual_courses(kind), notes)
 
 
 def refuse_unused(wanted: SurfaceRequest) -> None:
@@ -189,19 +202,15 @@ def _refuse(option: str, given: bool, kind: str | None) -> None:
 
 def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone import shells
+    from drystone.shells.shell_by_name import COURSES
 
     points, faces = shells.read_surface(wanted.surface, units=wanted.units)
     name, supports, corners = Path(wanted.surface).name, wanted.supports, wanted.corners
-    if len(corners) > 4 if corners else supports is None and shells.several_supports(points, faces):
-        if supports is not None:
-            raise InputError(
-                "names sides of a patch with four corners",
-                where="--supports",
-                remedy="leave it out, or name four --corners",
-            )
-        shape = shells.vaults_from_mesh(points, faces, corners=corners, name=name)
-        told = f"{len(shape.patches)} vaults from support to support, one at each open side"
-        return Surface(shape, _width(shape.patches[0]), (told,))
+    vaults = (supports is None or len(corners or ()) > 4) and shells.several_supports(
+        points, faces, corners=corners
+    )
+    if vaults:
+        return _vaults(wanted, points, faces)
     fit = shells.patch_from_mesh(points, faces, corners=corners, name=name)
     notes = [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
     if supports is None:
@@ -212,7 +221,28 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
         sides = [_side(text) for text in supports.split(",")]
     edges = tuple(shells.Edge(0, side) for side in sides)
     shape = shells.Shape((fit.patch,), (), edges, name=fit.patch.name)
-    return Surface(shape, _width(fit.patch), tuple(notes))
+    return Surface(shape, _width(fit.patch), COURSES, tuple(notes))
+
+
+def _vaults(wanted: SurfaceRequest, points: Floats, faces: Sequence[Sequence[int]]) -> Surface:
+    from drystone import shells
+
+    if wanted.supports is not None:
+        raise InputError(
+            "names sides of a patch with four corners",
+            where="--supports",
+            remedy="leave it out, or name four --corners",
+        )
+    shape, farthest = shells.vaults_from_mesh(
+        points, faces, corners=wanted.corners, name=Path(wanted.surface).name
+    )
+    told = (
+        f"{len(shape.patches)} vaults from support to support, one at each open side",
+        f"the vertices of the mesh are up to {1e3 * farthest:.3g} mm from them",
+    )
+    width, across = _width(*shape.patches), np.linspace(0.0, 1.0, 129)
+    depth = min(_length(patch.point(across, 0.5)) for patch in shape.patches)
+    return Surface(shape, width, max(2, round(2.0 * depth / width)), told)
 
 
 def _foot(patch: Patch) -> list[Side]:
@@ -226,16 +256,17 @@ def _foot(patch: Patch) -> list[Side]:
     return low if Side.BOTTOM in low else [Side.BOTTOM, *low]
 
 
-def _width(patch: Patch) -> float:
-    """[m], an eighth of the longer of its bottom and top."""
+def _width(*patches: Patch) -> float:
+    """[m], an eighth of the longest bottom or top."""
     from drystone.shells import Side
 
     along = np.linspace(0.0, 1.0, 129)
-    lengths = [
-        np.linalg.norm(np.diff(patch.border(side, along), axis=0), axis=1).sum()
-        for side in (Side.BOTTOM, Side.TOP)
-    ]
-    return float(max(lengths)) / 8.0
+    sides = (Side.BOTTOM, Side.TOP)
+    return max(_length(patch.border(side, along)) for patch in patches for side in sides) / 8.0
+
+
+def _length(line: Floats) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 def _side(text: str) -> Side:

@@ -1,16 +1,15 @@
 """A patch through an open triangle or quadrilateral mesh, and its distance from the mesh.
 
-Vaults from support to support through an open mesh that stands on three or more: the mesh is mapped
-to a regular polygon whose sides are its supports and its open sides in turn. Lines from the middle
-of each support to the middle of the polygon divide it into vaults, one at each open side. Their
-courses are arches from one support to the next.
+Vaults from support to support through an open mesh: in plan they meet on the spine of its open
+sides, one vault at each. Their courses are arches from one support to the next.
 
 An open mesh with one border: its vertices merged, its border, and the mesh laid flat.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,19 +17,29 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import BSpline, CloughTocher2DInterpolator
 from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
 
-from drystone.base.arrays import SAME, Floats, dot, frozen_points
+from drystone.base.arrays import SAME, Floats, dot, frozen_points, lengths, unit
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, counted
+from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import first_coincident
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import edges_of, loop_edges, rings
-from drystone.shells.formfinding import find_form
-from drystone.shells.patch import Edge, Patch, Shape, Side, arc_lengths, check_patch
-from drystone.shells.shell_families import vaults_between
+from drystone.shells.patch import Edge, Patch, Seam, Shape, Side, arc_lengths, check_patch
 from drystone.shells.sources import patch_from_grid
+from drystone.shells.spine import Spine, SpineNode, at_lengths, spine_of
 
-_NODES = 25
-"""Points along u and v of each vault, as of a form that is found."""
+_NODES = 13
+"""Points of each vault from its open side to the spine, and from one node of that to the next."""
+
+_NAME_ENDS = "name the two ends of each support, two supports or more, along the border"
+
+_UNDIVIDED = "its open sides do not face each other all along its supports"
+
+_BEND = 0.5
+"""Least turn of the border at a bend or a corner, by that of the sharpest corner. Chosen."""
 
 
 def vaults_from_mesh(
@@ -39,7 +48,7 @@ def vaults_from_mesh(
     *,
     corners: Sequence[int] | None = None,
     name: str = "mesh",
-) -> Shape:
+) -> tuple[Shape, float]:
     """Vaults through an open mesh with one border, one at each open side.
 
     Parameters
@@ -48,77 +57,218 @@ def vaults_from_mesh(
     faces
         Loops of vertices.
     corners
-        The two ends of each support, three supports or more, in their order along the border. When
-        left out: the turns of the border, of which the lower sides are the supports.
+        The two ends of each support, two supports or more, in their order along the border. When
+        left out: the sides of the border that are lower than those before and after them.
     name
+
+    Returns
+    -------
+    shape
+    deviation : [m] largest distance of a vertex from it
 
     Raises
     ------
     InputError
-        The mesh is closed or has several borders, or its corners are not those of three supports
-        or more.
+        The mesh is closed or has several borders, its corners are not those of two supports or
+        more, or it overhangs, seen along its mean normal.
 
     Notes
     -----
-    Every inner vertex lies at the mean of its neighbours, weighted by inverse length (source:
-    Floater 1997). Between the vertices the surface is a smooth interpolation.
+    In plan, seen along the mean normal of the mesh, the vaults meet on the spine of its open sides.
+    Between the vertices the surface is a smooth interpolation.
     """
     points = frozen_points(vertices, (None, 3), "vertices")
     points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
-    chosen = named if named is not None else _support_ends(points, loops, border)
-    if len(chosen) < 6 or len(chosen) % 2:
+    ends = named if named is not None else _support_ends(points, loops, border)
+    if len(ends) < 4 or len(ends) % 2:
         raise InputError(
-            f"its border has {len(chosen)} corners",
+            f"its border has {len(ends)} ends of supports",
             where=f"mesh '{name}'",
-            remedy="name the two ends of each support, three supports or more, along the border",
+            remedy=_NAME_ENDS,
         )
-    angle = 2.0 * np.pi * np.arange(len(chosen)) / len(chosen)
-    polygon = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
-    place = mapped(points, loops, border, chosen, polygon[:, :2], name)
-    surface = CloughTocher2DInterpolator(place, points)
-    open_sides = 0.5 * (polygon[1::2] + np.roll(polygon[0::2], -1, axis=0))
-    plan = vaults_between(polygon.reshape(-1, 2, 3), open_sides, name="vaults")
-    borders = [Edge(k, Side.BOTTOM) for k in range(len(plan.patches))]
-    held = plan.supported_on(*plan.supports, *borders)  # a net over it has smooth lines
-    flat = find_form(held, height=1.0, rows=_NODES, columns=_NODES).shape
-    share = np.linspace(0.0, 1.0, _NODES)
-    patches = []
-    for k, vault in enumerate(flat.patches):
-        inside = (1.0 - 1e-9) * vault.point(share[:, None], share[None, :])[..., :2]  # of the hull
-        grid = surface(inside.reshape(-1, 2)).reshape(_NODES, _NODES, 3)
-        patches.append(patch_from_grid(grid, breaks=[_NODES // 2], name=f"vault {k} of {name}"))
-    return Shape(tuple(patches), plan.seams, plan.supports, name=name)
+    if not along_border(border, ends, name):
+        ends = ends[::-1]
+    plan = _in_plan(points, loops, name)
+    surface = CloughTocher2DInterpolator(plan, points)
+    middle = plan.mean(axis=0)
+
+    def lifted(place: Floats) -> Floats:
+        point: Floats = surface(middle + (1.0 - 1e-9) * (place - middle))  # inside the hull
+        return point
+
+    count = len(ends) // 2
+    feet = [plan[side_between(border, ends[2 * k], ends[2 * k + 1])] for k in range(count)]
+    runs = [side_between(border, ends[2 * k - 1], ends[2 * k]) for k in range(count)]
+    sides = [plan[run] for run in runs[1:] + runs[:1]]  # each after the foot of its number
+    sharp = _bends(points, loops, border)
+    bends = [arc_lengths(plan[run])[1:-1][np.isin(run[1:-1], sharp)] for run in runs]
+    bends = bends[1:] + bends[:1]
+    spine = spine_of(plan[border], sides, bends)
+    try:
+        shape = _vaults(spine, sides, feet, lifted, name)
+    except InputError as error:
+        raise error.located(f"mesh '{name}'", _NAME_ENDS) from error
+    return shape, _farthest(points, shape, name)
 
 
-def several_supports(vertices: object, faces: Sequence[Sequence[int]]) -> bool:
-    """Whether the border of a mesh turns outwards as sharply at six corners or more.
+def _vaults(
+    spine: Spine,
+    sides: list[Floats],
+    feet: list[Floats],
+    lifted: Callable[[Floats], Floats],
+    name: str,
+) -> Shape:
+    """A vault between each open side and the spine, in plan ruled from bend to bend."""
+    count, patches = len(sides), []
+    seams: dict[tuple[object, ...], list[Edge]] = {}
+    for k, side in enumerate(sides):
+        beside = spine.beside(k)
+        nodes, length = [None, *beside, None], arc_lengths(side)
+        cuts = [0.0, *(node.near[k] for node in beside), length[-1]]
+        high, low = [], []
+        for i, (start, end) in enumerate(itertools.pairwise(nodes)):
+            other, line = _on_spine(spine, k, (start, end), feet)
+            high.append(_evenly(line, lifted)[i > 0 :])
+            own = length[(length > cuts[i]) & (length < cuts[i + 1])]
+            part = at_lengths(side, np.array([cuts[i], *own, cuts[i + 1]]))
+            low.append(_evenly(part, lifted)[i > 0 :])
+            shares = i / (len(nodes) - 1), (i + 1) / (len(nodes) - 1)
+            key = (k, other, id(start), id(end)) if k < other else (other, k, id(end), id(start))
+            edge = Edge(k, Side.TOP, *(shares if k < other else shares[::-1]))
+            seams.setdefault(key, []).append(edge)
+        up = np.linspace(0.0, 1.0, _NODES)[:, None, None]
+        grid = lifted((1.0 - up) * np.concatenate(low) + up * np.concatenate(high))
+        breaks = [i * (_NODES - 1) for i in range(1, len(nodes) - 1)]
+        patches.append(patch_from_grid(grid, breaks=breaks, name=f"vault {k} of {name}"))
+    supports = tuple(Edge(k, side) for k in range(count) for side in (Side.LEFT, Side.RIGHT))
+    return Shape(tuple(patches), _joined(seams.values()), supports, name=name)
+
+
+def _joined(stretches: Iterable[list[Edge]]) -> tuple[Seam, ...]:
+    """The seams of the stretches that lie on one line."""
+    pairs = list(stretches)
+    if any(len(pair) != 2 for pair in pairs):
+        raise InputError(_UNDIVIDED)
+    return tuple(Seam(*pair) for pair in pairs)
+
+
+def _on_spine(
+    spine: Spine, side: int, ends: tuple[SpineNode | None, SpineNode | None], feet: list[Floats]
+) -> tuple[int, Floats]:
+    """The open side across a line of the spine, and that line; an end that is None is on a foot."""
+    start, end = ends
+    before, after = (side - 1) % len(feet), (side + 1) % len(feet)
+    if start is None or end is None:
+        other = before if start is None else after
+    else:
+        other = next(iter(start.near.keys() & end.near.keys() - {side}), side)
+    if not spine.has_line(side, other, start, end):
+        raise InputError(_UNDIVIDED)
+    line = spine.line(side, other, start, end)
+    if start is None:
+        line = np.concatenate([_nearest(feet[side], line[0])[None], line])
+    if end is None:
+        line = np.concatenate([line, _nearest(feet[after], line[-1])[None]])
+    return other, line
+
+
+def _nearest(line: Floats, point: Floats) -> Floats:
+    """The nearest point to another of a polyline (p, 2)."""
+    step = np.diff(line, axis=0)
+    share = np.clip(dot(point - line[:-1], step) / dot(step, step), 0.0, 1.0)
+    on = line[:-1] + share[:, None] * step
+    nearest: Floats = on[np.argmin(np.linalg.norm(on - point, axis=1))]
+    return nearest
+
+
+def _evenly(line: Floats, lifted: Callable[[Floats], Floats]) -> Floats:
+    """Places along a line in plan (p, 2), evenly on the surface."""
+    length = arc_lengths(line)
+    fine = at_lengths(line, np.linspace(0.0, length[-1], 8 * _NODES))
+    raised = arc_lengths(lifted(fine))
+    at = np.interp(np.linspace(0.0, raised[-1], _NODES), raised, arc_lengths(fine))
+    return at_lengths(fine, at)
+
+
+def _in_plan(points: Floats, loops: list[list[int]], name: str) -> Floats:
+    """Places (p, 2) of the vertices, seen along the mean normal of the mesh."""
+    corners = Ragged.of(loops)
+    area = area_vectors(points[np.concatenate(loops)], corners.start)
+    total = area.sum(axis=0)
+    frame = frames_from_normals(unit(total[None])[0])[0]
+    turned = np.flatnonzero(area @ frame[0] <= 0.0)
+    if len(turned):
+        raise InputError(
+            f"it overhangs in {counted(len(turned), 'face')}, seen along its mean normal",
+            where=f"mesh '{name}'",
+            remedy="cut it into meshes with four corners, or give one that does not overhang",
+        )
+    place: Floats = points @ frame[1:].T
+    return place
+
+
+def _farthest(points: Floats, shape: Shape, name: str) -> float:
+    """Largest distance [m] of a vertex from the nearest patch of a shape."""
+    at = np.linspace(0.0, 1.0, 8 * _NODES)
+    u, v = (a.ravel() for a in np.meshgrid(at, at, indexing="ij"))
+    nearest = np.full(len(points), np.inf)
+    for patch in shape.patches:
+        _, sample = cKDTree(patch.point(u, v)).query(points)
+        found = distances(patch, np.column_stack([u[sample], v[sample], points]))
+        nearest = np.minimum(nearest, found)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if (farthest := float(nearest.max())) > _FARTHEST_FIT * size:
+        raise InputError(
+            f"is up to {farthest:.3g} m from its vaults, more than {_FARTHEST_FIT:.0%} of its size",
+            where=f"mesh '{name}'",
+            remedy=f"{_NAME_ENDS}, or give a finer mesh",
+        )
+    return farthest
+
+
+def several_supports(
+    vertices: object, faces: Sequence[Sequence[int]], *, corners: Sequence[int] | None = None
+) -> bool:
+    """Whether a mesh stands on three supports or more, or on two with a bend between them.
+
+    Parameters
+    ----------
+    vertices, faces, corners
+        As of :func:`vaults_from_mesh`.
 
     Raises
     ------
     InputError
         The mesh is closed or has several borders.
     """
-    points, loops, _ = welded(frozen_points(vertices, (None, 3), "vertices"), faces, None, "mesh")
-    return bool(_support_ends(points, loops, border_of(loops, "surface")))
+    points = frozen_points(vertices, (None, 3), "vertices")
+    points, loops, named = welded(points, faces, corners, "mesh")
+    border = border_of(loops, "mesh")
+    ends = named if named is not None else _support_ends(points, loops, border)
+    return len(ends) > 4 or (len(ends) == 4 and not {*_bends(points, loops, border)} <= {*ends})
+
+
+def _bends(points: Floats, loops: list[list[int]], border: list[int]) -> list[int]:
+    """The vertices at which the border turns sharply, outwards or inwards."""
+    turn = turns_of(points, loops, border)
+    least = max(_BEND * turn.max(), 2.0 * _CORNER_TURN)  # more than a round border of a few edges
+    return [border[i] for i in np.flatnonzero(np.abs(turn) >= least).tolist()]
 
 
 def _support_ends(points: Floats, loops: list[list[int]], border: list[int]) -> list[int]:
-    """The ends of the supports, along the border; none where these are not three or more.
+    """The ends of the supports, along the border: sides between outward turns, the lower ones.
 
-    Corners are the outward turns at least half as sharp as the sharpest one: an open side may turn
-    inwards between two legs. Of the sides between the corners every other one is a support, the
-    lower ones.
+    A support is lower than the sides before and after it, seen along the mean normal.
     """
-    turn = turns_of(points, border) * _outward(points, loops, border)
-    ends = [border[i] for i in np.flatnonzero(turn >= 0.5 * turn.max()).tolist()]
-    if len(ends) < 6 or len(ends) % 2:
-        return []
-    heights = [
-        float(points[side_between(border, one, other), 2].mean())
-        for one, other in zip(ends, [*ends[1:], ends[0]], strict=True)
-    ]
-    return ends if sum(heights[0::2]) <= sum(heights[1::2]) else [*ends[1:], ends[0]]
+    turn = turns_of(points, loops, border)
+    ends = [border[i] for i in np.flatnonzero(turn >= _BEND * turn.max()).tolist()]
+    pairs = list(zip(ends, [*ends[1:], *ends[:1]], strict=True))
+    area = area_vectors(points[np.concatenate(loops)], Ragged.of(loops).start).sum(axis=0)
+    up = unit(np.where(area[2] < 0.0, -1.0, 1.0) * area[None])[0][0]
+    height = np.array([(points[side_between(border, *pair)] @ up).mean() for pair in pairs])
+    lower = (height < np.roll(height, 1)) & (height < np.roll(height, -1))
+    return [end for k in np.flatnonzero(lower).tolist() for end in pairs[k]]
 
 
 _DEGREE = 3
@@ -198,7 +348,7 @@ def patch_from_mesh(
     points = frozen_points(vertices, (None, 3), "vertices")
     points, loops, named = welded(points, faces, corners, name)
     border = border_of(loops, name)
-    chosen = named if named is not None else _sharpest(points, border, name)
+    chosen = named if named is not None else _sharpest(points, loops, border, name)
     if len(chosen) != 4:
         raise InputError(
             f"{len(chosen)} corners are named, a patch has four", where=f"mesh '{name}'",
@@ -209,7 +359,10 @@ def patch_from_mesh(
     rows, columns = (max(_DEGREE + 1, int(c)) for c in control)
     control_points = _fit(points, u, v, rows, columns)
     patch = Patch(partial(_on_spline, control_points), name=name)
-    distance = distances(patch, np.column_stack([u, v, points]), loops)
+    at = np.column_stack([u, v, points])
+    ends = edges_of([tuple(loop) for loop in loops])
+    middles = np.array([at[loop].mean(axis=0) for loop in loops])
+    distance = distances(patch, np.concatenate([at, at[ends].mean(axis=1), middles]))
     farthest = float(distance.max())
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if not farthest <= _FARTHEST_FIT * size:
@@ -232,9 +385,9 @@ def patch_from_mesh(
     )
 
 
-def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
+def _sharpest(points: Floats, loops: list[list[int]], border: list[int], name: str) -> list[int]:
     """Four corners by the turn of the border, the lowest side first."""
-    turn = turns_of(points, border)
+    turn = turns_of(points, loops, border)
     picked = np.sort(np.argsort(-turn, kind="stable")[:4])
     if len(picked) < 4 or turn[picked].min() < _CORNER_TURN:
         raise InputError(
@@ -282,15 +435,12 @@ def _second(count: int) -> sparse.csr_matrix:
     return sparse.diags([1.0, -2.0, 1.0], [0, 1, 2], shape=(count - 2, count)).tocsr()
 
 
-def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Floats:
-    """Distance (k,) [m] from the patch of the vertices, then of the middles of edges and faces.
+def distances(patch: Patch, sample: Floats) -> Floats:
+    """Distance (k,) [m] of points from the patch.
 
-    ``at`` (p, 5) holds u, v and the position of every vertex. A few Gauss-Newton steps correct the
-    parameters to those of the nearest point of the patch.
+    ``sample`` (k, 5) holds u, v near every point, and its position. A few Gauss-Newton steps
+    correct the parameters to those of the nearest point of the patch.
     """
-    ends = edges_of([tuple(loop) for loop in loops])
-    middles = np.array([at[list(loop)].mean(axis=0) for loop in loops])
-    sample = np.concatenate([at, 0.5 * (at[ends[:, 0]] + at[ends[:, 1]]), middles])
     distance: Floats = np.linalg.norm(patch.point(*sample[:, :2].T) - sample[:, 2:], axis=1)
     worst = np.argsort(-distance, kind="stable")[:_PROJECTED]
     uv, place = sample[worst, :2].copy(), sample[worst, 2:]
@@ -362,26 +512,19 @@ def border_of(loops: list[list[int]], name: str) -> list[int]:
     return [*run[first:], *run[:first]]
 
 
-def turns_of(points: Floats, border: list[int]) -> Floats:
-    """Turn (b,) [degrees] of the border at each of its vertices."""
-    run = points[border]
-    before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
-    cosine = dot(before, after)
-    cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    turn: Floats = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    return turn
+def turns_of(points: Floats, loops: list[list[int]], border: list[int]) -> Floats:
+    """Turn (b,) [degrees] of the border at each of its vertices, in the surface; inwards below 0.
 
-
-def _outward(points: Floats, loops: list[list[int]], border: list[int]) -> Floats:
-    """(b,) 1 where the border turns around the mesh, seen along its normal, -1 where inwards."""
-    normal = np.zeros_like(points)
+    It is 180 degrees less the angles of the faces there.
+    """
+    angle = np.zeros(len(points))
     for loop in loops:
-        across = points[loop] - points[loop[0]]
-        normal[loop] += np.cross(across[:-1], across[1:]).sum(axis=0)
-    run = points[border]
-    before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
-    outward: Floats = np.sign(dot(np.cross(before, after), normal[border]))
-    return outward
+        run = points[loop]
+        after, before = np.roll(run, -1, axis=0) - run, np.roll(run, 1, axis=0) - run
+        cosine = dot(after, before) / (lengths(after) * lengths(before))
+        angle[loop] += np.arccos(np.clip(cosine, -1.0, 1.0))
+    turn: Floats = 180.0 - np.rad2deg(angle[border])
+    return turn
 
 
 def side_between(border: list[int], start: int, end: int) -> list[int]:
@@ -404,20 +547,8 @@ def mapped(
     Every inner vertex lies at the mean of its neighbours, weighted by inverse length. Source:
     Floater 1997.
     """
-    where = f"corners of mesh '{name}'"
-    inside = [k for k, corner in enumerate(corners, 1) if corner not in border]
-    if inside:
-        raise InputError(
-            f"number {inside[0]} of {len(corners)} is not on the border", where=where,
-            remedy="name vertices of the border",
-        )  # fmt: skip
-    if not _cyclic([border.index(c) for c in corners]):  # given in the opposite direction
+    if not along_border(border, corners, name):
         corners, polygon = [corners[0], *corners[:0:-1]], np.roll(polygon[::-1], 1, axis=0)
-        if not _cyclic([border.index(c) for c in corners]):
-            raise InputError(
-                "they do not follow each other", where=where,
-                remedy="name them in their order along the border",
-            )  # fmt: skip
     place = np.full((len(points), 2), np.nan)
     for k in range(len(corners)):
         after = (k + 1) % len(corners)
@@ -438,8 +569,26 @@ def mapped(
     return place
 
 
+def along_border(border: list[int], corners: list[int], name: str) -> bool:
+    """Whether corners follow each other along the border, rather than against it."""
+    where = f"corners of mesh '{name}'"
+    inside = [k for k, corner in enumerate(corners, 1) if corner not in border]
+    if inside:
+        raise InputError(
+            f"number {inside[0]} of {len(corners)} is not on the border", where=where,
+            remedy="name vertices of the border",
+        )  # fmt: skip
+    order = [border.index(c) for c in corners]
+    if not (_cyclic(order) or _cyclic(order[::-1])):
+        raise InputError(
+            "they do not follow each other", where=where,
+            remedy="name them in their order along the border",
+        )  # fmt: skip
+    return _cyclic(order)
+
+
 def _cyclic(order: list[int]) -> bool:
-    """Whether four positions ascend cyclically."""
+    """Whether positions ascend cyclically."""
     start = int(np.argmin(order))
     turned = order[start:] + order[:start]
     return turned == sorted(turned)

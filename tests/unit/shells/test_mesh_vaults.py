@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from drystone import InputError
 from drystone.base.arrays import Floats
@@ -12,6 +13,7 @@ from drystone.cli.surfaces import SurfaceRequest, surface_of
 from drystone.shells import (
     Ground,
     Layout,
+    Shape,
     ShellBody,
     build_shell,
     find_form,
@@ -19,6 +21,7 @@ from drystone.shells import (
     three_legged_plan,
     vaults_from_mesh,
 )
+from tests.legged import mesh_of, plans, write_obj
 
 NODES = 9
 
@@ -37,7 +40,7 @@ def legs() -> tuple[Floats, list[list[int]]]:
 def test_the_courses_of_each_vault_are_arches_from_support_to_support() -> None:
     points, faces = legs()
     assert several_supports(points, faces)
-    shape = vaults_from_mesh(points, faces)
+    shape, _ = vaults_from_mesh(points, faces)
     assert len(shape.patches) == 3
     feet = {
         round(float(z), 6) for edge in shape.supports for z in shape.points_along(edge, 5)[:, 2]
@@ -56,7 +59,7 @@ def test_the_courses_of_each_vault_are_arches_from_support_to_support() -> None:
 
 def test_the_surface_goes_through_the_mesh() -> None:
     points, faces = legs()
-    shape = vaults_from_mesh(points, faces)
+    shape, _ = vaults_from_mesh(points, faces)
     at = np.linspace(0.0, 1.0, 81)
     on = np.concatenate([p.point(at[:, None], at[None, :]).reshape(-1, 3) for p in shape.patches])
     apart = [float(np.linalg.norm(on - point, axis=1).min()) for point in points]
@@ -71,7 +74,7 @@ def test_open_sides_may_turn_inwards_between_legs() -> None:
     points = np.stack([x, y, 2.0 - 0.12 * (x**2 + y**2)], axis=-1).reshape(-1, 3)
     loop = (0, 16, 17, 1)
     faces = [[16 * i + j + step for step in loop] for i, j in inside]
-    shape = vaults_from_mesh(points, faces)
+    shape, _ = vaults_from_mesh(points, faces)
     feet = np.concatenate([shape.points_along(edge, 5) for edge in shape.supports])
     assert len(shape.patches) == 4
     assert np.abs(feet[:, :2]).max(axis=1) == pytest.approx(3.0, abs=0.01)
@@ -79,8 +82,90 @@ def test_open_sides_may_turn_inwards_between_legs() -> None:
 
 def test_corners_that_are_no_ends_of_supports_are_refused() -> None:
     points, faces = legs()
-    with pytest.raises(InputError, match=r"4 corners.*three supports or more"):
-        vaults_from_mesh(points, faces, corners=[0, NODES - 1, NODES**2, NODES**2 + NODES - 1])
+    with pytest.raises(InputError, match=r"3 ends of supports.*two supports or more"):
+        vaults_from_mesh(points, faces, corners=[0, NODES - 1, NODES**2])
+
+
+VAULTS = {"T": 3, "Y": 3, "uneven": 3, "cross": 4, "H": 4, "L": 2}
+
+
+def grids(shape: Shape) -> Floats:
+    """(k, 41, 41, 3) points on each vault."""
+    at = np.linspace(0.0, 1.0, 41)
+    return np.stack([patch.point(at[:, None], at[None, :]) for patch in shape.patches])
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+@pytest.mark.parametrize("name", VAULTS)
+def test_legs_that_meet_in_a_plan_are_vaults_that_cover_it(name: str, triangles: bool) -> None:
+    points, faces, ends = mesh_of(name, triangles=triangles)
+    shape, farthest = vaults_from_mesh(points, faces)
+    assert len(shape.patches) == VAULTS[name]
+    assert farthest < 0.004
+    found = np.concatenate([shape.points_along(edge, 2) for edge in shape.supports])
+    apart = np.linalg.norm(points[ends][:, None] - found, axis=2).min(axis=1)
+    assert apart.max() < 1e-6
+    each = grids(shape)[..., :2]
+    across, other = each[:, 1:, 1:] - each[:, :-1, :-1], each[:, 1:, :-1] - each[:, :-1, 1:]
+    cell = 0.5 * (across[..., 0] * other[..., 1] - across[..., 1] * other[..., 0])
+    assert (cell > 0.0).all() or (cell < 0.0).all()  # no fold
+    quads = np.array(plans()[name][0])
+    first, second = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
+    legs_area = 0.5 * float((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum())
+    assert np.abs(cell).sum() == pytest.approx(legs_area, rel=0.01)
+    named, _ = vaults_from_mesh(points, faces, corners=ends)
+    assert_same(grids(named), grids(shape), 1e-9)
+    backwards, _ = vaults_from_mesh(points, faces, corners=ends[::-1])
+    assert_same(grids(backwards), grids(shape), 1e-9)
+
+
+def assert_same(one: Floats, other: Floats, within: float) -> None:
+    """The same vaults, in any order."""
+    gap = np.abs(one[:, None] - other[None]).max(axis=(2, 3, 4))
+    assert gap.min(axis=1).max() < within
+
+
+@pytest.mark.parametrize("name", VAULTS)
+def test_vaults_move_with_their_mesh_and_do_not_know_its_numbers(name: str) -> None:
+    points, faces, _ = mesh_of(name, noise=1e-3, triangles=True, rise=5.0)
+    made = grids(vaults_from_mesh(points, faces)[0])
+    turn = Rotation.from_euler("zx", [40.0, 30.0], degrees=True).as_matrix()
+    for moved in (turn, 0.01 * turn):
+        grid = grids(vaults_from_mesh(points @ moved.T + [7.0, -3.0, 2.0], faces)[0])
+        size = float(np.linalg.norm(moved[0]))
+        assert_same(grid, made @ moved.T + [7.0, -3.0, 2.0], 1e-4 * size)
+    order = np.random.default_rng(1).permutation(len(points))
+    new = np.argsort(order)
+    again = [[int(new[i]) for i in face] for face in faces[::-1]]
+    assert_same(grids(vaults_from_mesh(points[order], again)[0]), made, 1e-4)
+
+
+@pytest.mark.parametrize("name", VAULTS)
+def test_the_command_builds_a_mesh_of_legs_and_checks_it(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_obj(path := tmp_path / f"{name}.obj", *mesh_of(name, noise=1e-3)[:2])
+    stands = name != "L"  # two legs fall outwards where they bend
+    assert main(["shell", str(path), "--json"]) == (0 if stands else 1)
+    assert ('"verdict": "stable"' in capsys.readouterr().out) is stands
+
+
+def test_a_mesh_that_overhangs_is_refused() -> None:
+    points, faces, _ = mesh_of("T")
+    inwards = 3.0 * np.clip(1.0 - points[:, 2], 0.0, 1.0) ** 2
+    horseshoe = points - np.sign(points) * [1.0, 0.0, 0.0] * inwards[:, None]
+    with pytest.raises(InputError, match=r"overhangs in \d+ faces, .*; cut it"):
+        vaults_from_mesh(horseshoe, faces)
+
+
+def test_four_corners_named_on_a_round_border_are_those_of_one_patch() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    plan = np.concatenate([[[0.0, 0.0]], 0.5 * ring, ring])
+    points = np.column_stack([plan, 0.3 * (1.0 - (plan**2).sum(axis=1))])
+    inner = [[0, 1 + k, 1 + (k + 1) % 24] for k in range(24)]
+    outer = [[1 + k, 25 + k, 25 + (k + 1) % 24, 1 + (k + 1) % 24] for k in range(24)]
+    assert not several_supports(points, [*inner, *outer], corners=[25, 31, 37, 43])
 
 
 def test_the_command_divides_a_mesh_on_several_supports(
@@ -95,7 +180,11 @@ def test_the_command_divides_a_mesh_on_several_supports(
     for corners in (None, feet):
         made = surface_of(SurfaceRequest(str(path), corners=corners))
         assert len(made.shape.patches) == 3
-        assert made.notes == ("3 vaults from support to support, one at each open side",)
+        assert made.courses == 4
+        assert made.notes == (
+            "3 vaults from support to support, one at each open side",
+            "the vertices of the mesh are up to 1.1 mm from them",
+        )
     named = ",".join(map(str, feet))
     assert main(["shell", str(path), "--corners", named, "--supports", "left"]) == 2
     assert "--supports" in capsys.readouterr().err
