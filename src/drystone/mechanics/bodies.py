@@ -119,13 +119,12 @@ class Bodies:
         return Compliance(self.normal, StickSlip(FrictionBound(self.friction), self.tangential))
 
     @cached_property
-    def by_corner(self) -> tuple[Floats, Floats, Floats]:
-        """``arm_a`` and ``arm_b`` (3, k), and ``frame`` (3, 3, k), with the corner last."""
-        arm_a, arm_b, frame = (
-            np.ascontiguousarray(np.moveaxis(values, 0, -1))
-            for values in (self.arm_a, self.arm_b, self.frame)
-        )
-        return arm_a, arm_b, frame
+    def by_corner(self) -> tuple[Floats, Floats]:
+        """With the corner last: ``arm_a`` and ``frame`` (4, 3, k), ``arm_b`` and n (2, 3, k)."""
+        of_a = np.concatenate([self.arm_a[:, None], self.frame], axis=1)
+        of_b = np.stack([self.arm_b, self.frame[:, 0]], axis=1)
+        on_a, on_b = (np.ascontiguousarray(np.moveaxis(one, 0, -1)) for one in (of_a, of_b))
+        return on_a, on_b
 
 
 def build_bodies(

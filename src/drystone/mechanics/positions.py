@@ -61,21 +61,21 @@ def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     blocks = bodies.block_a, bodies.block_b
     turn_a, turn_b = (_of_corners(pose.turn, block) for block in blocks)
     place_a, place_b = (_of_corners(pose.place, block) for block in blocks)
-    arm_a, arm_b, begin = bodies.by_corner
-    on_a = place_a + _product(turn_a, arm_a)
-    frame = np.array([_product(turn_a, axis) for axis in begin])
+    of_a, of_b = bodies.by_corner
+    turned = _product(turn_a, of_a)
+    on_a, frame = place_a + turned[0], turned[1:]
     # from the corner of a to that of b, and the normal of the face of b
-    apart = _product(frame, place_b + _product(turn_b, arm_b) - on_a)
-    normal = _product(frame, _product(turn_b, begin[0]))
+    there = _product(turn_b, of_b)
+    there[0] += place_b - on_a
+    apart, normal = _product(frame, there)
     carried, tangent, on = slid(bodies.ends, np.ascontiguousarray(apart[1:].T))
     lean, left = normal[1:].copy(), apart[1:] - carried.T
     gap = normal[0] * apart[0] + lean[0] * left[0] + lean[1] * left[1]
     normal[1:] -= lean[0] * tangent[:, 0].T + lean[1] * tangent[:, 1].T
     point = on_a + carried[:, 0] * frame[1] + carried[:, 1] * frame[2]
-    axes = np.empty((len(gap), 3, 3))
-    for number, axis in enumerate(_inclined(normal)):
-        axes[:, number] = (axis[0] * frame[0] + axis[1] * frame[1] + axis[2] * frame[2]).T
-    return Placed(np.ascontiguousarray(point.T), axes, np.where(on, gap, OUT_OF_REACH))
+    axes = _product(frame.swapaxes(0, 1), _inclined(normal))
+    last = np.ascontiguousarray(point.T), np.ascontiguousarray(axes.transpose(2, 0, 1))
+    return Placed(*last, np.where(on, gap, OUT_OF_REACH))
 
 
 def _of_corners(values: Floats, block: Ints) -> Floats:
@@ -86,9 +86,10 @@ def _of_corners(values: Floats, block: Ints) -> Floats:
     return values.transpose(*range(1, values.ndim), 0).take(block, axis=-1)
 
 
-def _product(matrix: Floats, vector: Floats) -> Floats:
-    """(3, k) of matrices (3, 3, k) and vectors (3, k)."""
-    return matrix[:, 0] * vector[0] + matrix[:, 1] * vector[1] + matrix[:, 2] * vector[2]
+def _product(matrix: Floats, vectors: Floats) -> Floats:
+    """(m, 3, k) of matrices (3, 3, k) and m vectors of each (m, 3, k)."""
+    x, y, z = vectors.transpose(1, 0, 2)[:, :, None]
+    return np.asarray(matrix[:, 0] * x + matrix[:, 1] * y + matrix[:, 2] * z)
 
 
 def _inclined(normal: Floats) -> Floats:

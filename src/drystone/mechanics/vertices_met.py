@@ -27,6 +27,8 @@ INSIDE = 1e-2
 vertex slides along the next face, which carries it."""
 NEAR = 1e-3
 """Distance from the face, by the same size, within which such a vertex is still on it. Chosen."""
+ROWS = 100_000
+"""Corners or vertices times poses that are looked at together."""
 MOVED = 1e-3
 """Travel by size from which on the vertices of a block, and those near it, are looked at."""
 
@@ -55,25 +57,23 @@ def vertices_met(model: Model, positions: Floats, reach: float) -> Apart:
     a, b = a[chosen], b[chosen]
     body, other = np.concatenate([a, b]), np.concatenate([b, a])
     vertex, patch, mine, theirs = _candidates(model, patches, body, other, reach)
-    smaller = np.minimum(size[mine], size[theirs])
-    depth = THROUGH * smaller
-    region = _Regions(patches)
+    smaller, region = np.minimum(size[mine], size[theirs]), _Regions(patches)
     found = np.zeros(len(patch), dtype=bool)
-    left = np.arange(len(patch))
-    for pose in positions[1:]:
-        if not len(left):
-            break
-        turn = rotations(pose[:, 3:])
+    left, centre = np.arange(len(patch)), assembly.centroid - patches.origin
+    step = max(ROWS // max(len(patch), 1), 1)
+    for first in range(1, len(positions), step):
+        some = positions[first : first + step]
+        turn = rotations(some[..., 3:].reshape(-1, 3)).reshape(*some.shape[:2], 3, 3)
         i, j = mine[left], theirs[left]
-        centre = assembly.centroid - patches.origin
-        at = np.einsum("cij,cj->ci", turn[i], vertex[left] - centre[i]) + centre[i] + pose[i, :3]
-        local = np.einsum("cji,cj->ci", turn[j], at - centre[j] - pose[j, :3]) + centre[j]
-        off = local - patches.centre[patch[left]]
-        below = (off * patches.normal[patch[left]]).sum(axis=1) < -depth[left]
-        found[left[below]] = region.contain(
-            patch[left[below]], off[below], -INSIDE * smaller[left[below]]
-        )
-        left = left[~below]
+        arm = (vertex[left] - centre[i])[:, :, None]
+        moved = (turn[:, i] @ arm)[..., 0] + (centre[i] - centre[j]) + some[:, i, :3]
+        local = (turn[:, j].swapaxes(2, 3) @ (moved - some[:, j, :3])[..., None])[..., 0]
+        off = local + (centre[j] - patches.centre[patch[left]])
+        below = (off * patches.normal[patch[left]]).sum(axis=2) < -THROUGH * smaller[left]
+        gone = np.flatnonzero(below.any(axis=0))
+        which, at = left[gone], off[below[:, gone].argmax(axis=0), gone]
+        found[which] = region.contain(patch[which], at, -INSIDE * smaller[which])
+        left = np.delete(left, gone)
     keep = np.flatnonzero(found)
     return _contacts(model, patches, vertex[keep], patch[keep], mine[keep], theirs[keep])
 

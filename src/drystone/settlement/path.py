@@ -35,6 +35,7 @@ from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors
 from drystone.mechanics.roles import as_turned
 from drystone.mechanics.soft_springs import STIFFEST
+from drystone.mechanics.vertices_met import ROWS
 from drystone.model import Model
 from drystone.settlement.settlement_types import (
     PROVEN,
@@ -50,9 +51,6 @@ ALIKE = 2e-4
 long as an increment. Measured where both were followed: at most 1e-4 in 31 models whose two motions
 were the same, 2e-3 or more in six wedges whose motions were not; there the larger of two components
 was taken, here the length, up to 1.4 times as long."""
-
-ROWS = 100_000
-"""Corners times poses that are looked at together."""
 
 
 def ends_alike(
