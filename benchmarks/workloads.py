@@ -9,10 +9,13 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import Voronoi
 
 from drystone import Assembly, Contacts, LoadCase, Model, Verdict, models
+from drystone.base.arrays import Floats
 from drystone.detection import find_contacts
 from drystone.io import read
+from drystone.models import welded
 
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
 
@@ -271,3 +274,23 @@ def workloads(path: Path | None = None) -> dict[str, Workload]:
     if path is not None:
         found = [*armadillo(path), *found]
     return {work.key: work for work in found}
+
+
+def voronoi_stones(count: int, seed: int = 1) -> Assembly:
+    """Irregular stones: the Voronoi cells of random points in a cube of 2 m, those below fixed."""
+    points = 2.0 * np.random.default_rng(seed).random((count, 3))
+    images = [points]
+    for axis in range(3):
+        for side in (0.0, 4.0):
+            image = points.copy()
+            image[:, axis] = side - image[:, axis]
+            images.append(image)
+    cells = Voronoi(np.concatenate(images))
+    loops: list[list[Floats]] = [[] for _ in points]
+    for pair, ridge in zip(cells.ridge_points.tolist(), cells.ridge_vertices, strict=True):
+        for cell in pair:
+            if cell < count:
+                loops[cell].append(cells.vertices[ridge])
+    stones = tuple(welded(faces, f"stone-{i}") for i, faces in enumerate(loops))
+    assembly = Assembly(stones)
+    return assembly.with_fixed(np.flatnonzero(assembly.bounds[:, 0, 2] < 1e-9).tolist())

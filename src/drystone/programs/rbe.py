@@ -31,7 +31,7 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     balanced,
-    found_mechanism,
+    checked_mechanism,
     moving_blocks,
     sound_mechanism,
     unless_near_pairs_hold,
@@ -270,12 +270,12 @@ def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress |
         if max(residuals.equilibrium, residuals.tension, residuals.crushing) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, BALANCED
     else:
-        mechanism = found_mechanism(problem, solution, clock.late)
-        exact = chosen.cone == FrictionCone.exact() and problem.statics.dry
-        if mechanism is None and exact and not clock.late():
-            # a cone that is almost flat, at a friction coefficient of 10,000 and more
+        mechanism = checked_mechanism(problem, solution)
+        if mechanism is None and problem.statics.dry and not clock.late():
+            # close to a limit, or a cone that is almost flat: a friction of 10,000 and more
             other = _nearest(problem, chosen, clock)
-            if other is not None and other.mechanism is None:
+            exact = chosen.cone == FrictionCone.exact()
+            if other is not None and other.mechanism is None and exact:
                 return replace(other, iterations=other.iterations + solution.raw.iterations)
             mechanism = None if other is None else other.mechanism
         if mechanism is not None:

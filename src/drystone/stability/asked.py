@@ -38,8 +38,8 @@ from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
     balanced,
+    checked_mechanism,
     first_motion,
-    found_mechanism,
     moving_blocks,
     sound_mechanism,
 )
@@ -192,7 +192,7 @@ class Asked:
         found = solve_equilibrium(problem.statics, cone=cone, options=options, stop=late)
         self.steps += found.raw.iterations
         solved = found.raw.status is ConicStatus.SOLVED
-        return found, None if solved else found_mechanism(problem, found, late)
+        return found, None if solved else checked_mechanism(problem, found)
 
     def _of_light_blocks(self, force: Floats) -> Floats | None:
         """The mechanism (n, 6) of blocks whose loads are lost in the rounding of heavier ones.

@@ -15,11 +15,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.checks import block_speed, check_forces, mechanism_defects
 from drystone.contacts import joined_contacts
 from drystone.detection.advice import contacts_if_joined, words_on
-from drystone.formulations.equilibrium import (
-    EquilibriumSolution,
-    held_still,
-    project_on_mechanisms,
-)
+from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.mechanics.rest_state import RestState
 from drystone.mechanics.touching import near_edges
 from drystone.model import Model
@@ -100,25 +96,6 @@ def balanced(problem: Problem, force: Floats) -> bool:
         return False
     found = check_forces(problem.model, problem.force(force))
     return max(found.equilibrium, found.tension, found.cone) <= FORCE_TOLERANCE
-
-
-def found_mechanism(
-    problem: Problem, solution: EquilibriumSolution, stop: Callable[[], bool]
-) -> Floats | None:
-    """The mechanism of an equilibrium that was not found, from the multiplier or solved for.
-
-    Close to the limit the multiplier of a failed program may miss the tolerance; the projection of
-    the loads onto the cone of mechanisms does not, once what hardly moves is held still. It is left
-    out, or given up, where ``stop`` says so.
-    """
-    mechanism = checked_mechanism(problem, solution)
-    if mechanism is not None or stop():
-        return mechanism
-    projected = project_on_mechanisms(problem.statics, stop=stop)
-    mechanism = None if projected is None else checked_mechanism(problem, projected)
-    if projected is None or mechanism is not None or stop():
-        return mechanism
-    return checked_mechanism(problem, held_still(problem.statics, projected))
 
 
 def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.workloads import random_pile
+from benchmarks.workloads import random_pile, voronoi_stones
 from drystone import Assembly, LoadCase, Model, check, find_contacts
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
@@ -198,3 +198,17 @@ def test_corners_that_hardly_move_are_held_still_and_the_others_keep_their_motio
     assert still.any()
     assert np.abs(statics.displacement(held)[still]).max() < 1e-12
     assert held == pytest.approx(motion, abs=1e-5)
+
+
+@pytest.mark.parametrize(("count", "seed", "friction"), [(60, 4, 0.6), (150, 2, 0.5)])
+def test_the_fastest_of_irregular_stones_fall_while_the_others_slowly_come_to_rest(
+    count: int, seed: int, friction: float
+) -> None:
+    model = Model.of(voronoi_stones(count, seed), friction=friction)
+    problem, found = answer(model)
+    assert found.motion is not None
+    motion = sound_mechanism(problem, found.motion)
+    assert motion is not None
+    violation, power = mechanism_defects(model, motion)
+    assert violation <= 1e-5
+    assert power > 0.1
