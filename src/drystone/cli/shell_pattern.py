@@ -41,7 +41,7 @@ def _wedges(text: str) -> tuple[float, ...]:
 class ShellPattern:
     """How a surface is divided, and what its blocks are like."""
 
-    courses: Annotated[int | None, Option("Number of courses (12; 8 of three vaults).")] = None
+    courses: Annotated[int | None, Option("Number of courses (12; legs have fewer).")] = None
     course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None
     partial: Annotated[
         int | None,
