@@ -17,6 +17,7 @@ from drystone.base.arrays import (
     frozen_floats,
     frozen_ints,
     frozen_points,
+    lengths,
     one_or_each,
     whole,
 )
@@ -223,6 +224,25 @@ class Contacts(OneLine):
         return finite
 
     @cached_property
+    def ties(self) -> Bools:
+        """(m,) which are ties: faces drawn together, of more area than their corners enclose."""
+        away = lengths(self.point - self.centroid[self.interface])
+        far = np.zeros(self.count)
+        np.maximum.at(far, self.interface, away)
+        wide: Bools = (self.corners.counts > 2) & (self.area > 4.0 * np.pi * far**2)
+        return wide
+
+    @property
+    def tie_strength(self) -> Floats:
+        """(m,) [N], the pull at which each tie yields: infinite without a limit, and of others."""
+        none = np.full(self.count, np.inf)
+        if self.capacity is None:
+            return none
+        whole = self.capacity.compression
+        enclosed = self.corners.sum(self.tributary) / np.where(self.area > 0.0, self.area, 1.0)
+        return np.where(self.ties & (whole < NO_LIMIT), whole * enclosed, none)
+
+    @cached_property
     def dry(self) -> Bools:
         """(m,) interfaces that neither pull nor cohere, nor have a limit of shear."""
         if self.capacity is None:
@@ -334,8 +354,12 @@ class Contacts(OneLine):
         return self.point[self.corners[interface]]
 
     def with_friction(self, friction: float | Sequence[float] | Floats) -> Contacts:
-        """The same interfaces with another friction coefficient, one for all or one each."""
-        return replace(self, friction=check_friction(friction, self.count))
+        """The same interfaces with another friction coefficient, one for all or one each.
+
+        Ties have none.
+        """
+        chosen = np.where(self.ties, 0.0, check_friction(friction, self.count))
+        return replace(self, friction=chosen)
 
     def select(self, interfaces: Bools | Ints, renumber: Ints | None = None) -> Contacts:
         """Only the given interfaces (mask or positions), in ascending order.
@@ -450,7 +474,7 @@ def _as_strong(given: Contacts, *others: Contacts) -> JointCapacity:
     dry = JointCapacity.dry(given.count)
     least = np.inf
     for contacts in others:
-        face = contacts.crushes & (contacts.area > 0.0)
+        face = contacts.crushes & (contacts.area > 0.0) & ~contacts.ties
         if contacts.capacity is not None and face.any():
             stress = contacts.capacity.compression[face] / contacts.area[face]
             least = min(least, float(stress.min()))

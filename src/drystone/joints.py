@@ -18,7 +18,6 @@ from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.kern import edge_ratio, kern_ratio
 from drystone.geometry.pressure import peak_pressure
-from drystone.ties import ties_of
 from drystone.virtual import joint_sections
 
 HINGED = 0.99
@@ -400,7 +399,7 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
     """
     normal = resultants.normal
     loaded = normal > ROUNDING * max(float(normal.max(initial=0.0)), 1e-300)
-    pressed = np.flatnonzero(loaded & ~ties_of(assembly, contacts))
+    pressed = np.flatnonzero(loaded & ~contacts.ties)
     block = np.concatenate([contacts.block_a[pressed], contacts.block_b[pressed]])
     interface = np.concatenate([pressed, pressed])
     free = ~assembly.fixed[block]

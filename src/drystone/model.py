@@ -367,6 +367,9 @@ class Model(Card):
         """
         if not self.contacts.plain.all():
             i = int(np.argmin(self.contacts.plain))
+            if self.contacts.ties[i]:
+                what, remedy = f"{what} takes no strength of a tie", "leave the strength out"
+                raise InputError(what + (f": {why}" if why else ""), remedy=remedy)
             raise InputError(
                 f"{what} takes dry joints only, and interface {i} pulls, coheres or has a limit of "
                 "shear or strength" + (f": {why}" if why else ""),

@@ -23,7 +23,7 @@ from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.supports import bounds_above_ground
-from drystone.ties import ties_of
+from drystone.ties import strengths
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """The vertical axis of a picture, unless gravity is turned."""
@@ -62,6 +62,8 @@ class Question(OneLine):
         Least and largest tension, cohesion, shear and compression of the joints [N].
     joint_stress
         Those of them that are one stress on all faces [Pa].
+    ties
+        Pull at which each tie yields [N], by the names of its blocks; infinite without a limit.
     mortar
         ``brittle`` or ``ductile`` where joints pull or cohere.
     notes
@@ -90,6 +92,7 @@ class Question(OneLine):
     loads: tuple[Mapping[str, Any], ...] = ()
     joint_capacity: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     joint_stress: Mapping[str, float] = field(default_factory=dict)
+    ties: Mapping[str, float] = field(default_factory=dict)
     mortar: str = ""
     notes: tuple[str, ...] = ()
     options: Mapping[str, str] = field(default_factory=dict)
@@ -136,11 +139,11 @@ class Question(OneLine):
         density = np.array([block.density for block in assembly.blocks])
         low, high = bounds_above_ground(assembly)
         common, others = ((), ()) if load is None else _loads(assembly, load)
-        rubs = contacts.friction[~ties_of(assembly, contacts)]
+        rubs = contacts.select(~contacts.ties)
         capacity, stress = {}, {}
-        if contacts.capacity is not None:
-            capacity = {name: _ends(getattr(contacts.capacity, name)) for name in DRY}
-            stress = contacts.capacity.stress_on(contacts.area)
+        if rubs.capacity is not None:
+            capacity = {name: _ends(getattr(rubs.capacity, name)) for name in DRY}
+            stress = rubs.capacity.stress_on(rubs.area)
         return cls(
             blocks=len(assembly),
             interfaces=contacts.count,
@@ -149,7 +152,7 @@ class Question(OneLine):
             free_mass=float(assembly.mass[free].sum()),
             supports=tuple(assembly.names[i] for i in np.flatnonzero(assembly.fixed)),
             density=_ends(density),
-            friction=_ends(rubs) if len(rubs) else None,
+            friction=_ends(rubs.friction),
             load="" if load is None else load.name,
             acceleration=common,
             loads=others,
@@ -159,6 +162,7 @@ class Question(OneLine):
                 if ends not in (None, (DRY[name],) * 2)
             },
             joint_stress=stress,
+            ties=strengths(assembly, contacts),
             mortar="" if contacts.capacity is None else contacts.capacity.law,
             version=version(),
             commit=commit(),
@@ -184,6 +188,7 @@ class Question(OneLine):
                 for name, ends in self.joint_capacity.items()
             )
             + (f" ({self.mortar})" if self.mortar else ""),
+            "Ties": ", ".join(map(_tie, self.ties, self.ties.values())),
             "Load": self.load,
             "Options": _pairs(self.options),
             "Notes": "; ".join(self.notes),
@@ -210,6 +215,10 @@ class Question(OneLine):
         }
 
 
+def _tie(blocks: str, strength: float) -> str:
+    return blocks if np.isinf(strength) else f"{blocks} {units.quantity(strength, 'N')}"
+
+
 def asked_line(facts: Mapping[str, str], made: str = "") -> str:
     """What was asked, in one line.
 
@@ -232,6 +241,7 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
         ("Density", "density {}"),
         ("Friction", "friction {}"),
         ("Joint capacity", "joints carry {}"),
+        ("Ties", "ties {}"),
         ("Load", "{}"),
         ("Supports", "supports: {}"),
         ("Supports that move", "moved: {}"),

@@ -36,6 +36,7 @@ HOW = partial(
         "seismic": "KX,KY",
         "joint_capacity": "WHAT|FILE.csv",
         "strength": "PRESSURE",
+        "tie": "BLOCK:BLOCK[:FORCE]",
         "gap": "LENGTH|SHARE",
         "only": "NAMES",
         "without": "NAMES",
@@ -50,6 +51,7 @@ HOW = partial(
         CONTACTS: (
             "joint_capacity",
             "strength",
+            "tie",
             "gap",
             "angle",
             "edges",

@@ -376,12 +376,10 @@ def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
 
 def _loses_a_pull(chosen: Format, contents: Contents) -> bool:
     """Whether the model has joints that are strong, or ties, that a format does not store."""
-    from drystone.ties import ties_of
-
     contacts, lost = contents.contacts, ", ties," in chosen.loses
     if contacts is None:
         return lost and len(contents.ties) > 0
-    tied = lost and ties_of(contents.assembly, contacts).any()
+    tied = lost and contacts.ties.any()
     return bool(tied or not contacts.plain.all())
 
 

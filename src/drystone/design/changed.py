@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Bools, Floats
+from drystone.base.arrays import SAME, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
@@ -22,7 +22,6 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
 from drystone.shells import Layout
-from drystone.ties import ties_of
 
 _WIDE = 3.0
 """Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
@@ -251,7 +250,7 @@ def _marked(before: Model, after: Model) -> list[Layer]:
     was: dict[tuple[str, ...], Floats] = {}
     for pair, values in zip(_joints(before), _values(before), strict=True):
         was[pair] = np.maximum(values, was.get(pair, 0.0))
-    contacts, pairs, tie = after.contacts, _joints(after), ties_of(after.assembly, after.contacts)
+    contacts, pairs, tie = after.contacts, _joints(after), after.contacts.ties
     old = np.array([was.get(one, (0.0, np.inf, 0.0)) for one in pairs]).reshape(-1, 3)
     more = _values(after) > (1.0 + SAME) * old
     glued, rougher = more[:, 0] & ~tie, more[:, 1] & ~more[:, 0] & ~tie
@@ -283,7 +282,7 @@ def _joints(model: Model) -> list[tuple[str, ...]]:
 def _values(model: Model) -> Floats:
     """Of each interface (m, 3): pull plus cohesion [N], friction, and 1 for a tie."""
     capacity = model.contacts.capacity or JointCapacity.of(model.contacts)
-    tie: Bools = ties_of(model.assembly, model.contacts)
+    tie = model.contacts.ties
     return np.stack(
         [capacity.tension + capacity.cohesion, model.contacts.friction, tie.astype(np.float64)],
         axis=1,

@@ -15,7 +15,6 @@ from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import DRY, NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.ties import ties_of
 
 
 def changed(
@@ -189,7 +188,7 @@ def _refuse_lost(
 def _refuse_ties(model: Model, gone: Bools) -> None:
     """Refuse to change a block with a tie."""
     contacts = model.contacts
-    for k in np.flatnonzero(gone & ties_of(model.assembly, contacts)).tolist():
+    for k in np.flatnonzero(gone & contacts.ties).tolist():
         names = [model.assembly.names[i] for i in (contacts.block_b[k], contacts.block_a[k])]
         raise InputError(
             "have a tie between them, which would be lost",

@@ -31,7 +31,7 @@ from drystone.loads import LoadCase
 from drystone.mesh_objects import assembly_of
 from drystone.model import FlushEnds, Model, Origin, up_of_load
 from drystone.supports import GroundPlane, ground_of, require_supports, select
-from drystone.ties import with_ties
+from drystone.ties import with_tie_words, with_ties
 
 Whole: TypeAlias = LoadCase | float | Sequence[float]
 """The whole load of a model: a load case, a multiple of gravity, or an acceleration (3,) [m/s2]."""
@@ -55,6 +55,7 @@ class How(FileOptions, total=False):
     seismic: str | float | Sequence[float] | None
     joint_capacity: str | None
     strength: str | None
+    tie: str | Sequence[str]
     gap: float | str | None
     angle: float | None
     edges: EdgeContacts | str | None
@@ -88,6 +89,7 @@ def read(
     seismic: str | float | Sequence[float] | None = None,
     joint_capacity: str | None = None,
     strength: str | None = None,
+    tie: str | Sequence[str] = (),
     gap: float | str | None = None,
     angle: float | None = None,
     edges: EdgeContacts | str | None = None,
@@ -150,6 +152,9 @@ def read(
         in N.
     strength
         Pressure under which all joints crush, such as ``5MPa``; left out, they bear any.
+    tie
+        A rod between the middles of two blocks that only pulls, with the force at which it yields:
+        ``BLOCK:BLOCK:20kN``; without one it bears any. Several are possible.
     gap
         Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
         block, such as ``5%`` (0.5%).
@@ -224,8 +229,9 @@ def read(
         progress("read", 0, 2)
     asked: How = {
         "supports": supports, "friction": friction, "density": density,
-        "joint_capacity": joint_capacity, "strength": strength, "ends": ends, "anyway": anyway,
-        "only": only, "without": without, "isolate": isolate, "crack": crack, "search": search,
+        "joint_capacity": joint_capacity, "strength": strength, "tie": tie, "ends": ends,
+        "anyway": anyway, "only": only, "without": without, "isolate": isolate, "crack": crack,
+        "search": search,
     }  # fmt: skip
     of_file: FileOptions = {
         "units": units, "split": split, "repair": repair, "layers": layers, "hidden": hidden,
@@ -373,13 +379,12 @@ def _with_joints(model: Model, how: How) -> Model:
     words, strength, ends = how.get("joint_capacity"), how.get("strength"), how.get("ends")
     model = model if ends is None else replace(model, ends=ends)  # type: ignore[arg-type]
     model = model if words is None else with_joint_capacity(model, words)
-    if strength is None:
-        return model
-    if words is not None and model.contacts.crushes.any():
+    if strength is not None and words is not None and model.contacts.crushes.any():
         raise InputError(
             "the joints have a strength already", where="strength", remedy="leave one of both out"
         )
-    return with_strength(model, strength)
+    model = model if strength is None else with_strength(model, strength)
+    return with_tie_words(model, texts(how.get("tie", ())))
 
 
 def _part_of(contents: Contents, how: How) -> tuple[Contents, list[str]]:

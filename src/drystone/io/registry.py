@@ -22,7 +22,6 @@ from drystone.io.draft import Contents, Draft
 from drystone.io.several import Paths, files_of, left_notes, place_of, together
 from drystone.model import Model
 from drystone.results import Result
-from drystone.ties import ties_of
 
 
 @dataclass(frozen=True)
@@ -383,7 +382,7 @@ def _ties(contents: Contents) -> tuple[tuple[str, str], ...]:
     contacts, names = contents.contacts, contents.assembly.names
     if contacts is None:
         return contents.ties
-    some = np.flatnonzero(ties_of(contents.assembly, contacts)).tolist()
+    some = np.flatnonzero(contacts.ties).tolist()
     own = tuple((names[contacts.block_b[k]], names[contacts.block_a[k]]) for k in some)
     return (*contents.ties, *own)
 

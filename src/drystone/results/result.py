@@ -122,8 +122,9 @@ class Result(Solution, Answer):
         at, names = int(np.argmax(use)), self.assembly.names
         a, b = self.contacts[at].blocks
         most = rounded_up(100.0 * use[at])
-        words = f"strength: the joint of '{names[a]}' and '{names[b]}' uses {most:g} %"
-        words += f"; the first joint crushes at {rounded_down(1.0 / use[at]):g} times all loads"
+        what, fails = ("tie", "yields") if self.contacts.ties[at] else ("joint", "crushes")
+        words = f"strength: the {what} of '{names[a]}' and '{names[b]}' uses {most:g} %"
+        words += f"; the first {what} {fails} at {rounded_down(1.0 / use[at]):g} times all loads"
         if self.crushing_factor is not None:
             words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
         return [Sentence(words)]
@@ -172,7 +173,7 @@ class Result(Solution, Answer):
 
     def tables(self) -> Sequence[Table]:
         """What gives way with its props, the joints that carry most, reactions, applied loads."""
-        told = (self._props(), self._largest(), self._reactions(), self.loads())
+        told = (self._props(), self._largest(), self._ties(), self._reactions(), self.loads())
         return [table for table in told if len(table)]
 
     def layers(self) -> Scene:
@@ -256,6 +257,22 @@ class Result(Solution, Answer):
             "utilisation": used[at],
         }
         return Table("most loaded", columns, {"normal": "N", "friction": "N", "utilisation": "1"})
+
+    def _ties(self) -> Table:
+        """The pull of each tie, and the one at which it yields."""
+        ties, names = np.flatnonzero(self.contacts.ties), self.assembly.names
+        if self.force is None or not len(ties):
+            return Table("ties", {"block_a": []})
+        strength = self.contacts.tie_strength[ties]
+        pull = self.resultants.normal[ties]
+        columns = {
+            "block_a": [names[i] for i in self.contacts.block_b[ties]],
+            "block_b": [names[i] for i in self.contacts.block_a[ties]],
+            "pull": pull,
+            "strength": strength,
+            "strength_use": pull / strength,
+        }
+        return Table("ties", columns, {"pull": "N", "strength": "N", "strength_use": "1"})
 
     @property
     def sensitive(self) -> bool:

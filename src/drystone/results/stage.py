@@ -31,7 +31,6 @@ from drystone.joints import (
     hinged,
 )
 from drystone.results.solution import Solution, reaction_layer
-from drystone.ties import ties_of
 
 NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load comes from the ground springs. It is not
@@ -194,7 +193,7 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
             interface=first[made.interface[kept]],
         )
     )  # fmt: skip
-    ties = np.flatnonzero(shown & ties_of(result.assembly, contacts))
+    ties = np.flatnonzero(shown & contacts.ties)
     if ties.size:
         centroid = result.assembly.centroid
         start, end = centroid[contacts.block_a[ties]], centroid[contacts.block_b[ties]]

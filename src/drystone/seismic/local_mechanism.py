@@ -383,6 +383,9 @@ def local_mechanism(
         site=told,
     )
     if part:
+        if model.contacts.ties.any():
+            what = "asks what each tie pulls, and the model has ties of its own"
+            raise InputError(what, where="part", remedy="give --ties BLOCK:20kN in place of --tie")
         turning, motion = _turning(model, along, part, line, ties, shaken)
         found = turning.oscillator()
         moved, load = turning.curve()

@@ -100,7 +100,8 @@ def crushing_words(model: Model, found: Carried) -> str:
         return words
     pair = model.contacts[at].blocks
     a, b = (model.assembly.names[i] for i in pair)
-    return f"{words}; the joint of '{a}' and '{b}' crushes most"
+    what, fails = ("tie", "yields") if model.contacts.ties[at] else ("joint", "crushes")
+    return f"{words}; the {what} of '{a}' and '{b}' {fails} most"
 
 
 @one_blas_thread()

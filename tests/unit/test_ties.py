@@ -1,0 +1,109 @@
+"""Ties with a strength, in checks and limits: closed forms on both sides of each threshold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, Model
+from drystone.models import box, incline
+from drystone.seismic import local_mechanism
+from drystone.settlement import push
+
+G = 9.81
+
+
+def held_on_a_slope(angle: float) -> Assembly:
+    """A block on a slope, and a fixed anchor up the slope from its centroid."""
+    plane, block = incline(angle).blocks
+    away = np.array([-np.cos(np.radians(angle)), 0.0, np.sin(np.radians(angle))])
+    anchor = box((0.2, 0.2, 0.2), block.centroid + 3.0 * away - 0.1, "anchor")
+    return Assembly((plane, block, anchor), [True, False, True])
+
+
+def tied_wall() -> Assembly:
+    """A wall of 0.5 x 1 x 2 m on a base, and a fixed anchor beside it at half its height."""
+    base = box((1.5, 1.0, 0.5), (-0.5, 0.0, -0.5), "base")
+    wall = box((0.5, 1.0, 2.0), (0.0, 0.0, 0.0), "wall")
+    anchor = box((0.2, 0.2, 0.2), (-2.0, 0.4, 0.9), "anchor")
+    return Assembly((base, wall, anchor), [True, False, True])
+
+
+def test_a_rod_holds_what_slides_up_to_its_strength() -> None:
+    """A block of weight W slides where W sin(a) exceeds mu W cos(a) and the pull."""
+    blocks, slope = held_on_a_slope(40.0), np.radians(40.0)
+    needed = G * blocks.mass[1] * (np.sin(slope) - 0.5 * np.cos(slope))
+    assert drystone.check(blocks, friction=0.5).falls
+    assert drystone.check(blocks, friction=0.5, tie="block:anchor").stable
+    weak = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{0.99 * needed}N")
+    assert weak.falls
+    assert "the tie of 'anchor' and 'block' yields most" in weak.message
+    strong = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{1.01 * needed / 1e3}kN")
+    assert strong.stable
+    (ties,) = [one for one in strong.tables() if one.title == "ties"]
+    assert ties["pull"][0] == pytest.approx(needed, rel=1e-6)
+    assert ties["strength_use"][0] == pytest.approx(1.0 / 1.01, rel=1e-6)
+    assert strong.asked.ties == {"block:anchor": pytest.approx(1.01 * needed)}
+    assert strong.asked.joint_capacity == {}
+
+
+def test_a_tie_has_no_friction_whatever_the_joints_have() -> None:
+    """Without the pull T the block needs ``mu = tan(a) - T / (W cos(a))``."""
+    blocks, slope = held_on_a_slope(40.0), np.radians(40.0)
+    expected = np.tan(slope) - 1000.0 / (G * blocks.mass[1] * np.cos(slope))
+    model = Model.of(blocks, friction=0.9)
+    found = drystone.limit_friction(model, tie="block:anchor:1kN")
+    assert found.falls <= expected <= found.stands
+    assert found.stands - found.falls < 2e-3
+    assert model.contacts.count == 1  # the input is not changed
+
+
+def test_a_wall_and_its_tie_overturn_at_the_multiplier_of_the_kinematic_method() -> None:
+    """Moments about the toe: ``a = b / h + T / W`` with a tie at half the height."""
+    blocks, pull = tied_wall(), 4000.0
+    weight = G * blocks.mass[1]
+    expected = 0.5 / 2.0 + pull / weight
+    hand = local_mechanism(blocks, part="wall", direction="x", ties=[f"wall:{pull}N"], friction=2.0)
+    assert hand.oscillator.multiplier == pytest.approx(expected)
+    for share, stands in ((0.98, True), (1.02, False)):
+        found = drystone.check(
+            blocks, friction=2.0, tie=f"wall:anchor:{pull}N", seismic=f"{share * expected},0"
+        )
+        assert (found.stable, found.falls) == (stands, not stands)
+    with pytest.raises(InputError, match="give --ties"):
+        local_mechanism(blocks, part="wall", direction="x", tie="wall:anchor:4kN", friction=2.0)
+
+
+def test_joints_that_crush_leave_a_tie_its_strength() -> None:
+    blocks, slope = held_on_a_slope(40.0), np.radians(40.0)
+    needed = G * blocks.mass[1] * (np.sin(slope) - 0.5 * np.cos(slope))
+    how = {"friction": 0.5, "strength": "5MPa"}
+    for tie, stands in (("", True), (f":{0.99 * needed}N", False), (f":{1.01 * needed}N", True)):
+        found = drystone.check(blocks, tie=f"block:anchor{tie}", **how)
+        assert (found.stable, found.falls) == (stands, not stands)
+
+
+@pytest.mark.parametrize(
+    ("tie", "words"),
+    [
+        ("block", "is no tie with a strength; write BLOCK:BLOCK:20kN"),
+        ("block:nobody", "no block is called 'nobody'"),
+        ("plane:anchor", "nothing is tied; name two blocks, one of them free"),
+        ("block:block", "nothing is tied"),
+        ("block:anchor:0kN", "is no tie with a strength"),
+        ("block:anchor:5", "is not a number with a unit"),
+        ("block:anchor:5kg", "unit 'kg' is not known"),
+    ],
+)
+def test_what_is_no_tie_is_refused_in_one_line(tie: str, words: str) -> None:
+    with pytest.raises(InputError, match="tie") as refused:
+        drystone.check(held_on_a_slope(20.0), tie=tie)
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_yields_is_not_followed() -> None:
+    blocks = held_on_a_slope(20.0)
+    with pytest.raises(InputError, match="takes no strength of a tie"):
+        push(blocks, (1.0, 0.0, 0.0), friction=0.5, tie="block:anchor:1kN")
