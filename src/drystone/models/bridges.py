@@ -247,7 +247,8 @@ class Measured(OneLine):
 def joints_of(profile: Shape | Measured, span: float, rise: float, count: int) -> Floats:
     """Feet of the joints on the intrados, and their directions (count + 1, 2, 2).
 
-    They are equally far apart along the intrados, from the left springing at the origin.
+    They are equally far apart along the intrados, from the left springing at the origin. Directions
+    are as long as joints of a ring of 1 m: more than 1 at an apex, which is mitred.
 
     Parameters
     ----------
@@ -302,13 +303,13 @@ def _along_arcs(arcs: Sequence[_Arc], count: int) -> Floats:
     for i, at in enumerate(np.linspace(0.0, float(end[-1]), count + 1).tolist()):
         here = np.flatnonzero((at >= end - length - near) & (at <= end + near))
         rays = []
-        for one in here.tolist():  # two where arcs meet: the joint halves the angle between them
+        for one in here.tolist():  # two where arcs meet: the joint is a mitre between them
             centre, radius, first, _ = arcs[one]
             angle = first - (at - (end - length)[one]) / radius
             rays.append((np.cos(angle), np.sin(angle)))
             found[i, 0] = np.array(centre) + radius * np.array(rays[-1])
         ray = np.mean(rays, axis=0)
-        found[i, 1] = ray / np.linalg.norm(ray)
+        found[i, 1] = ray / (ray @ ray)
     found[[0, -1], 0, 1] = 0.0
     return found
 

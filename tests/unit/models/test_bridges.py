@@ -21,15 +21,16 @@ def test_a_segmental_ring_has_its_span_its_rise_and_radial_joints() -> None:
 
 
 @pytest.mark.parametrize(
-    ("profile", "rise", "inside"),
-    [("pointed", 4.0, True), ("elliptic", 1.5, True), ("three-centred", 1.5, True)],
+    ("profile", "rise", "crown"),
+    [("pointed", 4.0, 25.0 / 24.0), ("elliptic", 1.5, 1.0), ("three-centred", 1.5, 1.0)],
 )
 def test_other_profiles_spring_upright_and_reach_their_rise(
-    profile: str, rise: float, inside: bool
+    profile: str, rise: float, crown: float
 ) -> None:
+    """An apex is mitred: normals of (0.28, 0.96) and (-0.28, 0.96) meet there."""
     joints = joints_of(profile, 6.0, rise, 8)  # type: ignore[arg-type]
     assert joints[0, 1] == pytest.approx([-1.0, 0.0], abs=1e-9)
-    assert joints[4] == pytest.approx(np.array([[3.0, rise], [0.0, 1.0]]), abs=1e-6)
+    assert joints[4] == pytest.approx(np.array([[3.0, rise], [0.0, crown]]), abs=1e-6)
     mirrored = joints[::-1] * [-1.0, 1.0] + np.array([[6.0, 0.0], [0.0, 0.0]])
     assert joints == pytest.approx(mirrored, abs=1e-6)
 
