@@ -355,7 +355,7 @@ class Model(Card):
         other = self.with_capacity(capacity.cracked(which))
         return self.with_capacity(None) if other.contacts.plain.all() else other
 
-    def require_dry(self, what: str, why: str = "") -> None:
+    def require_dry(self, what: str, why: str = "", *, yielding: bool = False) -> None:
         """Raise InputError where joints pull or cohere, of an analysis that takes dry joints only.
 
         Parameters
@@ -364,9 +364,12 @@ class Model(Card):
             Name of the analysis.
         why
             Why it takes no others; empty if nothing is to be said.
+        yielding
+            Whether it takes ties with a strength.
         """
-        if not self.contacts.plain.all():
-            i = int(np.argmin(self.contacts.plain))
+        plain = self.contacts.plain | (self.contacts.ties & yielding)
+        if not plain.all():
+            i = int(np.argmin(plain))
             if self.contacts.ties[i]:
                 what, remedy = f"{what} takes no strength of a tie", "leave the strength out"
                 raise InputError(what + (f": {why}" if why else ""), remedy=remedy)

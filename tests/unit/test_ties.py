@@ -9,7 +9,7 @@ import drystone
 from drystone import Assembly, InputError, Model
 from drystone.models import box, incline
 from drystone.seismic import local_mechanism
-from drystone.settlement import push
+from drystone.settlement import Outcome, push
 
 G = 9.81
 
@@ -103,7 +103,31 @@ def test_what_is_no_tie_is_refused_in_one_line(tie: str, words: str) -> None:
     assert "\n" not in str(refused.value)
 
 
-def test_what_yields_is_not_followed() -> None:
-    blocks = held_on_a_slope(20.0)
+@pytest.mark.parametrize("pull", [500.0, 4000.0])
+def test_a_wall_that_is_pushed_keeps_the_strength_of_its_tie(pull: float) -> None:
+    """Moments about the toe at every angle: ``a = x / z + T / W``, the centroid at x before it."""
+    blocks = tied_wall()
+    more = pull / (G * blocks.mass[1])
+    found = push(blocks, friction=5.0, tie=f"wall:anchor:{pull}N", to=0.6)
+    assert found.peak == pytest.approx(0.25 + more, rel=1e-3)
+    before = 0.25 - found.displacement
+    height = np.sqrt(0.25**2 + 1.0 - before**2)
+    moved = found.displacement > 0.01
+    assert np.abs(found.load - before / height - more)[moved].max() < 2e-3
+    # it falls where the centroid has passed the toe by as much as the tie holds back
+    assert found.capacity == pytest.approx(0.25 + more * height[-1], rel=2e-2)
+
+
+def test_a_rod_that_yields_lets_its_block_slide_and_one_that_does_not_holds_it() -> None:
+    blocks, slope = held_on_a_slope(40.0), np.radians(40.0)
+    needed = G * blocks.mass[1] * (np.sin(slope) - 0.5 * np.cos(slope))
+    ends = [
+        drystone.settle(blocks, friction=0.5, tie=f"block:anchor:{share * needed}N").outcome
+        for share in (0.99, 1.01)
+    ]
+    assert ends == [Outcome.FALLS, Outcome.RESTS]
+
+
+def test_only_what_follows_blocks_knows_how_a_rod_yields() -> None:
     with pytest.raises(InputError, match="takes no strength of a tie"):
-        push(blocks, (1.0, 0.0, 0.0), friction=0.5, tie="block:anchor:1kN")
+        drystone.solve_cra(held_on_a_slope(20.0), friction=0.5, tie="block:anchor:1kN")

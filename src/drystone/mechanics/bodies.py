@@ -60,6 +60,7 @@ class Bodies:
     ends : where the corners are when blocks slide
     friction : (k,)
     normal, tangential : (k,) stiffness
+    most : (k,) at which a tie yields; infinite at other corners
     overlap : of a corner under the mean load
     length_unit : [m]
     force_unit : [N]
@@ -85,6 +86,7 @@ class Bodies:
     friction: Floats
     normal: Floats
     tangential: Floats
+    most: Floats
     overlap: float
     length_unit: float
     force_unit: float
@@ -116,7 +118,9 @@ class Bodies:
     @cached_property
     def springs(self) -> Compliance:
         """The springs at the corners."""
-        return Compliance(self.normal, StickSlip(FrictionBound(self.friction), self.tangential))
+        law = StickSlip(FrictionBound(self.friction), self.tangential)
+        yields = np.isfinite(self.most).any()
+        return Compliance(self.normal, law, most=self.most if yields else None)
 
     @cached_property
     def by_corner(self) -> tuple[Floats, Floats]:
@@ -174,7 +178,10 @@ def build_bodies(
     frame = contacts.frame[contacts.interface]
     frame = np.where(turned[:, None, None], TURNED[:, None] * frame, frame)
     n = frame[:, 0]
-    stiffness = _weights(contacts.tributary, contacts.interface)
+    of_face = contacts.area[contacts.interface] * contacts.corner_share
+    plates = contacts.ties[contacts.interface]
+    area = np.where(plates, of_face, contacts.tributary)
+    stiffness = _weights(area, contacts.interface)
     touching = ~away.any(axis=1)
     # all corners that touch carry the whole load together at the overlap; all, where none touches
     carrying = stiffness[touching].sum() if touching.any() else stiffness.sum()
@@ -198,6 +205,7 @@ def build_bodies(
         friction=contacts.friction[contacts.interface],
         normal=stiffness,
         tangential=tangential * stiffness,
+        most=contacts.tie_strength[contacts.interface] * contacts.corner_share / unit,
         overlap=overlap,
         length_unit=length,
         force_unit=unit,

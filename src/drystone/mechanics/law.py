@@ -207,6 +207,8 @@ class Compliance:
     tension : (k,)
         Largest pull of each corner. A joint that opens by s pulls with
         ``kn s / sqrt(1 + (kn s / tension)^2)``. ``None`` for dry joints.
+    most : (k,)
+        Largest force that presses, at which it yields. ``None`` where there is no limit.
     """
 
     normal: Floats
@@ -214,6 +216,14 @@ class Compliance:
     overlap: float = 0.0
     glue: float = 0.0
     tension: Floats | None = None
+    most: Floats | None = None
+
+    def press(self, gap: Floats) -> tuple[Floats, Floats]:
+        """What presses (k,) at gaps (k,) below zero, and its stiffness (k,)."""
+        elastic = -self.normal * gap
+        if self.most is None:
+            return elastic, self.normal
+        return np.minimum(elastic, self.most), np.where(elastic < self.most, self.normal, 0.0)
 
     def pull(self, opening: Floats) -> tuple[Floats, Floats]:
         """Pull (k,) of corners that open by some lengths (k,), zero or more, and its slope (k,)."""
@@ -284,7 +294,7 @@ class ContactResponse:
 def respond(
     springs: Compliance, gap: Floats, slide: Floats, before: Floats | None = None
 ) -> ContactResponse:
-    """The contact law: ``fn = kn max(0, -g)``, less what pulls; friction against the slide.
+    """The contact law: ``fn = kn max(0, -g)`` up to the most, less what pulls; friction.
 
     Parameters
     ----------
@@ -295,7 +305,8 @@ def respond(
         Friction T0 with which the slide began, against it; zero if left out.
     """
     pressed = gap < 0.0
-    bearing = np.where(pressed, -springs.normal * gap, 0.0)
+    presses, press = springs.press(gap)
+    bearing = np.where(pressed, presses, 0.0)
     pull = glue = _NOTHING
     tension = _NOTHING
     if springs.tension is not None or springs.glue:
@@ -305,7 +316,7 @@ def respond(
         bearing, tension = bearing - held, glue * opening
     friction = springs.resisted(bearing, slide, before)
     force = np.concatenate([(bearing - tension)[..., None], -friction.force], axis=-1)
-    return ContactResponse(force, pressed, tension, friction, springs.normal, pull, glue)
+    return ContactResponse(force, pressed, tension, friction, press, pull, glue)
 
 
 def uniform(

@@ -497,7 +497,7 @@ def _found(
     told = "the mechanism just beyond the largest load at which it stands"
     if best is limit.equilibrium:
         told = "the mechanism of the largest load at which forces balance"
-    if model.contacts.plain.all() and not starts:
+    if (model.contacts.plain | model.contacts.ties).all() and not starts:
         pushed = push(model, live, **late)
         # its mean displacement is that of all weights, and one of several equal walls may fall
         falls = (pushed.fallen or pushed.states[-1]).positions[:, :3] @ along

@@ -229,9 +229,8 @@ def _driven(
     What does not stand at its beginning is begun again with the edges and corners that touch.
     """
     chosen = SettlementOptions.of(options)
-    model.require_dry(
-        "large displacement", "what a joint still carries after it has moved is not known"
-    )
+    why = "what a joint still carries after it has moved is not known"
+    model.require_dry("large displacement", why, yielding=True)
     model.require_still()
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")

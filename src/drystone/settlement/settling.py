@@ -42,6 +42,8 @@ from drystone.settlement.settlement_types import (
     rest_residuals,
 )
 
+_UNKNOWN = "what a joint still carries after it has moved is not known"
+
 TOLD = 3
 """Pairs of blocks that met meanwhile and are named in the message."""
 
@@ -156,7 +158,7 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = supported_model(given, **how)
-    model.require_dry("settlement", "what a joint still carries after it has moved is not known")
+    model.require_dry("settlement", _UNKNOWN, yielding=True)
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
@@ -383,7 +385,7 @@ def settle_many(
 def _ready(given: Given, how: How) -> tuple[Model, Floats | None]:
     """A model without the motion of its supports, and that motion."""
     model = supported_model(given, **how)
-    model.require_dry("settlement", "what a joint still carries after it has moved is not known")
+    model.require_dry("settlement", _UNKNOWN, yielding=True)
     return model.with_load(replace(model.load, motion=None)), support_motion(model, None)
 
 
