@@ -7,9 +7,14 @@ import pytest
 
 import drystone
 from drystone import Assembly, InputError, Model
+from drystone.mechanics.bodies import build_bodies
+from drystone.mechanics.corners import Carrier
+from drystone.mechanics.increments import Increments
+from drystone.mechanics.law import respond
 from drystone.models import box, incline
 from drystone.seismic import local_mechanism
-from drystone.settlement import Outcome, push
+from drystone.settlement import End, Outcome, move_supports, push
+from drystone.ties import with_tie_words
 
 G = 9.81
 
@@ -126,6 +131,45 @@ def test_a_rod_that_yields_lets_its_block_slide_and_one_that_does_not_holds_it()
         for share in (0.99, 1.01)
     ]
     assert ends == [Outcome.FALLS, Outcome.RESTS]
+
+
+def test_a_rod_without_a_limit_is_as_stiff_as_its_plate() -> None:
+    found = push(tied_wall(), (1.0, 0.0, 0.0), friction=2.0, tie="wall:anchor")
+    assert found.end is End.HELD
+    assert np.interp(1.0, found.load, found.displacement) < 1e-4
+
+
+def test_an_anchor_that_moves_away_drags_a_block_or_draws_out_its_tie() -> None:
+    """The block goes up the slope at ``W (sin a + mu cos a)``; what was drawn out stays so."""
+    blocks, slope = held_on_a_slope(40.0), np.radians(40.0)
+    up = np.array([-np.cos(slope), 0.0, np.sin(slope)])
+    drags = G * blocks.mass[1] * (np.sin(slope) + 0.5 * np.cos(slope))
+    for share, way in ((0.99, 0.0), (1.01, 0.05)):
+        tie = f"block:anchor:{share * drags}N"
+        found = move_supports(blocks, {"anchor": 0.05 * up}, friction=0.5, tie=tie)
+        assert found.load[-1] == pytest.approx(-min(share, 1.0) * drags, rel=1e-3)
+        assert found.states[-1].positions[1, :3] @ up == pytest.approx(way, abs=1e-4)
+
+
+def test_a_tie_that_was_drawn_out_is_slack_on_the_way_back() -> None:
+    """Of springs and positions alone: the blocks are put there and back."""
+    blocks = Assembly((*tied_wall().blocks[1:],), [False, True])
+    model = with_tie_words(Model.of(blocks), ["wall:anchor:4kN"])
+    bodies = build_bodies(model, Carrier.MOVING, overlap=1e-6, tangential=0.1)
+    followed, begin = Increments(bodies), Increments(bodies).pose
+    most = 4000.0 / bodies.force_unit
+
+    def pull_at(way: float) -> float:
+        followed.place(begin.moved(bodies.free, np.array([[way, 0.0, 0.0, 0.0, 0.0, 0.0]])))
+        response = respond(bodies.springs, followed.placed.gap, np.zeros((4, 2)))
+        return float(response.force[:, 0].sum())
+
+    limit = most / bodies.normal.sum()  # of the elastic way
+    assert pull_at(0.5 * limit) == pytest.approx(0.5 * most)
+    assert pull_at(5.0 * limit) == pytest.approx(most)
+    assert pull_at(4.5 * limit) == pytest.approx(0.5 * most)
+    assert pull_at(3.0 * limit) == 0.0
+    assert pull_at(5.0 * limit) == pytest.approx(most)
 
 
 def test_only_what_follows_blocks_knows_how_a_rod_yields() -> None:

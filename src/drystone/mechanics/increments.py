@@ -81,6 +81,8 @@ class Increments:
         Where the blocks and the corners are.
     friction : (k, 2)
         Forces along the faces after earlier increments.
+    yielded : (k,)
+        How far each corner of limited force was pressed in for good; its gap is larger by this.
     drag
         By mass; ``first`` at the beginning.
     rough
@@ -102,6 +104,7 @@ class Increments:
         count = len(bodies.centroid)
         self.pose = BlockPositions(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
         self.friction = np.zeros((len(bodies.block_a), 2))
+        self.yielded = np.zeros(len(bodies.block_a))
         self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
         self.unit = 1.0 if bodies.felt is None else self._by_feel(bodies.felt)
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
@@ -164,7 +167,11 @@ class Increments:
 
     def place(self, pose: BlockPositions) -> None:
         """Put the blocks somewhere."""
-        self.pose, self.placed = pose, place_corners(self.bodies, pose)
+        springs, placed = self.bodies.springs, place_corners(self.bodies, pose)
+        if springs.most is not None:
+            self.yielded = np.maximum(self.yielded, -placed.gap - springs.most / springs.normal)
+            placed = placed._replace(gap=placed.gap + self.yielded)
+        self.pose, self.placed = pose, placed
         self.maps.at(
             self.placed.axes, self._arms(self.bodies.block_a), self._arms(self.bodies.block_b)
         )

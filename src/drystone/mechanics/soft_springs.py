@@ -58,7 +58,7 @@ class SoftSprings:
     def pass_by(self, farthest: float, gap: Floats, share: float) -> None:
         """Remember the gaps (k,) at half of the way; of many blocks, what contacts do not carry."""
         if self.half_way is None and farthest >= 0.5 * self.at:
-            self.half_way = self._elastic(gap)
+            self.half_way = gap
         if self.many and not self.asked and farthest > self.reached:
             way = 4.0 * np.array([self.reached, farthest]) / self.at
             before, after = np.clip(way[:, None] - np.arange(4.0), 0.0, 1.0)
@@ -80,7 +80,6 @@ class SoftSprings:
     def _squeezed(self, gap: Floats) -> bool:
         """Whether forces far above the loads have grown."""
         bodies = self.bodies
-        gap = self._elastic(gap)
         before = gap if self.half_way is None else GROWN * self.half_way
         grown = (gap < -SQUEEZED * bodies.overlap) & (gap <= before)
         if grown.any():
@@ -91,12 +90,6 @@ class SoftSprings:
             more[bodies.slot < 0] = False
             grown &= more[bodies.block_a] | more[bodies.block_b]
         return bool(grown.any())
-
-    def _elastic(self, gap: Floats) -> Floats:
-        """The gaps (k,) of corners that press as much and do not yield."""
-        if self.bodies.springs.most is None:
-            return gap
-        return -self.bodies.springs.press(gap)[0] / self.bodies.normal
 
     def _pressing(self, gap: Floats) -> Floats:
         """Sum (n,) of the normal forces on each block."""
