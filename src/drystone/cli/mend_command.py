@@ -108,6 +108,8 @@ def mend(
     stands = not mends.mends and not mends.diagnosis.regions
     pictures = replace(wanted, out=None)
     notes = [*model.notes, *(mends.failures() if everything else ())]
+    if stands and wanted.out is not None:
+        notes.append(f"{wanted.out} is not written: no mend is needed")
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
