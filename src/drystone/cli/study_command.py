@@ -157,7 +157,7 @@ def _range(text: str) -> list[str]:
     if count < 2:
         raise InputError(f"{count} values are no range", where="--set", remedy="give two or more")
     values = [first + (last - first) * i / (count - 1) for i in range(count)]
-    return [repr(int(one) if one.is_integer() else one) for one in values]
+    return [f"{one:.12g}" for one in values]
 
 
 @command(

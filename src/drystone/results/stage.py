@@ -125,9 +125,10 @@ def first_motion_words(result: Solution) -> str:
     hinge, slide, _ = moving_joints(result.model, motion)
     kinds = ("turns about an edge", hinge), ("slides", slide)
     told = [words for words, some in kinds if some.any()]
-    way = motion[list(result.falling), :2].sum(axis=0)
+    each = motion[list(result.falling), :2]
+    way = each.sum(axis=0)
     along = int(np.abs(way).argmax())
-    if told == ["slides"] and abs(way[along]) > 0.99 * float(np.linalg.norm(way)):
+    if told == ["slides"] and abs(way[along]) > 0.99 * lengths(each).sum():
         told = [f"slides towards {'-' if way[along] < 0.0 else ''}{'xy'[along]}"]
     return " and ".join(told)
 

@@ -602,3 +602,11 @@ def test_a_tilt_is_told_about_its_own_axis() -> None:
     pushed = model.with_load(model.load + 0.1 * LoadCase.of(model.assembly, (9.81, 0.0, 0.0)))
     assert limit_tilt(pushed, "x").title.endswith("degrees about x")
     assert limit_tilt(model, (1.0, 1.0, 0.0)).title.endswith("towards 315 degrees from x")
+
+
+def test_blocks_that_slide_apart_slide_towards_no_side() -> None:
+    one = incline(40.0)
+    turn = 0.5 * np.diag([-1.0, -1.0, 1.0])
+    other = [block.transformed(turn, (-5.0, 0.0, 0.0)).renamed(f"{block.name}-2") for block in one]
+    found = limit_friction(Assembly((*one, *other), [True, False, True, False]))
+    assert "first motion: slides" in [sentence.text for sentence in found.sentences()]

@@ -1,5 +1,6 @@
 """Tables of parameters: limits and verdicts of each row, kept in a file, and their charts."""
 
+import json
 import math
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -215,6 +216,9 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert lines[0].startswith("number,count,edge,friction,verdict,stands [deg],falls [deg]")
     assert len(lines) == 5
     assert (tmp_path / "study.html").exists()
+    assert main(["study", "tower", "--set", "edge=1:2.4:8", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["verdicts"]
+    assert [row["edge"] for row in told] == [1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.4]
     assert main(["study", "tower", "--set", "edge=1:2"]) == 2
     out = ["--out", str(tmp_path / "one.jsonl"), "--map", str(tmp_path / "one.png")]
     assert main(["study", "tower", "--set", "count=2:3:2", *out]) == 2
