@@ -1,38 +1,59 @@
-"""Ties: they pull two blocks together at their centroids, and never press."""
+"""Ties: they pull two blocks together, and never press."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base.arrays import SAME
 from drystone.base.errors import InputError
 from drystone.base.units import FORCES, measured
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.loads.load_words import vector
 from drystone.model import Model
 
 PLATE = 0.1
 """Side of the plate of a tie, and of the head of a prop, relative to the size of the block on it.
 Chosen: a small jack."""
 
+_End: TypeAlias = tuple[float, float, float] | None
+
 _POINT = 0.01
 """Size of the corners of a tie by its own, chosen."""
 
 
-def tied(model: Model, block: int, other: int, strength: float = NO_LIMIT) -> Model:
-    """The model with a tie from the centroid of a block to that of another one.
+def tied(
+    model: Model,
+    block: int,
+    other: int,
+    strength: float = NO_LIMIT,
+    at: Sequence[float] | None = None,
+    anchor: Sequence[float] | None = None,
+) -> Model:
+    """The model with a tie from a point (3,) [m] of a block to one of another, or their centroids.
 
     It is a joint without friction that presses the block towards the other one. It has the area of
-    a plate, drawn together to a point at the centroid, so that it resists no turn. It yields at its
+    a plate, drawn together to a point, so that it resists no turn. It yields at its
     strength [N], as a joint crushes.
+
+    Raises
+    ------
+    InputError
+        Both points are one.
     """
     centroid = model.assembly.centroid
-    along = centroid[other] - centroid[block]
-    frame = frames_from_normals((along / np.linalg.norm(along))[None])
+    start = centroid[block] if at is None else np.asarray(at)
+    along = (centroid[other] if anchor is None else np.asarray(anchor)) - start
+    length = float(np.linalg.norm(along))
+    if length <= SAME * float(model.assembly.size[block]):
+        raise InputError("has no length", remedy="give two different points")
+    frame = frames_from_normals(along[None] / length)
     half = 0.5 * PLATE * float(model.assembly.size[block])
     square = _POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     plate = Contacts(
@@ -41,7 +62,7 @@ def tied(model: Model, block: int, other: int, strength: float = NO_LIMIT) -> Mo
         frame,
         np.array([4.0 * half**2]),
         np.zeros(1),
-        centroid[block] + square @ frame[0, 1:],
+        start + square @ frame[0, 1:],
         np.zeros(4, dtype=np.intp),
     )
     if strength < NO_LIMIT or model.contacts.capacity is not None:
@@ -62,12 +83,15 @@ def with_ties(model: Model, ties: Iterable[tuple[str, str]]) -> Model:
 
 
 def with_tie_words(model: Model, given: Iterable[str]) -> Model:
-    """The model with more ties, each as ``BLOCK:BLOCK`` or ``BLOCK:BLOCK:STRENGTH``.
+    """The model with more ties, each as ``BLOCK:BLOCK``, with ``@X,Y,Z`` behind a block or not.
+
+    ``:20kN`` at the end is its strength.
 
     Raises
     ------
     InputError
-        There is no such block, both are one, or the strength is no force above zero.
+        There is no such block, both are one, the strength is no force above zero, or it has no
+        length.
     """
     for text in given:
         try:
@@ -77,17 +101,19 @@ def with_tie_words(model: Model, given: Iterable[str]) -> Model:
     return model
 
 
-def _read(text: str, assembly: Assembly) -> tuple[int, int, float]:
-    """The blocks of a tie and its strength [N]."""
-    names, strength = [one.strip() for one in text.split(":")], NO_LIMIT
-    if len(names) == 3:
-        strength = measured(names.pop(), FORCES, what="strength")
-    if len(names) != 2 or not strength > 0.0:
+def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
+    """The blocks of a tie, its strength [N], and its ends (3,) [m] where they are given."""
+    ends, strength = text.split(":"), NO_LIMIT
+    if len(ends) == 3:
+        strength = measured(ends.pop().strip(), FORCES, what="strength")
+    if len(ends) != 2 or not strength > 0.0:
         raise InputError("is no tie with a strength", remedy="write BLOCK:BLOCK:20kN")
-    first, second = assembly.indices(names).tolist()
+    names, places = zip(*(one.partition("@")[::2] for one in ends), strict=True)
+    first, second = assembly.indices([one.strip() for one in names]).tolist()
     if first == second or assembly.fixed[[first, second]].all():
         raise InputError("nothing is tied", remedy="name two blocks, one of them free")
-    return first, second, strength
+    at, anchor = (vector(one, "0,0,1.2") if one else None for one in places)
+    return first, second, strength, at, anchor
 
 
 def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:

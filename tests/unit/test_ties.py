@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, Model
+from drystone import Assembly, Block, InputError, Model
 from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import Increments
@@ -60,6 +60,7 @@ def test_a_tie_has_no_friction_whatever_the_joints_have() -> None:
     model = Model.of(blocks, friction=0.9)
     found = drystone.limit_friction(model, tie="block:anchor:1kN")
     assert found.falls <= expected <= found.stands
+    assert any("yielding governs" in one.text for one in found.sentences())
     assert found.stands - found.falls < 2e-3
     assert model.contacts.count == 1  # the input is not changed
 
@@ -69,15 +70,61 @@ def test_a_wall_and_its_tie_overturn_at_the_multiplier_of_the_kinematic_method()
     blocks, pull = tied_wall(), 4000.0
     weight = G * blocks.mass[1]
     expected = 0.5 / 2.0 + pull / weight
-    hand = local_mechanism(blocks, part="wall", direction="x", ties=[f"wall:{pull}N"], friction=2.0)
+    tie = f"wall:anchor:{pull}N"
+    hand = local_mechanism(blocks, part="wall", direction="x", tie=tie, friction=2.0)
     assert hand.oscillator.multiplier == pytest.approx(expected)
     for share, stands in ((0.98, True), (1.02, False)):
         found = drystone.check(
             blocks, friction=2.0, tie=f"wall:anchor:{pull}N", seismic=f"{share * expected},0"
         )
         assert (found.stable, found.falls) == (stands, not stands)
-    with pytest.raises(InputError, match="give --ties"):
-        local_mechanism(blocks, part="wall", direction="x", tie="wall:anchor:4kN", friction=2.0)
+    all_of_it = local_mechanism(blocks, direction="x", tie=tie, friction=2.0)
+    assert all_of_it.oscillator.multiplier == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_tie_between_two_points_holds_by_its_lever_arm() -> None:
+    """Moments about the toe: ``a = b / h + T z / (W h / 2)``, pulled at z at the outer face."""
+    blocks, pull = tied_wall(), 4000.0
+    expected = 0.25 + pull * 1.9 / (G * blocks.mass[1])
+    for share, stands in ((0.98, True), (1.02, False)):
+        found = drystone.check(
+            blocks,
+            friction=2.0,
+            tie=f"wall@0.5,0.5,1.9:base@-3,0.5,1.9:{pull}N",
+            seismic=f"{share * expected},0",
+        )
+        assert (found.stable, found.falls) == (stands, not stands)
+        if stands:
+            (drawn,) = (one for one in found.layers().stages[0].layers if one.key == "tie-forces")
+            np.testing.assert_allclose(drawn.position[0] + drawn.vector[0], [0.5, 0.5, 1.9])
+            assert drawn.vector[0] @ [1.0, 0.0, 0.0] == pytest.approx(np.linalg.norm(drawn.vector))
+
+
+def prism(name: str, *corners: tuple[float, float]) -> Block:
+    """A block of 1 m along y over corners (x, z) that run around y."""
+    count = len(corners)
+    ends = [[(x, y, z) for x, z in corners] for y in (0.0, 1.0)]
+    sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in range(count)]
+    caps = (tuple(range(count))[::-1], tuple(range(count, 2 * count)))
+    return Block(np.vstack(ends), (*caps, *sides), name)
+
+
+def test_a_tie_between_springings_that_slide_takes_their_thrust() -> None:
+    """A wedge of weight W and half-angle a drives them apart by ``W / (2 tan(a))`` on each side."""
+    ground = box((8.0, 1.0, 0.2), (-4.0, 0.0, -0.2), "ground")
+    left = [(-3.0, 0.0), (-3.0, 2.0), (-1.0, 2.0), (-0.2, 1.2), (-0.2, 0.0)]
+    wedge = prism("wedge", (-1.0, 2.0), (1.0, 2.0), (0.0, 1.0))
+    blocks = (ground, prism("left", *left), prism("right", *[(-x, z) for x, z in left[::-1]]))
+    arch = Assembly((*blocks, wedge), [True, False, False, False])
+    thrust = 0.5 * G * arch.mass[3]
+    assert drystone.check(arch, friction=0.0).falls
+    for share, stands in ((0.98, False), (1.02, True)):
+        tie = f"left@-1,0.5,0.1:right@1,0.5,0.1:{share * thrust}N"
+        found = drystone.check(arch, friction=0.0, tie=tie)
+        assert (found.stable, found.falls) == (stands, not stands)
+        if stands:
+            (ties,) = [one for one in found.tables() if one.title == "ties"]
+            assert ties["pull"][0] == pytest.approx(thrust, rel=1e-6)
 
 
 def test_joints_that_crush_leave_a_tie_its_strength() -> None:
@@ -96,6 +143,8 @@ def test_joints_that_crush_leave_a_tie_its_strength() -> None:
         ("block:nobody", "no block is called 'nobody'"),
         ("plane:anchor", "nothing is tied; name two blocks, one of them free"),
         ("block:block", "nothing is tied"),
+        ("block@0,0,1:anchor@0,0,1:2kN", "has no length; give two different points"),
+        ("block@0,0:anchor:2kN", "'0,0' is not three finite numbers"),
         ("block:anchor:0kN", "is no tie with a strength"),
         ("block:anchor:5", "is not a number with a unit"),
         ("block:anchor:5kg", "unit 'kg' is not known"),

@@ -153,8 +153,9 @@ def read(
     strength
         Pressure under which all joints crush, such as ``5MPa``; left out, they bear any.
     tie
-        A rod between the middles of two blocks that only pulls, with the force at which it yields:
-        ``BLOCK:BLOCK:20kN``; without one it bears any. Several are possible.
+        A rod between the middles of two blocks, or points of them, that only pulls, with the force
+        at which it yields: ``BLOCK:BLOCK:20kN``, ``BLOCK@X,Y,Z:BLOCK@X,Y,Z:20kN`` in m; without
+        one it bears any. Several are possible.
     gap
         Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
         block, such as ``5%`` (0.5%).

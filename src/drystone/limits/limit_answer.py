@@ -15,7 +15,7 @@ from drystone.answer.widening import side_by_side
 from drystone.base.display import BOUND, named, rounded_down, rounded_up
 from drystone.base.errors import InputError
 from drystone.base.table import Table
-from drystone.checks import crushing_share
+from drystone.checks import crushed_most, crushing_share
 from drystone.limits.limit_types import Bracket, Evaluation, LimitValues, plain
 from drystone.model import Model
 from drystone.results import Result, Verdict
@@ -188,11 +188,11 @@ class Limit(LimitValues, Answer):
             said.append(Sentence(falling.message))
         if falling is not None and falling.mechanism is not None:
             share = crushing_share(falling.model, falling.mechanism)
-            head = "crushing governs: it" if share > 0.5 else "crushing"
-            if share > 0.0:
-                said.append(
-                    Sentence(f"{head} takes {share:.2g} of what crushing and weight resist")
-                )
+            at = crushed_most(falling.model, falling.mechanism)
+            if at is not None:
+                what = "yielding" if falling.contacts.ties[at] else "crushing"
+                head = f"{what} governs: it" if share > 0.5 else what
+                said.append(Sentence(f"{head} takes {share:.2g} of what {what} and weight resist"))
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         return [*said, Sentence(f"searched from {self.start:.6g} to {self._told(self.end)}")]

@@ -202,7 +202,7 @@ def _materials(model: Model) -> Iterator[Part]:
         "area": [float(row[3].sum()) for row in rows],
     }
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
-    if not model.contacts.crushes.any():
+    if not (model.contacts.crushes & ~model.contacts.ties).any():
         yield "No strength in compression was given: stone is taken as infinitely strong."
     yield from _carried(model)
 

@@ -18,7 +18,7 @@ from drystone.answer.drawing import (
 from drystone.answer.question import directions
 from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
-from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.arrays import Bools, Floats, dot, lengths
 from drystone.base.units import quantity
 from drystone.checks import first_motion_of, moving_joints
 from drystone.geometry.surface import worth_drawing
@@ -196,13 +196,15 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
     )  # fmt: skip
     ties = np.flatnonzero(shown & contacts.ties)
     if ties.size:
-        centroid = result.assembly.centroid
-        start, end = centroid[contacts.block_a[ties]], centroid[contacts.block_b[ties]]
+        start, along = contacts.centroid[ties], contacts.frame[ties, 0]
+        away = dot(result.assembly.centroid[contacts.block_a[ties]] - start, along)
+        size = result.assembly.size[contacts.block_b[ties]]
+        far = np.where(away > 0.0, away, size)[:, None] * along
         pull = quantity(float(resultants.normal[joint[ties]].max()), "N")
         words = f"ties, which pull up to {pull}" if ties.size > 1 else f"a tie, which pulls {pull}"
         layers.append(
             Layer(
-                "tie-forces", words, LayerKind.LINES, "added", start, end - start,
+                "tie-forces", words, LayerKind.LINES, "added", start + far, -far,
                 interface=ties, width=2.0,
             )
         )  # fmt: skip

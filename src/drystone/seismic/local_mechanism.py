@@ -18,8 +18,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, marks, seen, state_of
 from drystone.answer.question import UP
 from drystone.assembly import Assembly
-from drystone.base import units
-from drystone.base.arrays import Floats, Ints, lengths, texts
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.declared import Offered
 from drystone.base.display import named
 from drystone.base.errors import InputError, counted
@@ -30,11 +29,10 @@ from drystone.base.table import Table
 from drystone.checks import block_speed, corner_motion, moving_joints
 from drystone.geometry.frames import axis_vector
 from drystone.io.opening import Given, How, kept_of, supported_model
-from drystone.limits import Limit, limit_load
+from drystone.limits import limit_load
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
-from drystone.loads.load_words import vector
 from drystone.model import Model
 from drystone.seismic.spectrum import (
     LimitState,
@@ -57,7 +55,6 @@ class _Asked:
     direction: str = ""
     part: str = ""
     line: str = ""
-    ties: str = ""
     shaken: bool = False
     site: str = ""
 
@@ -310,7 +307,6 @@ def local_mechanism(
     direction: Floats | Sequence[float] | str = "x",
     part: str | Sequence[str] = (),
     line: Sequence[float] | None = None,
-    ties: Sequence[str] = (),
     shaken: bool = False,
     site: str | SeismicDemand | None = None,
     executor: Workers | None = None,
@@ -336,9 +332,6 @@ def local_mechanism(
     line : (6,) [m]
         Two points of the line about which the part turns; when left out, the line across the
         direction through the lowest edge of the part on the side to which it falls.
-    ties
-        Each ``BLOCK:FORCE[@X,Y,Z]``, such as ``wall-7:20kN@0,0,3``: a rod that pulls against the
-        direction with its strength.
     shaken
         Whether vertical loads, as of a roof, have masses that are shaken with the part.
     site
@@ -347,8 +340,8 @@ def local_mechanism(
     Raises
     ------
     InputError
-        The part has no free block, the line is vertical or along the direction, or a tie has no
-        unit, holds no block of the part, or pulls the blocks over at every acceleration tried.
+        The part has no free block or a tie without a strength, or the line is vertical or along
+        the direction.
 
     Examples
     --------
@@ -373,34 +366,29 @@ def local_mechanism(
     along /= np.linalg.norm(along)
     clock = Clock(time_limit_s, stop)
     part = part if isinstance(part, str) else tuple(part)
-    ties = texts(ties)
     asked = _Asked(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
         part=part if isinstance(part, str) else ", ".join(part),
         line=", ".join(f"{x:g}" for x in (() if line is None else line)),
-        ties=", ".join(ties),
         shaken=shaken,
         site=told,
     )
     if part:
-        if model.contacts.ties.any():
-            what = "asks what each tie pulls, and the model has ties of its own"
-            raise InputError(what, where="part", remedy="give --ties BLOCK:20kN in place of --tie")
-        turning, motion = _turning(model, along, part, line, ties, shaken)
+        turning, motion, held = _turning(model, along, part, line, shaken)
         found = turning.oscillator()
         moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
-        if model.contacts.crushes.any():
+        if (model.contacts.crushes & ~model.contacts.ties).any():
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
-            _held(model, along, ties), motion, found, moved, load, told, site, asked,
+            held, motion, found, moved, load, told, site, asked,
             remarks=_above_ground(model, turning, site), moments=turning.moments(),
         )  # fmt: skip
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
-    return replace(_found(model, along, ties, shaken, site, late), options=asked)
+    return replace(_found(model, along, shaken, site, late), options=asked)
 
 
 def _above_ground(model: Model, turning: Turning, site: SeismicDemand | None) -> tuple[str, ...]:
@@ -414,31 +402,6 @@ def _above_ground(model: Model, turning: Turning, site: SeismicDemand | None) ->
         f"the part turns {height:.3g} m above the ground and is compared with the ground's motion "
         "alone: give T1, psi and gamma of the building in the site file",
     )
-
-
-def _held(model: Model, along: Floats, ties: Sequence[str]) -> Model:
-    """The model with the pulls of ties among its loads."""
-    assembly, loads = model.assembly, [model.load]
-    for text in ties:
-        point, pull = _tie(text, model, along, assembly.free)
-        block = text.rpartition(":")[0].strip()
-        loads.append(replace(LoadCase.point_load(assembly, block, pull, point), name=f"tie {text}"))
-    return model.with_load(sum(loads[1:], loads[0]))
-
-
-def _limit_with_ties(
-    held: Model, live: LoadCase, alone: float, late: dict[str, Any]
-) -> tuple[Limit, float]:
-    """The limit beyond the acceleration [g] at which it begins: ties may pull blocks over.
-
-    ``alone`` is where it would stand without ties.
-    """
-    for starts in (0.0, alone, 2.0 * alone, 4.0 * alone):
-        model = held.with_load(held.load + starts * live)
-        limit = limit_load(model, live, upper=100.0, **late)
-        if limit.best.stands is not None:
-            break
-    return limit, starts
 
 
 def _summed(table: Table) -> Table:
@@ -467,7 +430,6 @@ def _verified(rows: Sequence[tuple[Any, ...]]) -> Table:
 def _found(
     model: Model,
     along: Floats,
-    ties: Sequence[str],
     shaken: bool,
     site: SeismicDemand | None,
     late: dict[str, Any],
@@ -475,10 +437,7 @@ def _found(
     """The mechanism of all blocks."""
     assembly = model.assembly
     live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
-    limit, starts = limit_load(model, live, upper=100.0, **late), 0.0
-    if ties and limit.best.stands is not None:
-        model = _held(model, along, ties)
-        limit, starts = _limit_with_ties(model, live, limit.best.stands, late)
+    limit = limit_load(model, live, upper=100.0, **late)
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
         raise InputError(limit.title, where="direction", remedy="ask drystone limit load seismic")
@@ -497,7 +456,7 @@ def _found(
     told = "the mechanism just beyond the largest load at which it stands"
     if best is limit.equilibrium:
         told = "the mechanism of the largest load at which forces balance"
-    if (model.contacts.plain | model.contacts.ties).all() and not starts:
+    if (model.contacts.plain | model.contacts.ties).all():
         pushed = push(model, live, **late)
         # its mean displacement is that of all weights, and one of several equal walls may fall
         falls = (pushed.fallen or pushed.states[-1]).positions[:, :3] @ along
@@ -507,15 +466,14 @@ def _found(
         reach = float("nan") if pushed.capacity is None else grown * pushed.capacity
         told += f"; followed: {pushed.message}"
     else:
-        why = "ties pull it over without an earthquake" if starts else "its joints are not dry"
-        told += f"; not followed: {why}; a part (--part) has d0*"
+        told += "; not followed: its joints are not dry; a part (--part) has d0*"
     # between what stands and what falls nothing is known, but where the limit was computed
-    begins = starts + (best.stands if best.computed is None else best.computed)
+    begins = best.stands if best.computed is None else best.computed
     each_of = (block[body == one] for one in np.flatnonzero(moving))
     names = [named([assembly.names[i] for i in one], 1) for one in each_of]
     masses = weights_that_move(names, carried[moving], middle[moving], virtual[moving])
     found = Oscillator(begins, masses, reach)
-    remarks = () if starts else tuple(f"joints decide: {one}" for one in limit.remarks)
+    remarks = tuple(f"joints decide: {one}" for one in limit.remarks)
     return LocalMechanism(model, motion, found, moved, load, told, site, remarks=remarks)
 
 
@@ -552,10 +510,9 @@ def _turning(
     along: Floats,
     part: str | Sequence[str],
     line: Sequence[float] | None,
-    ties: Sequence[str],
     shaken: bool,
-) -> tuple[Turning, Floats]:
-    """A part that turns about a line, and its virtual motion (n, 6)."""
+) -> tuple[Turning, Floats, Model]:
+    """A part that turns about a line, its virtual motion (n, 6), and its ties as loads."""
     assembly = model.assembly
     try:
         chosen = kept_of(assembly, part)
@@ -572,21 +529,24 @@ def _turning(
     own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
     masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
     weight = np.concatenate([[own.sum()], others])
-    pulls = [_tie(text, model, along, chosen) for text in ties]
-    place = [masses[:1], applied.point[mine], *(held[None] for held, _ in pulls)]
+    motion = np.zeros((len(assembly), 6))
+    motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
+    motion[chosen, 3:] = axis
+    pulls = _pulls(model, chosen, motion)
+    place = [masses[:1], applied.point[mine], *(x[None] for _, x, _ in pulls)]
     mass = assembly.mass[chosen].sum()
-    force = [mass * applied.acceleration[None], applied.force[mine], *(x[None] for _, x in pulls)]
+    force = [mass * applied.acceleration[None], applied.force[mine], *(x[None] for *_, x in pulls)]
     loads = [f"load on {assembly.names[i]}" for i in applied.block[mine]]
-    name = ("own weight", *loads, *(f"tie {text}" for text in ties))
+    name = ("own weight", *loads, *(f"tie {one}" for one, *_ in pulls))
     shaken_names = ("own weight", *(f"load on {assembly.names[i]}" for i in block[len(chosen) :]))
     turning = Turning(
         origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken_names,
         masses, weight,
     )  # fmt: skip
-    motion = np.zeros((len(assembly), 6))
-    motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
-    motion[chosen, 3:] = axis
-    return turning, motion
+    held = [replace(LoadCase.point_load(assembly, one, force, point), name=f"tie {one}")
+            for one, point, force in pulls]  # fmt: skip
+    loose = model.with_contacts(model.contacts.select(~model.contacts.ties))
+    return turning, motion, loose.with_load(sum(held, model.load))
 
 
 def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:
@@ -610,26 +570,31 @@ def _line(line: Sequence[float], along: Floats) -> tuple[Floats, Floats]:
     return ends[:3], axis / size * np.sign(forward)
 
 
-def _tie(text: str, model: Model, along: Floats, part: Ints) -> tuple[Floats, Floats]:
-    """Where a tie holds, and its pull."""
-    name, colon, rest = text.rpartition(":")
-    size, at, place = rest.partition("@")
-    try:
-        if not colon:
-            raise InputError(f"'{text}' names no block", remedy="write BLOCK:20kN@X,Y,Z")
-        pull = units.measured(size.strip(), units.FORCES, what="strength")
-        block = int(model.assembly.indices([name.strip()])[0])
-        if block not in part:
-            raise InputError(f"'{name}' is not in the part", remedy="tie a block that moves")
-        point = np.array(vector(place)) if at else model.assembly.centroid[block]
-    except InputError as error:
-        raise error.located("ties") from error
-    return point, -pull * along
+def _pulls(model: Model, part: Ints, motion: Floats) -> list[tuple[str, Floats, Floats]]:
+    """Block, place (3,) [m] and pull (3,) [N] of each tie that a motion (n, 6) of a part stretches.
+
+    Others go slack.
+    """
+    contacts, assembly = model.contacts, model.assembly
+    stretched = contacts.corners.min(corner_motion(assembly, contacts, motion)[:, 0]) < 0.0
+    found = []
+    for i in np.flatnonzero(contacts.ties & stretched).tolist():
+        blocks = contacts.block_a[i], contacts.block_b[i]
+        inside = np.isin(blocks, part)
+        if inside.all():
+            continue
+        name, strength = assembly.names[blocks[int(inside[1])]], contacts.tie_strength[i]
+        if not np.isfinite(strength):
+            remedy = "give it one: --tie BLOCK:BLOCK:20kN"
+            raise InputError(f"the tie of '{name}' has no strength", where="part", remedy=remedy)
+        pull = strength * contacts.frame[i, 0]
+        found.append((name, contacts.centroid[i], pull if inside[1] else -pull))
+    return found
 
 
 OFFERED = Offered(
     local_mechanism,
     "arch.json --part 'voussoir-*'",
     ("direction", "part", "site"),
-    names=("direction", "part", "line", "ties", "shaken", "site", "time_limit_s"),
+    names=("direction", "part", "line", "shaken", "site", "time_limit_s"),
 )
