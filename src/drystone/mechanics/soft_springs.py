@@ -70,12 +70,10 @@ class SoftSprings:
         if farthest <= self.at or self.asked:
             return False
         self.asked = True
-        return self._squeezed(gap) or (self.many and self._fading())
-
-    def _fading(self) -> bool:
-        """Whether the blocks were about to come to rest."""
-        _, second, _, last = self.share
-        return bool(last < FADING * second)
+        _, second, third, last = self.share  # of few blocks zero
+        # forces that will hold the blocks carry more and more; in a dome that falls thrust goes
+        # from one block to another, and what presses on some of them doubles
+        return bool(last < FADING * second or (last <= third and self._squeezed(gap)))
 
     def _squeezed(self, gap: Floats) -> bool:
         """Whether forces far above the loads have grown."""
