@@ -57,10 +57,11 @@ class PlanFiles(WithFilm):
 
             jobs.append((self.instructions, partial(save_instructions, plan)))
         if self.work is not None:
-            from drystone.sequence import handling
+            from drystone.sequence import handling, without_robot
 
             placed = handling(plan, robots, margins=margins, scaffolding=made)
-            notes = [*notes, *placed.notes[len(plan.notes) :]]
+            known = {*plan.notes, *without_robot(plan, robots)}
+            notes = [*notes, *sorted({*placed.notes} - known, key=placed.notes.index)]
             flat = self.work.suffix == ".csv"
             jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
         if self.csv is not None:
@@ -208,7 +209,7 @@ def plan(
     kept = [waiting.left()] if found.stopped and checkpoint is not None else []
     return Told(
         found, {key: one for key, one in also.items() if one is not None},
-        notes=[*model.notes, *found.notes, *kept],
+        notes=[*model.notes, *found.notes, *kept, *sequence.without_robot(found, robot)],
         files=partial(wanted.all_of, found, made, measured, robot),
     )  # fmt: skip
 

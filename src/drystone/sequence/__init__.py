@@ -12,7 +12,14 @@ from drystone.sequence.dataset import (
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.freedom import Freedom, Obstacle, freedom
 from drystone.sequence.gravity_regions import GravityRegion, gravity_region
-from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
+from drystone.sequence.handling import (
+    GripFace,
+    Handling,
+    Hold,
+    Placement,
+    handling,
+    without_robot,
+)
 from drystone.sequence.interlocking import Interlocking, interlocking
 from drystone.sequence.margins import (
     FrictionSweep,
@@ -116,6 +123,7 @@ __all__ = [
     "sweep_friction",
     "take_turns",
     "with_scaffold",
+    "without_robot",
 ]
 
 hold(globals())

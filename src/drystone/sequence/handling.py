@@ -13,11 +13,12 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
 from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats
-from drystone.base.display import OneLine
+from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_text
 from drystone.base.progress import Clock, Progress, Stop, Workers
@@ -218,7 +219,9 @@ class Handling(Answer):
     def title(self) -> str:
         """How many blocks are placed, and by how many robots."""
         robots = f" by {counted(len(self.robots), 'robot')}" if self.robots else ""
-        return f"{counted(len(self.placements), 'block')} placed{robots}"
+        placed = sum(bool(one.robot) for one in self.placements)
+        share = f"{placed} of " if self.robots and placed < len(self.placements) else ""
+        return f"{share}{counted(len(self.placements), 'block')} placed{robots}"
 
     def sentences(self) -> Sequence[Sentence]:
         """How many blocks are placed, and what no robot can do."""
@@ -317,8 +320,9 @@ def handling(
     """The placements and holds of a plan, for robots.
 
     It ends before the first stage that is not known to stand, and a note says so. Robots take
-    turns. The next robot in the list places the next block; robots that hold a block or cannot
-    place it are skipped. Ended early, the first placements are there and a note says so.
+    turns as far as they reach and carry the blocks; one that holds a block places none. A note
+    names each block that has no robot. Ended early, the first placements are there, and a note
+    says so.
 
     Parameters
     ----------
@@ -364,15 +368,11 @@ def handling(
     placements: list[Placement] = []
     holds: list[Hold] = []
     outside: list[tuple[float, str]] = []
-    turn, busy = 0, set[int]()
+    chosen = _assigned(plan, team)
+    notes += without_robot(plan, team)
     for (number, block, here), found in zip(jobs, paths, strict=False):
         step, body = plan.steps[number], model.assembly.blocks[block]
-        busy = busy if block != step.blocks[0] else set()
-        who = _next(team, turn, busy, body)
-        if who is None and team:
-            free = [robot for i, robot in enumerate(team) if i not in busy]
-            notes.append(f"'{body.name}': {_why_none(free, body)}")
-        arm = None if who is None else team[who]
+        arm = team[chosen[block]] if block in chosen else None
         robot = "" if arm is None else arm.name
         if isinstance(found, NoPath):
             notes.append(f"'{body.name}': no path was found: {found.reason}")
@@ -387,8 +387,6 @@ def handling(
             most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
             last = model.assembly.names[step.blocks[-1]]
             holds.append(Hold(body.name, robot, last, most[:3], most[3:]))
-            busy |= set() if who is None else {who}
-        turn = turn if who is None else who + 1
     if outside:
         past, name = max(outside)
         notes.append(
@@ -420,19 +418,39 @@ def _path(finder: PathFinder, job: tuple[int, int, Bools]) -> RemovalPath | NoPa
     return finder.path(*job[1:])
 
 
-def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int | None:
-    """The next robot that can place a block."""
-    for i in range(len(team)):
-        who = (turn + i) % len(team)
-        if who not in busy and bool(team[who].manages(body.centroid, np.array(body.mass))):
-            return who
-    return None
+def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
+    """A line for each block of a plan that no robot can place while the others hold theirs."""
+    team, notes = check_robots(robots), []
+    chosen = _assigned(plan, team)
+    for step in plan.steps[: _known(plan)]:
+        for block in {*step.blocks} - {*chosen} if team else ():
+            body = plan.model.assembly.blocks[block]
+            able = [
+                f"'{one.name}'" for one in team if one.manages(body.centroid, np.array(body.mass))
+            ]
+            why = f"{named(able)} could place it, and must hold another block"
+            why = why if able else why_not(team, body.name, body.centroid, body.mass)
+            notes.append(f"'{body.name}': {why}")
+    return notes
 
 
-def _why_none(free: Sequence[Robot], body: Block) -> str:
-    if not free:
-        return "every robot holds another block"
-    return why_not(free, body.name, body.centroid, body.mass)
+def _assigned(plan: Plan, team: Sequence[Robot]) -> dict[int, int]:
+    """The robot of each block, in turn and for as many blocks as can be.
+
+    Each block of a step has another robot: it holds it until the last one is in place.
+    """
+    chosen: dict[int, int] = {}
+    turn = 0
+    for step in plan.steps[: _known(plan)] if team else ():
+        at, mass = (one[list(step.blocks)] for one in (plan.model.assembly.centroid,
+                                                       plan.model.assembly.mass))  # fmt: skip
+        can = np.stack([robot.manages(at, mass) for robot in team], axis=1)
+        wait = (np.arange(len(team)) - turn - np.arange(len(at))[:, None]) % len(team)
+        of, robot = linear_sum_assignment(np.where(can, wait, len(team) ** 3))
+        for i, k in zip(of.tolist(), robot.tolist(), strict=True):
+            if can[i, k]:
+                chosen[step.blocks[i]], turn = k, k + 1
+    return chosen
 
 
 def _placed(

@@ -8,7 +8,16 @@ import pytest
 
 from drystone import InputError, Model, Structure, plan
 from drystone.models import arch, bayonet, bridge, tower
-from drystone.sequence import PlanOptions, Robot, Rules, handling, margins, scaffolding, take_turns
+from drystone.sequence import (
+    PlanOptions,
+    Robot,
+    Rules,
+    handling,
+    margins,
+    scaffolding,
+    take_turns,
+    without_robot,
+)
 from drystone.sequence.freedom import Joints
 from drystone.sequence.handling import grip_faces
 
@@ -220,3 +229,26 @@ def test_robots_and_orders_that_make_no_sense_are_refused():
         take_turns(tower(2), robots=[Robot("a")])
     with pytest.raises(InputError, match="does not name all free blocks"):
         take_turns(tower(3), order=["block-1"])
+
+
+def test_a_robot_that_holds_leaves_what_only_it_reaches_without_one() -> None:
+    found = plan(arch(0.2, 11, depth=0.2), friction=0.7)
+    near = [Robot("a", (-1.0, 1.0, 0.0), 1.8, 30.0), Robot("b", (1.0, 1.0, 0.0), 1.8, 30.0)]
+    work = handling(found, near)
+    assert work.title == "9 of 11 blocks placed by 2 robots"
+    told = without_robot(found, near)
+    assert told == [f"'{one.name}': 'a' could place it, and must hold another block" if k == 0 else
+                    f"'{one.name}': 'b' could place it, and must hold another block"
+                    for k, one in enumerate(p for p in work.placements if not p.robot)]  # fmt: skip
+    assert set(told) <= set(work.notes)
+
+
+def test_robots_of_one_step_are_chosen_together() -> None:
+    """One reaches everything, the other only the first of two blocks, whoever's turn it is."""
+    found = plan(arch(0.2, 11, depth=0.2), friction=0.7)
+    team = [Robot("everywhere"), Robot("left", (-1.0, 0.1, 0.0), 1.2)]
+    assert without_robot(found, team) == without_robot(found, team[::-1])
+    placed = [
+        [one.robot for one in handling(found, some).placements] for some in (team, team[::-1])
+    ]
+    assert [sum(map(bool, one)) for one in placed] == [10, 10]
