@@ -9,12 +9,13 @@ from typing import TypeAlias
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME
+from drystone.base.arrays import SAME, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import FORCES, measured
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.loads.fill import Tops
 from drystone.loads.load_words import vector
 from drystone.model import Model
 
@@ -85,20 +86,48 @@ def with_ties(model: Model, ties: Iterable[tuple[str, str]]) -> Model:
 def with_tie_words(model: Model, given: Iterable[str]) -> Model:
     """The model with more ties, each as ``BLOCK:BLOCK``, with ``@X,Y,Z`` behind a block or not.
 
-    ``:20kN`` at the end is its strength.
+    ``:20kN`` at the end is its strength. ``fill``: :func:`with_resisting_fill`.
 
     Raises
     ------
     InputError
-        There is no such block, both are one, the strength is no force above zero, or it has no
-        length.
+        There is no such block, both are one, the strength is no force above zero, it has no
+        length, or no fill of the load resists.
     """
     for text in given:
         try:
-            model = tied(model, *_read(text, model.assembly))
+            if text.strip() == "fill":
+                model = with_resisting_fill(model)
+            else:
+                model = tied(model, *_read(text, model.assembly))
         except InputError as error:
             raise error.located(f"tie {text[:60]}") from error
     return model
+
+
+def with_resisting_fill(model: Model) -> Model:
+    """The model with ties for what the fill of its load resists beyond its pressure.
+
+    One on each free block that it presses sideways, to the nearest support: along the force that
+    is missing to the passive pressure, where it acts, with its size as strength. Its torque about
+    itself, on blocks that are skew, is left out. The fill of the load resists nothing more.
+    """
+    assembly, load = model.assembly, model.load
+    fills = [one for one in load.fills if one.passive > one.k]
+    supports = np.flatnonzero(assembly.fixed)
+    if not fills or not len(supports):
+        what = "no load is fill that resists" if not fills else "no support holds the fill"
+        raise InputError(what, remedy="give fill:cover=0.3m,weight=20kN/m3,passive=1 as a load")
+    for fill in fills:
+        wrench = Tops.of(assembly, fill).resisting
+        for block in np.flatnonzero(~assembly.fixed & wrench[:, :3].any(axis=1)).tolist():
+            force, moment = wrench[block, :3], wrench[block, 3:]
+            size = float(np.linalg.norm(force))
+            at = assembly.centroid[block] + np.cross(force, moment) / size**2
+            near = int(supports[lengths(assembly.centroid[supports] - at).argmin()])
+            model = tied(model, block, near, size, at, at + force / size * assembly.size[block])
+    spent = tuple(replace(one, passive=0.0) for one in load.fills)
+    return model.with_load(replace(load, fills=spent))
 
 
 def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
@@ -107,7 +136,7 @@ def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
     if len(ends) == 3:
         strength = measured(ends.pop().strip(), FORCES, what="strength")
     if len(ends) != 2 or not strength > 0.0:
-        raise InputError("is no tie with a strength", remedy="write BLOCK:BLOCK:20kN")
+        raise InputError("is no tie with a strength", remedy="write BLOCK:BLOCK:20kN, or fill")
     names, places = zip(*(one.partition("@")[::2] for one in ends), strict=True)
     first, second = assembly.indices([one.strip() for one in names]).tolist()
     if first == second or assembly.fixed[[first, second]].all():

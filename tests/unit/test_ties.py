@@ -146,6 +146,7 @@ def test_joints_that_crush_leave_a_tie_its_strength() -> None:
         ("block@0,0,1:anchor@0,0,1:2kN", "has no length; give two different points"),
         ("block@0,0:anchor:2kN", "'0,0' is not three finite numbers"),
         ("block:anchor:0kN", "is no tie with a strength"),
+        ("fill", "no load is fill that resists; give fill:cover=0.3m,weight=20kN/m3,passive=1"),
         ("block:anchor:5", "is not a number with a unit"),
         ("block:anchor:5kg", "unit 'kg' is not known"),
     ],

@@ -16,6 +16,7 @@ import drystone
 from drystone import Assembly, Contacts, JointCapacity, Model
 from drystone.contacts import joined_contacts
 from drystone.geometry.frames import frames_from_normals
+from drystone.io.opening import as_model
 from drystone.limits import LimitOptions, limit_train
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
@@ -113,6 +114,41 @@ def test_a_train_is_carried_as_with_rows_of_a_program(passive: float) -> None:
     )
     assert rods.proven
     assert rods.factors == pytest.approx(rows.factors, rel=1e-6)
+
+
+def test_the_tie_fill_is_these_rods() -> None:
+    """On both sides of what rows of a program say for an axle at 1.32 m."""
+    bridge = segmental_bridge(6.0, 1.5, 0.45)
+    live = LoadCase(Train.named("axle").on(Tops.of(bridge, FILL), 1.32), "axle")
+    given = "fill:cover=0.5m,weight=20kN/m3,k=0.3,passive=3"
+    bare = as_model(bridge, load=given)
+    model = as_model(bridge, load=given, tie="fill")
+    rows = limit_train(bare, steps=2, options=LimitOptions(equilibrium_only=True))
+    limit = float(rows.factors[0])
+    below, above = (0.97 * limit) * live, (1.01 * limit) * live
+    assert drystone.check(bare.with_load(bare.load + below)).falls
+    found = drystone.check(model.with_load(model.load + below))
+    assert found.stable
+    assert found.message == "stands; ties yield"
+    assert drystone.check(model.with_load(model.load + above)).falls
+    (ties,) = [one for one in found.tables() if one.title == "ties"]
+    own = with_rods(Model.of(bridge), FILL).contacts
+    assert ties["strength"] == pytest.approx(own.tie_strength[own.ties])
+    assert ties["strength_use"].max() <= 1.0 + 1e-6
+    shown = found.contacts
+    assert shown.centroid[shown.ties] == pytest.approx(own.centroid[own.ties])
+    assert shown.frame[shown.ties, 0] == pytest.approx(own.frame[own.ties, 0])
+
+
+def test_fill_that_acts_as_ties_is_not_counted_twice_and_gets_a_verdict() -> None:
+    bridge = segmental_bridge(6.0, 1.5, 0.45)
+    rows = limit_train(bridge, fill=FILL, steps=2)
+    given = "fill:cover=0.5m,weight=20kN/m3,k=0.3,passive=3"
+    ties = limit_train(bridge, load=given, tie="fill", steps=2)
+    assert ties.factors == pytest.approx(rows.factors, rel=1e-6)
+    assert rows.limit is None
+    assert ties.limit is not None
+    assert ties.limit.falls == pytest.approx(ties.factors[ties.worst], rel=0.01)
 
 
 def test_an_axle_is_pushed_down_up_to_the_factor_of_the_program() -> None:

@@ -36,7 +36,7 @@ HOW = partial(
         "seismic": "KX,KY",
         "joint_capacity": "WHAT|FILE.csv",
         "strength": "PRESSURE",
-        "tie": "BLOCK[@X,Y,Z]:BLOCK[@X,Y,Z][:FORCE]",
+        "tie": "BLOCK[@X,Y,Z]:BLOCK[@X,Y,Z][:FORCE]|fill",
         "gap": "LENGTH|SHARE",
         "only": "NAMES",
         "without": "NAMES",

@@ -155,7 +155,8 @@ def read(
     tie
         A rod between the middles of two blocks, or points of them, that only pulls, with the force
         at which it yields: ``BLOCK:BLOCK:20kN``, ``BLOCK@X,Y,Z:BLOCK@X,Y,Z:20kN`` in m; without
-        one it bears any. Several are possible.
+        one it bears any. ``fill``: rods for the passive pressure of the fill of the load. Several
+        are possible.
     gap
         Largest gap of a joint: a length such as ``2mm``, or a share of the size of the smaller
         block, such as ``5%`` (0.5%).

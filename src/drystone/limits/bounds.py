@@ -351,24 +351,18 @@ class Crossing:
     options: LimitOptions
 
     @cached_property
-    def resisting(self) -> Floats:
-        """Wrench (n, 6) of all that the fill resists beyond its pressure by ``k``."""
-        fill = self.tops.fill
-        return self.tops.pressed(0.0, max(fill.passive - fill.k, 0.0))
-
-    @cached_property
     def resisted(self) -> Ints:
         """Positions of the free blocks on which fill resists."""
         free = ~self.problem.model.assembly.fixed
-        return np.flatnonzero(free & self.resisting.any(axis=1))
+        return np.flatnonzero(free & self.tops.resisting.any(axis=1))
 
     @cached_property
     def _reserve(self) -> sparse.csc_matrix | None:
         """What the fill resists at each of these blocks as a column, in the units of a program."""
         each = []
         for block in self.resisted.tolist():
-            alone = np.zeros_like(self.resisting)
-            alone[block] = self.resisting[block]
+            alone = np.zeros_like(self.tops.resisting)
+            alone[block] = self.tops.resisting[block]
             each.append(scaled_wrench(self.problem.statics, LoadCase(alone)).ravel())
         return sparse.csc_matrix(np.array(each).T) if each else None
 
@@ -451,7 +445,7 @@ class Crossing:
         beyond = found.factor + _BEYOND * abs(found.factor)
         for state in (found.state, held_still(problem.statics, found.state)):
             motion = problem.mechanism(state.multiplier)
-            against = (self.resisting[self.resisted] * motion[self.resisted]).sum(axis=1) < 0.0
+            against = (self.tops.resisting[self.resisted] * motion[self.resisted]).sum(axis=1) < 0.0
             load = self._loaded(placed, beyond, against.astype(np.float64))
             violation, power = mechanism_defects(problem.model.with_load(load), motion)
             if violation <= MECHANISM_TOLERANCE and power > 0.0:
@@ -461,7 +455,7 @@ class Crossing:
     def _loaded(self, placed: PlacedTrain, factor: float, reserve: Floats) -> LoadCase:
         dead = self.problem.model.load
         wrench = np.zeros_like(dead.wrench)
-        wrench[self.resisted] = reserve[:, None] * self.resisting[self.resisted]
+        wrench[self.resisted] = reserve[:, None] * self.tops.resisting[self.resisted]
         acts = LoadCase(wrench, "what the fill resists") if reserve.any() else None
         load = dead + factor * placed.live
         return load if acts is None else load + acts

@@ -259,8 +259,8 @@ class TrainEnvelope(Answer):
             said.append(Sentence(why, Role.REMARK))
         if self.fill.passive > self.fill.k:
             why = (
-                f"fill resists up to {self.fill.passive:g} times its vertical pressure: only "
-                "'limit train' counts that, and no verdict was asked"
+                f"fill resists up to {self.fill.passive:g} times its vertical pressure, which "
+                "verdicts count with the tie 'fill' only: none was asked"
             )
             said.append(Sentence(why, Role.REMARK))
         elif self.limit is not None:

@@ -39,7 +39,7 @@ class Fill(Options):
         Horizontal by vertical pressure on what is inclined.
     passive : >= 0
         Largest such ratio that fill mobilises against what moves into it; none at zero. ``limit
-        train`` uses it, and no verdict.
+        train`` uses it, and all that is asked with the tie ``fill``.
     spread : >= 0
         Of a load, horizontal by vertical, to each side.
     grade
@@ -123,7 +123,11 @@ class Fill(Options):
         """Its weight, and its pressure by ``k``, on the free blocks."""
         top = Tops.of(assembly, self)
         name = f"fill to {self._level} with K {self.k:.3g}"
-        said = ("what fill resists beyond k counts in 'limit train' only",) if self.passive else ()
+        said = (
+            ("what fill resists beyond k counts in 'limit train', and with the tie 'fill'",)
+            if self.passive
+            else ()
+        )
         surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
         return LoadCase(top.pressed(1.0, self.k), name, said, surface=surface, fills=(self,))
 
@@ -200,6 +204,11 @@ class Tops:
     def pressed(self, vertical: float, horizontal: float) -> Floats:
         """Wrenches (n, 6) of shares of the pressure of the weight, down and inwards."""
         return self.strips.wrenches(self.assembly, self.pressure(vertical, horizontal))
+
+    @cached_property
+    def resisting(self) -> Floats:
+        """Wrenches (n, 6) of all that the fill resists beyond its pressure by ``k``."""
+        return self.pressed(0.0, max(self.fill.passive - self.fill.k, 0.0))
 
     def pressure(self, vertical: float, horizontal: float) -> Traction:
         """Shares of the pressure of the weight, down and inwards."""

@@ -237,7 +237,7 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
             "the weight of blocks and fill is not multiplied",
             "Dispersal": fill.words,
             "Passive pressure": f"up to {fill.passive:g} times the vertical one"
-            if fill.passive else "none: fill presses with K, and resists nothing",
+            if fill.passive else "none but as ties: fill presses with K, and resists nothing",
         }  # fmt: skip
         if len(first.places):
             yield first.axles()

@@ -144,7 +144,11 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
         words += f"; {clock.reason}" if clock.late() else ""
         return replace(undone(found, words), stopped=clock.reason)
     if not found.sensitive:
-        words = f"{found.message}; the stone reaches its strength where its joints press most"
+        stone = (model.contacts.crushes & ~model.contacts.ties).any()
+        worn = (
+            "the stone reaches its strength where its joints press most" if stone else "ties yield"
+        )
+        words = f"{found.message}; {worn}"
         return replace(
             found,
             model=model,
