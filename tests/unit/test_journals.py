@@ -128,6 +128,15 @@ def test_a_damaged_line_is_named_and_what_is_before_it_can_be_used(file) -> None
     assert checked(file) == whole
 
 
+def test_what_holds_zeros_only_is_told_to_be_removed_and_begins_anew_without(file) -> None:
+    """As a power cut leaves it; no model has to be exported again."""
+    file.write_bytes(bytes(300))
+    with pytest.raises(drystone.DrystoneError, match=r"empty; .*remove this one to start anew"):
+        planned(file)
+    file.unlink()
+    assert planned(file)
+
+
 def test_a_data_set_that_does_not_say_what_was_asked_is_refused(file: Path) -> None:
     gathered(file)
     head, *records = file.read_bytes().splitlines(keepends=True)

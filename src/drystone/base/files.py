@@ -33,7 +33,7 @@ _LEFT_S = 3600.0
 that long."""
 
 
-def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
+def read_bytes(path: PathLike, largest: int | None = None, anew: str = "export it again") -> bytes:
     """The whole of a file.
 
     Parameters
@@ -41,6 +41,8 @@ def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
     path
     largest : [bytes]
         :data:`LARGEST_FILE` when left out.
+    anew
+        What to do where it is empty, or holds zeros only.
 
     Raises
     ------
@@ -76,7 +78,7 @@ def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
             f"cannot be read: {reason}", where=str(file), remedy="check its path and permissions"
         ) from error
     if not data.strip(b" \t\r\n\x00"):
-        raise FormatError("the file is empty", where=str(file), remedy="export the model again")
+        raise FormatError("the file is empty", where=str(file), remedy=anew)
     return data
 
 

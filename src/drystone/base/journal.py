@@ -30,6 +30,8 @@ _LARGEST = 2**30
 _NO_RECORD = (ValueError, TypeError, LookupError, AttributeError, OverflowError, RecursionError)
 """What JSON that is no record, or the record that it is not, ends in."""
 
+_ANEW = "name another file, or remove this one to start anew"
+
 
 class _Damaged(ValueError):
     """A line is not what was written."""
@@ -80,7 +82,7 @@ class Journal:
         FormatError
             The file is no journal, or cannot be read.
         """
-        first = BytesIO(read_bytes(path, _LARGEST)).readline()
+        first = BytesIO(read_bytes(path, _LARGEST, anew=_ANEW)).readline()
         try:
             return dict(_value(first))
         except _NO_RECORD as error:
@@ -116,7 +118,7 @@ class Journal:
         self._whole = self._size = self._whole + len(lines)
 
     def _read(self) -> None:
-        data = read_bytes(self.path, _LARGEST)
+        data = read_bytes(self.path, _LARGEST, anew=_ANEW)
         self._size = len(data)
         lines = BytesIO(data).readlines()
         values = []
@@ -143,7 +145,7 @@ class Journal:
             raise FormatError(
                 f"is of other work: {shortened(', '.join(differ), 60)} differ",
                 where=str(self.path),
-                remedy="name another file, or remove this one to start anew",
+                remedy=_ANEW,
             )
         self.records = values[1:]
 
@@ -223,11 +225,7 @@ def _is_file(name: str) -> bool:
 
 
 def _no_journal(path: PathLike) -> FormatError:
-    return FormatError(
-        "is no journal, or its first line is damaged",
-        where=str(path),
-        remedy="name another file, or remove this one to start anew",
-    )
+    return FormatError("is no journal, or its first line is damaged", where=str(path), remedy=_ANEW)
 
 
 def _why(error: Exception) -> str:
