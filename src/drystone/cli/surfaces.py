@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -31,7 +31,7 @@ _USED = {
     "free-edge": {"--span", "--length", "--rise"},
     "three-vaults": {"--span", "--rise"},
     "tri-dome": {"--span", "--rise", "--eye", "--keystone"},
-    None: {"--supports", "--corners", "--units"},
+    None: {"--supports", "--corners", "--units", "--up"},
 }
 """Options of the surface that each kind has; None is a mesh file."""
 
@@ -115,6 +115,10 @@ class SurfaceRequest:
         str | None, Option("Unit of length of a mesh file (m).", MODEL, kind=kinds.UNIT,
                            expert=True)
     ] = None  # fmt: skip
+    up: Annotated[
+        Literal["z", "y"] | None,
+        Option("Axis that points up in a mesh file (z).", MODEL, expert=True),
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -190,6 +194,7 @@ def refuse_unused(wanted: SurfaceRequest) -> None:
     _refuse("--supports", wanted.supports is not None, kind)
     _refuse("--corners", wanted.corners is not None, kind)
     _refuse("--units", wanted.units is not None, kind)
+    _refuse("--up", wanted.up is not None, kind)
 
 
 def _refuse(option: str, given: bool, kind: str | None) -> None:
@@ -204,7 +209,7 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone import shells
     from drystone.shells.shell_by_name import COURSES
 
-    points, faces = shells.read_surface(wanted.surface, units=wanted.units)
+    points, faces = shells.read_surface(wanted.surface, units=wanted.units, up=wanted.up or "z")
     name, supports, corners = Path(wanted.surface).name, wanted.supports, wanted.corners
     vaults = (supports is None or len(corners or ()) > 4) and shells.several_supports(
         points, faces, corners=corners

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
@@ -16,6 +16,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
+from drystone.io.build import UP
 from drystone.shells.patch import Patch, arc_lengths, check_patch, numbers
 
 _Curve: TypeAlias = Callable[[Floats], Any]
@@ -239,7 +240,7 @@ def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> Non
 
 
 def read_surface(
-    path: PathLike, *, units: str | None = None
+    path: PathLike, *, units: str | None = None, up: Literal["z", "y"] = "z"
 ) -> tuple[Floats, list[tuple[int, ...]]]:
     """Vertices (p, 3) [m] and faces of an open mesh, from any format that has faces.
 
@@ -249,6 +250,8 @@ def read_surface(
     units
         Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
         metres.
+    up
+        Axis that points up in the file.
 
     Raises
     ------
@@ -269,4 +272,4 @@ def read_surface(
         offset += len(points)
     if not faces:
         raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
-    return scale_of(units or draft.units or "m") * np.concatenate(vertices), faces
+    return scale_of(units or draft.units or "m") * np.concatenate(vertices) @ UP[up].T, faces

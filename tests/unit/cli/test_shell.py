@@ -133,6 +133,20 @@ def test_the_numbers_of_a_mesh_file_have_a_unit(barrel_file: str, capsys: Capsys
     assert feet["shell"]["volume"] == pytest.approx(0.3048**3 * metres["shell"]["volume"])
 
 
+def test_a_mesh_file_may_have_y_up(barrel_file: str, tmp_path: Path, capsys: Capsys) -> None:
+    lines = Path(barrel_file).read_text().splitlines()
+    turned = tmp_path / "lying.obj"
+    told = [line.split() for line in lines]
+    turned.write_text("\n".join(
+        f"v {w[1]} {w[3]} {-float(w[2])}" if w and w[0] == "v" else " ".join(w) for w in told
+    ))  # fmt: skip
+    options = ["--courses", "9", "--blocks", "3", "--thickness", "0.4"]
+    _, upright = answer(capsys, "shell", barrel_file, *options)
+    _, lying = answer(capsys, "shell", str(turned), *options, "--up", "y")
+    assert lying["verdict"] == upright["verdict"]
+    assert lying["asked"]["size"] == pytest.approx(upright["asked"]["size"], abs=1e-6)
+
+
 def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
     _, told = answer(
         capsys, "shell", "free-edge", "--courses", "12", "--width", "0.4", "--time-limit", "5"
