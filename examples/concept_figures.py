@@ -93,6 +93,7 @@ def coupled() -> str:
         if shift:
             side = left + (40 if shift < 0 else 160)
             parts.append(arrow(side, 145, 46 if shift < 0 else -46, 0))
+            parts.append(label(left + (46 if shift < 0 else 74), 168, "force of the wall", "s"))
         parts += [label(left, 276 + 20 * row, line) for row, line in enumerate(lines)]
     return svg(760, 320, parts)
 
