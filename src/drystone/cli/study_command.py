@@ -140,7 +140,9 @@ def _asked(subject: str, texts: tuple[str, ...]) -> tuple[Any, dict[str, list[An
     values: dict[str, list[Any]] = {}
     for text in texts:
         name, _, value = text.partition("=")
-        each = _range(value) if value.count(":") == 2 else [value]
+        one_of = known.get(name.replace("-", "_"))  # a tie has colons too
+        words = one_of is not None and not {int, float} & {*one_of.kinds}
+        each = _range(value) if value.count(":") == 2 and not words else [value]
         for one in each:
             key, given = families.setting(f"{name}={one}", known)
             values.setdefault(key, []).append(given)

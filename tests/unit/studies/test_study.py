@@ -219,6 +219,11 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert main(["study", "tower", "--set", "edge=1:2.4:8", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["verdicts"]
     assert [row["edge"] for row in told] == [1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.4]
+    tied = ["tie=block-0:block-1:20kN", "tie=block-0:block-1:30kN"]
+    asked = [word for row in tied for word in ("--set", row)]
+    assert main(["study", "tower", *asked, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["verdicts"]
+    assert [f"tie={row['tie']}" for row in told] == tied
     assert main(["study", "tower", "--set", "edge=1:2"]) == 2
     out = ["--out", str(tmp_path / "one.jsonl"), "--map", str(tmp_path / "one.png")]
     assert main(["study", "tower", "--set", "count=2:3:2", *out]) == 2
