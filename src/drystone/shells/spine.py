@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 from scipy.spatial import Voronoi
 
-from drystone.base.arrays import SAME, Bools, Floats, Ints
+from drystone.base.arrays import SAME, Floats, Ints
 from drystone.shells.patch import arc_lengths
 
 _SAMPLES = 1_000
@@ -121,7 +122,7 @@ def spine_of(outline: Floats, sides: Sequence[Floats], bends: Sequence[Floats]) 
     pair, ends = np.sort(cells.ridge_points), np.array(cells.ridge_vertices)  # labels ascend
     middle = cells.vertices[ends].mean(axis=1)
     kept = (label[pair[:, 0]] != label[pair[:, 1]]) & (ends >= 0).all(axis=1)
-    kept[kept] = _inside(middle[kept], outline)
+    kept &= shapely.contains_xy(shapely.Polygon(outline), middle)
     pair, ends, middle = pair[kept], ends[kept], middle[kept]
     lines = {}
     for one, other in np.unique(label[pair], axis=0).tolist():
@@ -160,16 +161,6 @@ def _sampled(side: Floats, spacing: float) -> tuple[Floats, Floats]:
          for (a, b), n in zip(itertools.pairwise(length), parts, strict=True)] + [length[-1:]]
     )  # fmt: skip
     return at_lengths(side, along), along
-
-
-def _inside(point: Floats, outline: Floats) -> Bools:
-    """(p,) whether points are inside an outline, by the number of its edges to their right."""
-    (x0, y0), (x1, y1) = outline.T, np.roll(outline, -1, axis=0).T
-    x, y = point[:, :1], point[:, 1:]
-    spans = (y0 > y) != (y1 > y)
-    crossing = x0 + (y - y0) * (x1 - x0) / np.where(y1 == y0, 1.0, y1 - y0)
-    inside: Bools = (spans & (x < crossing)).sum(axis=1) % 2 == 1
-    return inside
 
 
 def _meetings(
