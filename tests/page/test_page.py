@@ -6,15 +6,17 @@ import io
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from PIL import Image
 
 import drystone
 from drystone.assembly import Assembly
+from drystone.design import Changed
 from drystone.detection import find_contacts
 from drystone.io import Inspection
-from drystone.models import arch, box, curve_three_blocks, shelf, tower
+from drystone.models import arch, box, curve_three_blocks, incline, shelf, tower
 from drystone.results import Result
 from drystone.view import save_page
 from tests.page.browser import Browser, Tab
@@ -444,3 +446,36 @@ def test_the_worst_joints_are_drawn_as_plans(stands):
     stands.until("document.querySelectorAll('#worst .plans svg .kern').length === 4")
     stands.click("#worst .plans figure")
     assert stands.text("#card h2").startswith("Joint")
+
+
+def smaller() -> Changed:
+    """A tower of two cubes, and the same with the upper one half as high."""
+    before = drystone.Model.of(tower(2), friction=0.5)
+    low = box((1.0, 1.0, 0.5), (-0.5, -0.5, 1.0), "block-1")
+    blocks = (before.assembly.blocks[0], replace(low, density=2400.0))
+    after = drystone.Model.of(replace(before.assembly, blocks=blocks), friction=0.5)
+    return Changed.by_hand(before, drystone.check(after), "a lower block")
+
+
+@pytest.mark.parametrize("how", [{"size": (1000, 700)}, {"size": (390, 844), "touch": True}])
+@pytest.mark.parametrize("subject", ["plan", "plank", "edges"])
+def test_supports_that_are_not_much_larger_and_edges_that_were_are_not_cut(opened, subject, how):
+    made = {
+        "plan": lambda: drystone.plan(tower(2)),
+        "plank": lambda: drystone.check(incline(20.0), friction=0.6),
+        "edges": lambda: smaller().layers(),
+    }[subject]()
+    tab = opened(made, **how)
+    tab.run("URL.createObjectURL = (blob) => { window.made = blob; return 'data:,'; };")
+    tab.click("#svg")
+    places = []
+    for one in ET.fromstring(tab.run("window.made.text()")):
+        numbers = [float(x) for x in re.split("[ ,]", one.get("points", "")) if x]
+        places += zip(numbers[::2], numbers[1::2], strict=True)
+        if one.get("x1"):
+            places += [(float(one.attrib[f"x{k}"]), float(one.attrib[f"y{k}"])) for k in "12"]
+    head = tab.run("document.getElementById('verdict').getBoundingClientRect().bottom")
+    wide, high = tab.run("['width', 'height'].map((x) => view.getBoundingClientRect()[x])")
+    assert len(places) > 20
+    outside = [(x, y) for x, y in places if not (0.0 <= x <= wide and head <= y <= high)]
+    assert outside == []

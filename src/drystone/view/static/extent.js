@@ -4,14 +4,15 @@ const MOST_POINTS = 100000; // corners looked at
 const SUPPORT = 2; // the state of a support
 const ARRIVING = 0.4; // of the way into its place on which a block is seen whole
 const AROUND = 0.15; // of supports, by the size of what is free
+const WHOLE = 2.5; // times that size, up to which supports are seen whole: half a plank under a block looks cut off
 
 // Places (three numbers each) with the model taken apart by `spread`.
 function placesAt(spread) {
   return new Float32Array([...cornersAt(spread), ...motionEnds(), ...(spread ? [] : arrowEnds())]);
 }
 
-// Corners of the blocks, every so-many-th where there are many. Of supports those near what is free: a slab under
-// a column is not what one looks at.
+// Corners of the blocks, every so-many-th where there are many. Of large supports those near what is free: a slab
+// under a column is not what one looks at.
 function cornersAt(spread) {
   const { away } = data.blocks;
   const places = [];
@@ -28,15 +29,19 @@ function cornersAt(spread) {
 
 const supports = (block) => stage().state[block] === SUPPORT;
 
-// The box around what is free, and a margin around it; without limits where nothing is free.
+// The box around what is free, and a margin around it; without limits where nothing is free, or all is not much larger.
 function nearFree() {
-  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  const [low, high, least, most] = [Infinity, -Infinity, Infinity, -Infinity].map((x) => [x, x, x]);
   someCorners((p, block) => {
-    if (supports(block)) return;
-    for (let i = 0; i < 3; i++) [low[i], high[i]] = [Math.min(low[i], p[i]), Math.max(high[i], p[i])];
+    for (let i = 0; i < 3; i++) {
+      [least[i], most[i]] = [Math.min(least[i], p[i]), Math.max(most[i], p[i])];
+      if (!supports(block)) [low[i], high[i]] = [Math.min(low[i], p[i]), Math.max(high[i], p[i])];
+    }
   });
   const size = vec.length(vec.sub(high, low));
-  if (!(size < Infinity)) return { low: low.map(() => -Infinity), high: high.map(() => Infinity) };
+  if (!(size < Infinity) || vec.length(vec.sub(most, least)) <= WHOLE * size) {
+    return { low: low.map(() => -Infinity), high: high.map(() => Infinity) };
+  }
   const margin = AROUND * size;
   return { low: low.map((x) => x - margin), high: high.map((x) => x + margin) };
 }
@@ -77,12 +82,20 @@ function motionEnds() {
   return places;
 }
 
-// Both ends of the arrows that are shown, and where a motion that plays carries those of its blocks.
+// Both ends of the arrows that are shown, and where a motion that plays carries those of its blocks; and of lines
+// that are no forces, such as the edges that a block had.
 function arrowEnds() {
   const places = [];
   for (const { layers, plays, motion } of data.stages) {
     for (const layer of layers) {
-      if (layer.kind !== "arrows" || !shown(layer)) continue;
+      if (!shown(layer)) continue;
+      if (layer.kind === "lines" && !layer.value) {
+        for (let i = 0; i < layer.position.length; i += 3) {
+          const from = layer.position.subarray(i, i + 3);
+          places.push(...from, ...vec.add(from, layer.vector.subarray(i, i + 3)));
+        }
+      }
+      if (layer.kind !== "arrows") continue;
       for (let i = 0; i < layer.position.length; i += 3) {
         const from = layer.position.subarray(i, i + 3);
         const v = vec.scale(layer.vector.subarray(i, i + 3), layer.scale * page.stretch);

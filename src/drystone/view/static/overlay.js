@@ -63,12 +63,13 @@ function scaleBar(metresPerPixel, most = 130) {
   return { pixels: length / metresPerPixel, text: quantity(length, "m") };
 }
 
-// Beside the directions; above them where there is no room for both beside the legend.
+// From below to the scale bar: beside the directions, or above them where there is no room for both beside the legend.
+const scaleHeight = (width) => (width < 560 ? 112 : 16);
+
 function drawScale(pen, view, size, colours) {
   const small = size.width < 560;
   const { pixels, text } = scaleBar(view.metresPerPixel, small ? 90 : 130);
-  const [x, y] = small
-    ? [size.width - pixels - 16, size.height - 112] : [size.width - 250, size.height - 16];
+  const [x, y] = [size.width - (small ? pixels + 16 : 250), size.height - scaleHeight(size.width)];
   pen.strokeStyle = pen.fillStyle = colours.ink;
   pen.lineWidth = 2;
   pen.beginPath();

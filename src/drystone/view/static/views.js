@@ -11,7 +11,8 @@ function insets() {
   const shareOf = (id) => byId(id).offsetHeight / height;
   const top = Math.min(0.3, shareOf("verdict") + 8 / height);
   const legend = byId("legend");
-  const above = { left: 16 / width, right: 24 / width, top, bottom: Math.min(0.35, shareOf("legend") + 8 / height) };
+  const below = Math.max(shareOf("legend") + 8 / height, (scaleHeight(width) + 20) / height);
+  const above = { left: 16 / width, right: 24 / width, top, bottom: Math.min(0.35, below) };
   if (width <= height || legend.offsetWidth >= 0.3 * width) return [above];
   const beside = (legend.offsetWidth + 8) / width;
   const low = { top, bottom: 64 / height };
