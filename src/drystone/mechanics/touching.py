@@ -50,6 +50,7 @@ class Further:
     corners: Ints
 
 
+@lru_cache(maxsize=8)
 def further_contacts(assembly: Assembly, contacts: Contacts, options: DetectionOptions) -> Further:
     """What blocks touch beside their contacts, with edges and corners.
 
@@ -169,8 +170,7 @@ def with_what_touches(model: Model, motion: Floats) -> Model | None:
     found = further_of(model)
     if found is None or not motion.any():
         return None
-    edges = found.parallel
-    edges = edges.take(approach(model.assembly, edges, motion)[0] > 0.0)
+    edges = found.parallel.take(approach(model.assembly, found.parallel, motion)[0] > 0.0)
     straight = np.zeros(len(edges))
     more = joined_contacts(found.contacts, edges.contacts(straight, straight))
     if not len(more):
@@ -178,20 +178,26 @@ def with_what_touches(model: Model, motion: Floats) -> Model | None:
     return with_edges(model, more.with_friction(least_friction(model, more)))
 
 
-def near_edges(model: Model, moving: Bools) -> list[Missed]:
+def near_edges(model: Model, moving: Bools) -> tuple[Missed, ...]:
     """Where edges and corners of blocks that move (n,) are near others that they do not touch.
 
     They were not searched where both blocks have faces that touch others.
     """
     touching = further_of(model)
     if touching is None or model.report is None:
-        return []
+        return ()
     patches, options, count = kept_patches_of(model.assembly), model.report.options, len(model)
     a, b = near_blocks(patches, options)
     every = (model.contacts, touching.contacts, touching.parallel)
     known = [np.sort(np.stack([each.block_a, each.block_b], axis=1), axis=1) for each in every]
-    near = [(one.block_a, one.block_b) for one in model.unjoined]
-    known += [touching.corners, np.array(near, dtype=np.intp).reshape(-1, 2)]
-    low, high = np.concatenate(known).T
+    near = [[[one.block_a, one.block_b]] for one in model.unjoined]
+    low, high = np.concatenate([*known, touching.corners, *near]).T
     some = (moving[a] | moving[b]) & ~np.isin(a * count + b, low * count + high)
-    return edge_misses(model.assembly, patches, (a[some], b[some]), (), options)[0]
+    return _missed(model.assembly, np.stack([a[some], b[some]]).tobytes(), options)
+
+
+@lru_cache(maxsize=8)
+def _missed(assembly: Assembly, pairs: bytes, options: DetectionOptions) -> tuple[Missed, ...]:
+    """Near edges of pairs of blocks (2, p); a limit asks for the same ones again and again."""
+    a, b = np.frombuffer(pairs, dtype=np.intp).reshape(2, -1)
+    return tuple(edge_misses(assembly, kept_patches_of(assembly), (a, b), (), options)[0])

@@ -65,16 +65,9 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
     if further is None:
         return found
     moving = part_of_fall(found)
-
-    def of_moving(contacts: Contacts) -> Bools:
-        """Those (m,) of a block that moves."""
-        chosen: Bools = moving[contacts.block_a] | moving[contacts.block_b]
-        return chosen
-
-    lines = further.contacts.select(of_moving(further.contacts))
-    lines = lines.with_friction(least_friction(model, lines))
-    if _may_hold(found, lines):
-        return check(with_edges(model, lines))
+    touching = _with_lines(found, further.contacts, moving)
+    if touching is not None:
+        return check(touching)
     edges = further.parallel
     edges = edges.take(moving[edges.block_a] | moving[edges.block_b])
     turned = _turned(found, edges)
@@ -103,19 +96,20 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
 
 def may_touch_more(model: Model) -> bool:
     """Whether pairs of blocks, or their edges, are near, or touch and are no contacts."""
-    if model.unjoined:
-        return True
     found = further_of(model)
     touch = found and (len(found.contacts) or len(found.parallel) or len(found.corners))
-    return bool(touch or near_edges(model, np.ones(len(model), dtype=bool)))
+    return bool(model.unjoined or touch or near_edges(model, np.ones(len(model), dtype=bool)))
 
 
-def _may_hold(found: Result, more: Contacts) -> bool:
-    """Whether the motion of what falls is none where the blocks touch as well."""
-    if not len(more) or found.mechanism is None:
-        return len(more) > 0
-    touching = found.model.with_contacts(more)
-    return mechanism_defects(touching, found.mechanism)[0] > MECHANISM_TOLERANCE
+def _with_lines(found: Result, more: Contacts, moving: Bools) -> Model | None:
+    """The model with those of moving blocks (n,), where they may hold what falls."""
+    more = more.select(moving[more.block_a] | moving[more.block_b])
+    if not len(more):
+        return None
+    model, motion = found.model, found.mechanism
+    more = more.with_friction(least_friction(model, more))
+    free = motion is not None and mechanism_defects(model.with_contacts(more), motion)
+    return None if free and free[0] <= MECHANISM_TOLERANCE else with_edges(model, more)
 
 
 def _undecided(found: Result, pairs: Ints, what: str) -> Result:
