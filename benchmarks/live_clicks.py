@@ -104,12 +104,10 @@ def spot(tab: Tab, draw: random.Random, words: str) -> tuple[float, float, str] 
 def act(tab: Tab, x: float, y: float, *, far: float, touch: bool) -> None:
     """Click or tap; drag ``far`` pixels to the right where that is not zero."""
     if touch:
-        point = [{"x": x, "y": y}]
-        tab.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=point)
+        tab.touch("touchStart", (x, y))
         if far:
-            moved = [{"x": x + far, "y": y}]
-            tab.send("Input.dispatchTouchEvent", type="touchMove", touchPoints=moved)
-        tab.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+            tab.touch("touchMove", (x + far, y))
+        tab.touch("touchEnd")
     else:
         tab.mouse("mousePressed", x, y, button="left", clickCount=1)
         if far:

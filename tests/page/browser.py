@@ -142,6 +142,8 @@ class Browser:
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
             deviceScaleFactor=ratio, mobile=touch,
         )  # fmt: skip
+        if touch:
+            tab.send("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
         features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         features.append({"name": "prefers-reduced-motion", "value": "reduce" if still else ""})
         if forced:
@@ -233,6 +235,11 @@ class Tab:
         for kind in ("mousePressed", "mouseReleased"):
             self.mouse(kind, x, y, button="left", clickCount=1)
         self.frames()
+
+    def touch(self, kind: str, *fingers: tuple[float, float]) -> None:
+        """Fingers that begin to touch, move, or end to touch."""
+        points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(fingers)]
+        self.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def picture(self, selector: str = "html") -> bytes:
         """A screenshot of an element as PNG."""

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
+from urllib.parse import parse_qs
+
+import numpy as np
 
 from drystone.live.serving import Live
 from tests.page.browser import Tab
@@ -31,3 +35,19 @@ def leave(tab: Tab, live: Live) -> None:
     assert tab.complaints() == []
     assert all(url.startswith(f"http://127.0.0.1:{live.port}/") for url in tab.requests())
     tab.close()
+
+
+def seen_from_the_front(tab: Tab, point: np.ndarray) -> tuple[float, float]:
+    """Where a point, relative to the middle of the model [m], is in the window."""
+    tab.key("1")
+    tab.click("#link")
+    view = parse_qs(str(tab.run("document.getElementById('address').value")).split("#")[1])
+    distance, x, _, z = (float(one) for one in view["v"][0].split(",")[2:])
+    left, top, wide, high = tab.run("""(() => {
+      const box = document.getElementById('view').getBoundingClientRect();
+      return [box.x, box.y, box.width, box.height];
+    })()""")
+    by_metre = high / (2.0 * distance * math.tan(math.radians(14.0)))  # the field of view is 28
+    return left + 0.5 * wide + by_metre * (point[0] - x), top + 0.5 * high - by_metre * (
+        point[2] - z
+    )

@@ -22,24 +22,18 @@ def eye(tab: Tab) -> str:
     return str(tab.run("document.getElementById('address').value")).split("#")[1]
 
 
-def touched(tab: Tab, kind: str, *fingers: tuple[float, float]) -> None:
-    points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(fingers)]
-    tab.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
-
-
 def test_one_finger_turns_and_two_zoom_and_a_tap_opens_a_card(opened: Callable[..., Tab]) -> None:
     tab = opened(drystone.check(STACK), size=(390, 800), touch=True)
-    tab.send("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
     seen = [eye(tab)]
-    touched(tab, "touchStart", (150, 400))
+    tab.touch("touchStart", (150, 400))
     for x in (170, 190, 220):
-        touched(tab, "touchMove", (x, 410))
-    touched(tab, "touchEnd")
+        tab.touch("touchMove", (x, 410))
+    tab.touch("touchEnd")
     seen.append(eye(tab))
-    touched(tab, "touchStart", (150, 400), (220, 400))
+    tab.touch("touchStart", (150, 400), (220, 400))
     for x in (140, 120, 100):
-        touched(tab, "touchMove", (x, 400), (370 - x, 400))
-    touched(tab, "touchEnd")
+        tab.touch("touchMove", (x, 400), (370 - x, 400))
+    tab.touch("touchEnd")
     seen.append(eye(tab))
     assert len(set(seen)) == 3
     tab.key("f")
@@ -48,8 +42,8 @@ def test_one_finger_turns_and_two_zoom_and_a_tap_opens_a_card(opened: Callable[.
         "(() => { const r = document.getElementById('view').getBoundingClientRect();"
         " return [r.x + r.width / 2, r.y + r.height / 2]; })()"
     )
-    touched(tab, "touchStart", (x, y))
-    touched(tab, "touchEnd")
+    tab.touch("touchStart", (x, y))
+    tab.touch("touchEnd")
     tab.until("document.getElementById('card').textContent !== ''")
 
 

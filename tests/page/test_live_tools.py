@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import parse_qs
 
-import numpy as np
 import pytest
 
 import drystone
@@ -17,7 +15,7 @@ from drystone import io
 from drystone.live.serving import Live
 from drystone.models import leaning_column
 from tests.page.browser import Browser, Tab
-from tests.page.live_steps import choose, leave, says, verdict
+from tests.page.live_steps import choose, leave, says, seen_from_the_front, verdict
 from tests.unit.live.live_client import overhang
 
 
@@ -27,22 +25,6 @@ def tab(browser: Browser, live: Live) -> Iterator[Tab]:
     verdict(made, "STABLE")
     yield made
     leave(made, live)
-
-
-def seen_from_the_front(tab: Tab, point: np.ndarray) -> tuple[float, float]:
-    """Where a point, relative to the middle of the model [m], is in the window."""
-    tab.key("1")
-    tab.click("#link")
-    view = parse_qs(str(tab.run("document.getElementById('address').value")).split("#")[1])
-    distance, x, _, z = (float(one) for one in view["v"][0].split(",")[2:])
-    left, top, wide, high = tab.run("""(() => {
-      const box = document.getElementById('view').getBoundingClientRect();
-      return [box.x, box.y, box.width, box.height];
-    })()""")
-    by_metre = high / (2.0 * distance * math.tan(math.radians(14.0)))  # the field of view is 28
-    return left + 0.5 * wide + by_metre * (point[0] - x), top + 0.5 * high - by_metre * (
-        point[2] - z
-    )
 
 
 def distance_of_the_eye(tab: Tab) -> float:

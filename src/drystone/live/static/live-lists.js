@@ -22,16 +22,17 @@ function showChanges() {
   for (const name of now.removed) row(`${name} is out`, name, button("Put back", () => putBack(name)));
   for (const { block, force } of now.pushes) {
     const size = vec.length(force);
+    const [unit, newton] = size < 1000 ? ["N", 1] : ["kN", 1000];
     const input = element("input", undefined, {
-      type: "number", step: "any", min: 0, value: Number((size / 1000).toPrecision(4)),
-      "aria-label": `Force on ${block} in kN`,
+      type: "number", step: "any", min: 0, value: Number((size / newton).toPrecision(4)),
+      "aria-label": `Force on ${block} in ${unit}`,
     });
     input.addEventListener("change", () => {
-      const wanted = Number(input.value) * 1000;
-      if (!(wanted >= 0)) return complain(`a force of ${input.value} kN cannot be: give zero or more`);
+      const wanted = Number(input.value) * newton;
+      if (!(wanted >= 0)) return complain(`a force of ${input.value} ${unit} cannot be: give zero or more`);
       return change({ pushes: pushed(block, vec.scale(force, wanted / size)) });
     });
-    row(`${block} pushed`, `towards ${directionText(force)}`, input, element("span", "kN"),
+    row(`${block} pushed`, `towards ${directionText(force)}`, input, element("span", unit),
       button("\u00d7", () => change({ pushes: pushed(block, [0, 0, 0]) }), { "aria-label": "No force" }));
   }
   for (const { block, by } of now.moves) {

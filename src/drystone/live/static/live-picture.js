@@ -88,6 +88,7 @@ function showPlan(scene) {
   planKept ??= { ...data };
   showData(readData(scene));
   byId("plan-leave").hidden = false;
+  setMode("look"); // a plan is looked at
   choosePreset("stages");
   play("stages");
 }

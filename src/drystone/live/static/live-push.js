@@ -15,12 +15,14 @@ const DOES = {
   move: (block) => (supportsNow().includes(nameOf(block)) ? "drag to move it" : "no support: not moved"),
 };
 let mode = "look";
+const drags = () => mode === "push" || mode === "move";
 
 function setMode(wanted) {
   canvas.classList.remove(`live-${mode}`);
   mode = wanted;
   canvas.classList.add(`live-${mode}`);
-  page.onlyBlocks = DOES[mode] ? (block) => `${nameOf(block)}: ${DOES[mode](block)}` : null;
+  const says = (block) => `${nameOf(block)}: ${DOES[mode](block)}`;
+  page.acts = DOES[mode] ? { says, clicked: clickedBlock, grabbed: grabbedBlock } : null;
   byId("mode-help").textContent = MODE_HELP[mode];
   for (const one of byId("modes").children) {
     one.setAttribute("aria-pressed", String(one.dataset.mode === mode));
@@ -39,6 +41,7 @@ function toggleSupport(name) {
 }
 
 function takeOut(name) {
+  if (now.removed.includes(name)) return; // the picture still has it
   change({
     removed: [...now.removed, name], pushes: pushed(name, [0, 0, 0]), moves: moved(name, [0, 0, 0]),
   });
@@ -77,78 +80,67 @@ function forceOf(block, dx, dy) {
   return turnedBetween(inModel, stage().up, [0, 0, 1]).map((x) => Number(x.toPrecision(4)));
 }
 
-let drag = null; // { block, pointer, x, y, before, from }
 const SVG_ARROW = '<svg id="push-arrow" hidden><line/><text/></svg>';
 
-function showArrow(event, words) {
+// From where one pressed to where one is.
+function showArrow(start, event, words) {
   const box = canvas.getBoundingClientRect();
   const [line, text] = byId("push-arrow").children;
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-  const ends = { x1: drag.x - box.left, y1: drag.y - box.top, x2: x, y2: y };
+  const ends = { x1: start.clientX - box.left, y1: start.clientY - box.top, x2: x, y2: y };
   for (const [key, value] of Object.entries(ends)) line.setAttribute(key, value);
   text.setAttribute("x", Math.min(x + 12, box.width - 90));
   text.setAttribute("y", Math.max(y - 8, 16));
   text.textContent = words;
 }
 
-const inKilonewton = (force) => `${Number((vec.length(force) / 1000).toPrecision(3))} kN`;
-
-function pressed(event) {
-  if (mode === "look" || planShown() || event.button !== 0 || event.shiftKey || event.target !== canvas) return;
-  const { block } = under(event);
-  if (block === undefined) return; // beside the blocks one still turns the model
-  event.stopImmediatePropagation();
-  event.preventDefault();
-  hovered(null);
-  if (mode === "support") toggleSupport(nameOf(block));
-  else if (mode === "remove") takeOut(nameOf(block));
-  else if (supportsNow().includes(nameOf(block)) !== (mode === "move")) {
-    complain(mode === "move" ? `${nameOf(block)} is no support: make it one, or push it`
-      : `${nameOf(block)} is a support: a force on it changes nothing`);
-  } else {
-    const [before, from] = [now, movedBy(nameOf(block))];
-    drag = { block, pointer: event.pointerId, x: event.clientX, y: event.clientY, before, from };
-    canvas.setPointerCapture(event.pointerId);
+// A drag of a block from a press to where it is let go; where it does not count all is as it was.
+function dragOf(block, start) {
+  const [before, name] = [now, nameOf(block)];
+  const from = movedBy(name);
+  const move = (event) => {
+    const [dx, dy] = [event.clientX - start.clientX, event.clientY - start.clientY];
     byId("push-arrow").removeAttribute("hidden");
-    showArrow(event, "");
-  }
+    if (mode === "move") {
+      const by = wayOf(from, dx, dy);
+      showArrow(start, event, quantity(vec.length(by), "m"));
+      change({ moves: moved(name, by) }, false);
+    } else {
+      const force = forceOf(block, dx, dy);
+      showArrow(start, event, quantity(vec.length(force), "N"));
+      change({ pushes: pushed(name, force) }, false);
+    }
+  };
+  const end = (counts) => {
+    byId("push-arrow").setAttribute("hidden", "");
+    if (counts) change({});
+    else if (now !== before) goTo(before);
+  };
+  return { move, end };
 }
 
-function dragged(event) {
-  if (!drag || event.pointerId !== drag.pointer) return;
-  event.stopImmediatePropagation();
-  const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
-  const name = nameOf(drag.block);
-  if (mode === "move") {
-    const by = wayOf(drag.from, dx, dy);
-    showArrow(event, quantity(vec.length(by), "m"));
-    change({ moves: moved(name, by) }, false);
-  } else {
-    const force = forceOf(drag.block, dx, dy);
-    showArrow(event, inKilonewton(force));
-    change({ pushes: pushed(name, force) }, false);
-  }
+// The press that drags a block. One that cannot be dragged says so, and does not turn the model.
+function grabbedBlock(block, event) {
+  if (!drags()) return null;
+  if (supportsNow().includes(nameOf(block)) === (mode === "move")) return dragOf(block, event);
+  hovered(event);
+  return { move() {}, end() {} };
 }
 
-function released(event) {
-  if (!drag || event.pointerId !== drag.pointer) return;
-  event.stopImmediatePropagation();
-  const { before } = drag;
-  drag = null;
-  byId("push-arrow").setAttribute("hidden", "");
-  const { pushes, moves } = event.type === "pointerup" ? now : before;
-  change({ pushes, moves });
+function clickedBlock(block, event) {
+  if (drags()) actions.select(block); // its card does the same without a drag
+  else if (event.detail > 1) return; // of a double click the first does it
+  else if (mode === "support") toggleSupport(nameOf(block));
+  else takeOut(nameOf(block));
 }
 
 function connectPush() {
-  const holder = canvas.parentElement;
-  holder.insertAdjacentHTML("beforeend", SVG_ARROW);
-  holder.addEventListener("pointerdown", pressed, true);
-  holder.addEventListener("pointermove", dragged, true);
-  holder.addEventListener("pointerup", released, true);
-  holder.addEventListener("pointercancel", released, true);
+  canvas.parentElement.insertAdjacentHTML("beforeend", SVG_ARROW);
   for (const one of byId("modes").children) {
-    one.addEventListener("click", () => setMode(one.dataset.mode));
+    one.addEventListener("click", () => {
+      leavePlan();
+      setMode(one.dataset.mode);
+    });
   }
   setMode("look");
   const { select } = actions;

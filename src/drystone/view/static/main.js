@@ -50,8 +50,8 @@ function connectSliders() {
 }
 
 function connect() {
-  followPointers(canvas, camera, { clicked, hovered });
-  canvas.addEventListener("dblclick", (event) => centreOn(under(event).block));
+  followPointers(canvas, camera, { clicked, hovered, grabbed });
+  canvas.addEventListener("dblclick", (event) => page.acts || centreOn(under(event).block));
   canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in KEYS)) return;
     KEYS[event.key](event.shiftKey);

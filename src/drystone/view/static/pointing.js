@@ -9,7 +9,7 @@ function under(event) {
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
   interrupt();
   const view = currentView(canvas.width / Math.max(1, canvas.clientWidth));
-  const joints = view.time === 0 && !page.onlyBlocks;
+  const joints = view.time === 0 && !page.acts;
   const polygons = joints ? view.layers.filter((layer) => layer.kind === "polygons") : [];
   // also where a view looks along them
   const faces = joints && stage().layers.some((layer) => shown(layer) && layer.corners && layer.interface);
@@ -41,9 +41,17 @@ function jointNear(x, y, view) {
 function clicked(event) {
   if (page.measuring) return measureAt(event);
   const { block, joint } = under(event);
+  if (page.acts && block !== undefined) return page.acts.clicked(block, event);
   if (joint !== undefined) actions.selectJoint(joint);
   else actions.select(block ?? -1);
   return undefined;
+}
+
+// What a press grabs, or null: beside the blocks one turns the model.
+function grabbed(event) {
+  if (!page.acts || page.measuring || event.button !== 0 || event.shiftKey) return null;
+  const { block } = under(event);
+  return block === undefined ? null : page.acts.grabbed(block, event);
 }
 
 function hovered(event) {
@@ -63,7 +71,7 @@ function hovered(event) {
 
 function tipText({ block, joint }) {
   const { normal, utilisation, state } = stage();
-  if (page.onlyBlocks) return page.onlyBlocks(block);
+  if (page.acts) return page.acts.says(block);
   if (joint !== undefined) {
     const name = jointName(data, joint);
     if (!normal) return `${name}: ${plain(data.contacts.area[joint], "m\u00b2")}`;

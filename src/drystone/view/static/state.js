@@ -20,7 +20,7 @@ const shownLayers = new Map();
 const page = {
   stage: 0, preset: "", wanted: "", selected: -1, joint: -1, hovered: -1, time: 0, opacity: 1, stretch: 1,
   hidden: new Set(), section: { axis: -1, at: 0, side: 1 }, measuring: null, printing: false,
-  onlyBlocks: null, // where joints take no clicks: what a click on a block does, in words
+  acts: null, // where joints take no clicks, { says, clicked, grabbed } of a block: words, and what is done
 };
 let waiting = false;
 let moves = false; // the picture that is awaited is one of many

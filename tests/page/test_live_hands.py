@@ -1,0 +1,96 @@
+"""The live page by mouse and touch: only what was meant is done; what is not done is said."""
+
+from __future__ import annotations
+
+import pytest
+
+from drystone import io
+from drystone.live.serving import Live
+from tests.page.browser import Browser, Tab
+from tests.page.live_steps import leave, seen_from_the_front, verdict
+
+
+def place_of(tab: Tab, live: Live, name: str) -> tuple[float, float]:
+    """Where a block is in the window, seen from the front."""
+    blocks = io.read(live.desk.file).assembly
+    middle = 0.5 * (blocks.bounds[:, 0].min(axis=0) + blocks.bounds[:, 1].max(axis=0))
+    return seen_from_the_front(tab, blocks.centroid[blocks.index(name)] - middle)
+
+
+def untouched(tab: Tab) -> bool:
+    """Whether nothing was changed since the page was opened."""
+    return tab.text("#live-changes") == "" and bool(
+        tab.run("document.getElementById('undo').disabled")
+    )
+
+
+def test_only_a_click_takes_a_block_out_and_a_double_click_takes_one(
+    browser: Browser, live: Live
+) -> None:
+    tab = browser.open(live.link, size=(760, 480))
+    verdict(tab, "STABLE")
+    x, y = place_of(tab, live, "voussoir-06")
+    for mode in ("remove", "support"):
+        tab.click(f"[data-mode={mode}]")
+        tab.mouse("mousePressed", x, y, button="left", clickCount=1)
+        for far in (20, 40, 0):  # turned, and back
+            tab.mouse("mouseMoved", x + far, y, button="left", buttons=1)
+        tab.mouse("mouseReleased", x, y, button="left", clickCount=1)
+        tab.frames()
+        assert untouched(tab)
+    tab.click("[data-mode=remove]")
+    for count in (1, 2):
+        for kind in ("mousePressed", "mouseReleased"):
+            tab.mouse(kind, x, y, button="left", clickCount=count)
+    verdict(tab, "UNSTABLE")
+    assert tab.text("#live-changes").count(" is out") == 1
+    tab.click("#undo")
+    verdict(tab, "STABLE")
+    assert untouched(tab)
+    leave(tab, live)
+
+
+@pytest.fixture
+def phone(browser: Browser, live: Live) -> Tab:
+    tab = browser.open(live.link, size=(390, 844), touch=True)
+    verdict(tab, "STABLE")
+    return tab
+
+
+def test_two_fingers_on_a_block_zoom_and_a_tap_opens_its_card(phone: Tab, live: Live) -> None:
+    x, y = place_of(phone, live, "voussoir-06")
+    for mode in ("remove", "push", "support"):
+        phone.click(f"[data-mode={mode}]")
+        phone.touch("touchStart", (x, y))
+        phone.touch("touchMove", (x + 10, y))
+        phone.touch("touchStart", (x + 10, y), (x + 40, y))
+        phone.touch("touchMove", (x + 10, y), (x + 90, y))
+        phone.touch("touchEnd")
+        phone.frames()
+        phone.until("document.getElementById('live-changes').textContent === ''")
+        assert untouched(phone)
+    phone.click("[data-mode=push]")
+    x, y = place_of(phone, live, "voussoir-06")
+    phone.touch("touchStart", (x, y))
+    phone.touch("touchEnd")
+    phone.until("document.getElementById('block-actions').textContent.includes('voussoir-06')")
+    assert untouched(phone)
+    leave(phone, live)
+
+
+def test_what_is_not_done_is_said_where_one_looks(phone: Tab, live: Live) -> None:
+    x, y = place_of(phone, live, "springer-left")
+    phone.click("[data-mode=push]")
+    phone.touch("touchStart", (x, y))
+    phone.touch("touchMove", (x + 30, y))
+    phone.touch("touchEnd")
+    phone.until("!document.getElementById('tip').hidden")
+    assert phone.text("#tip") == "springer-left: a support: not pushed"
+    assert untouched(phone)
+
+    assert phone.run("document.getElementById('fold').getAttribute('aria-expanded')") == "false"
+    phone.slide("#friction-number", -1)
+    phone.until("document.getElementById('live-trouble').textContent.includes('zero or more')")
+    assert phone.run("document.getElementById('live-trouble').getBoundingClientRect().height") > 0
+    assert all("400" in one for one in phone.complaints())  # the browser notes the refusal
+    phone.close()
