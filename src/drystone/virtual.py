@@ -2,9 +2,9 @@
 
 Forces at the corners of a smaller polygon keep the centre of pressure inside it. Reduced joints
 describe other states of equilibrium: within the kern, at the extrados or the intrados, or with a
-margin all around. What a joint bears beyond friction shrinks with its area. Where no such state
-exists, the penalised form of :func:`drystone.solve_rbe` shows the joints in which the thrust line
-leaves the polygon.
+margin all around. What a joint bears beyond friction shrinks with its area; ties stay as they are.
+Where no such state exists, the penalised form of :func:`drystone.solve_rbe` shows the joints in
+which the thrust line leaves the polygon.
 """
 
 from __future__ import annotations
@@ -178,16 +178,14 @@ def _factor(factor: float) -> float:
 
 
 def _mask(contacts: Contacts, interfaces: _Choice) -> Bools:
-    if interfaces is None:
-        return np.ones(contacts.count, dtype=bool)
     mask = np.zeros(contacts.count, dtype=bool)
     try:
-        mask[np.asarray(interfaces)] = True
+        mask[slice(None) if interfaces is None else np.asarray(interfaces)] = True
     except IndexError as error:
         raise InputError(
             f"there is no such interface: {error}", remedy=f"0 to {contacts.count - 1} exist"
         ) from error
-    return mask
+    return mask & ~contacts.ties
 
 
 def _reshaped(contacts: Contacts, point: Floats, interfaces: _Choice) -> Contacts:
@@ -231,7 +229,8 @@ def _replaced(contacts: Contacts, origin: Floats, loops: list[Floats]) -> Contac
     flat = np.concatenate(loops)
     start = Ragged.from_counts(count).start
     point = origin[interface] + np.einsum("ki,kij->kj", flat, contacts.frame[interface, 1:])
-    return contacts.with_areas(sections(flat, start).area, point=point, interface=interface)
+    area = np.where(contacts.ties, contacts.area, sections(flat, start).area)
+    return contacts.with_areas(area, point=point, interface=interface)
 
 
 __all__ = [

@@ -9,6 +9,7 @@ from drystone.loads import Earth, Fill, LoadCase
 from drystone.loads.fill import Tops
 from drystone.models import segmental_bridge, tower
 from drystone.models.simple import box
+from drystone.models.solids import prism
 from drystone.report.sketches import dimensions_picture
 from drystone.view import scene_of
 
@@ -39,6 +40,20 @@ def test_fill_presses_both_haunches_inwards_and_its_sum_is_that_of_the_vertical_
     assert push[:5] == pytest.approx(-push[:4:-1])
     high = 1.5 + 0.45 - (1.5 + 0.45 - 4.2 + 4.2 * 0.6)  # of the extrados above its feet
     assert push[:5].sum() == pytest.approx(0.5 * 2e4 * 0.5 * high**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0, 215.0])
+def test_fill_presses_at_the_third_of_a_slope_that_faces_any_way(angle: float) -> None:
+    """A slope of 2 m height on 1 m: pressure grows with depth from zero, about the centroid."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    block = prism([(0.0, 0.0), (3.0, 0.0), (2.0, 2.0), (0.0, 2.0)], (0.0, 1.0), "block")
+    turned = Assembly([block]).transformed(turn)
+    wrench = Fill(cover=0.0, weight=18e3, k=0.5).on(turned).wrench[0]
+    force = np.array([-18e3, 0.0, -18e3])
+    place = np.array([3.0 - 1.0 / 3.0, 0.5, 2.0 / 3.0]) - block.centroid
+    assert wrench[:3] == pytest.approx(turn @ force, abs=1e-6)
+    assert wrench[3:] == pytest.approx(turn @ np.cross(place, force), abs=1e-6)
 
 
 def test_a_road_that_rises_adds_fill_at_one_end_and_takes_it_at_the_other() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 import drystone
 from drystone import Assembly, Block, InputError, Model
+from drystone.limits import limit_shrink
 from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import Increments
@@ -15,6 +16,7 @@ from drystone.models import box, incline
 from drystone.seismic import local_mechanism
 from drystone.settlement import End, Outcome, move_supports, push
 from drystone.ties import with_tie_words
+from drystone.virtual import shrink, to_kern, to_point
 
 G = 9.81
 
@@ -225,3 +227,16 @@ def test_a_tie_that_was_drawn_out_is_slack_on_the_way_back() -> None:
 def test_only_what_follows_blocks_knows_how_a_rod_yields() -> None:
     with pytest.raises(InputError, match="takes no strength of a tie"):
         drystone.solve_cra(held_on_a_slope(20.0), friction=0.5, tie="block:anchor:1kN")
+
+
+def test_joints_that_shrink_leave_a_tie_its_strength() -> None:
+    """A wall of half width b and weight W, with 0.2 W along x: W b s + T h = 0.3 W H / 2."""
+    wall = tied_wall()
+    weight, pull = G * wall.mass[1], 2000.0
+    asked = {"friction": 0.6, "seismic": (0.3, 0.0)}
+    found = limit_shrink(wall, **asked, tie=f"wall@0.25,0.5,1:anchor:{pull}N")
+    needed = (0.3 * weight * 1.0 - pull * 1.0) / (0.25 * weight)
+    assert found.stands >= needed >= found.falls
+    contacts = with_tie_words(Model.of(wall), [f"wall:anchor:{pull}N"]).contacts
+    for smaller in (shrink(contacts, 0.5, [0]), to_kern(contacts), to_point(contacts, [1])):
+        assert smaller.tie_strength == pytest.approx([np.inf, pull])

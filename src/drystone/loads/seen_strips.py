@@ -164,9 +164,8 @@ class SeenStrips(OneLine):
         steep = np.repeat(mine.slope, 2, axis=0)
         inside = np.eye(2) + 1e-6 * np.array([[-1.0, 1.0], [1.0, -1.0]])  # where levels end
         t, r = ((one @ inside).ravel() for one in (mine.t, mine.r))
-        seen = traction(Spots(t, r, steep)) @ self.axes
+        pressed = (traction(Spots(t, r, steep)) @ self.axes).reshape(-1, 2, 3)
         point = np.stack([mine.t, mine.s, mine.r], axis=2) @ self.axes
-        pressed = seen.reshape(-1, 2, 3)
         some = pressed.any(axis=(1, 2))
         wrench = self._chosen(~assembly.fixed[self.block]).wrenches(assembly, traction)
         return SurfaceLoad(mine.block[some], point[some], pressed[some], wrench)
@@ -179,13 +178,15 @@ class SeenStrips(OneLine):
         assembly
         traction
         """
-        ends = np.stack([1.0 - _GAUSS, _GAUSS])  # (2, 3)
+        ends = np.stack([1.0 - _GAUSS, _GAUSS]).repeat(2, axis=1)  # (2, 6)
         t, s, width, r = (one @ ends for one in (self.t, self.s, self.width, self.r))
-        area = width * np.diff(self.t) * _SHARE
-        steep = np.repeat(self.slope, 3, axis=0)
+        beside = width * np.tile([-0.5, 0.5], 3) / np.sqrt(3.0)  # exact to the third degree
+        area = 0.5 * width * np.diff(self.t) * _SHARE.repeat(2)
+        s, r = s + beside, r + self.slope[:, 1:] * beside
+        steep = np.repeat(self.slope, 6, axis=0)
         force = area.reshape(-1, 1) * traction(Spots(t.ravel(), r.ravel(), steep)) @ self.axes
         point = np.stack([t.ravel(), s.ravel(), r.ravel()], axis=1) @ self.axes
-        block = np.repeat(self.block, 3)
+        block = np.repeat(self.block, 6)
         found = np.zeros((len(assembly), 6))
         np.add.at(found[:, :3], block, force)
         np.add.at(found[:, 3:], block, np.cross(point - assembly.centroid[block], force))
