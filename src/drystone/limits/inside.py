@@ -187,8 +187,8 @@ def _inside(
     if options.width is None and family(start).contacts.corner_count > SEARCHED:
         width = Width(width.least, max(width.share, COARSE))
         closing = _CLOSING
-    first = search(one_stiffness, STANDS_OR_NOT)
-    uniform = first.from_start(start, last, width=width, scan=options.scan, beyond=outer)
+    first = search(one_stiffness, STANDS_OR_NOT, {})
+    uniform = first.run(start, last, width=width, scan=options.scan, beyond=outer)
     if options.width is None:
         width = Width(width.least, max(width.share, FOLLOWED))
     means.tell("verdict where stiffness decides", 2)

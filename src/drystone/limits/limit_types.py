@@ -476,12 +476,12 @@ _UNIFORM = QUICK.with_slip_lengths(None, 1.0)
 the quick level gives the same limits as the patient one in half of the time."""
 
 
-def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+def one_stiffness(model: Model, *, start: Floats | None = None, stop: Stop | None = None) -> Result:
     """Whether it stands with uniform contact stiffness: the fastest proof."""
     contacts = model.contacts
     if contacts.corner_count > SEARCHED and not (contacts.brittle or contacts.crushes.any()):
-        return try_rest(model, screening=_UNIFORM, stop=stop)
-    return check(model, options=CheckOptions(settle=False), stop=stop)
+        return try_rest(model, screening=_UNIFORM, start=start, stop=stop)
+    return check(model, options=CheckOptions(settle=False), start=start, stop=stop)
 
 
 def every_stiffness(

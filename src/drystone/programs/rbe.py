@@ -238,7 +238,10 @@ def solve_rbe(
 def _answer(model: Model, chosen: RBEOptions, clock: Clock, progress: Progress | None) -> Result:
     """The answer on the contacts of a model."""
     problem = Problem.build(model)
-    if chosen.any_forces and problem.statics.dry and problem.statics.free_count:
+    statics = problem.statics
+    # where nothing rubs many forces balance a wall, and the mechanism is sought up to 20 times as
+    # long as the program takes
+    if chosen.any_forces and statics.dry and statics.free_count and statics.friction.any():
         quick = _nearest(problem, chosen, clock)
         if quick is not None:
             return quick
