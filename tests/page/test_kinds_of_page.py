@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from drystone.io import Inspection
 from drystone.limits import limit_thickness, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
-from drystone.sequence import PlanOptions, Rules, ScaffoldOptions, scaffolding
+from drystone.sequence import PlanOptions, Robot, Rules, ScaffoldOptions, plan, scaffolding
 from drystone.settlement import move_supports, push, support_response
 from drystone.view import Frame, save_page, save_report
 from drystone.view.instructions import save_instructions
@@ -160,3 +161,17 @@ def test_the_kinds_are_all_that_have_a_picture() -> None:
     drawn = {type(made(kind)) for kind in KINDS}
     assert all(issubclass(kind, get_args(Subject)) for kind in drawn)
     assert drawn >= set(get_args(Subject)) - {Answer}
+
+
+def test_a_robot_away_from_the_blocks_is_in_the_picture(opened: Callable[..., Tab]) -> None:
+    """Its base is 12 m from a tower that is 1 m wide, and no arm and no reach lead there."""
+    rules = Rules(robots=(Robot("far", (-12.0, 0.0, 0.0)),))
+    found = plan(tower(2), options=PlanOptions(rules=rules)).layers()
+    tab = opened(replace(found, stages=found.stages[-1:]))
+    tab.run("URL.createObjectURL = (blob) => { window.made = blob; return 'data:,'; };")
+    tab.click("#svg")
+    faces = re.findall(r'<polygon points="([^"]+)"', tab.run("window.made.text()"))
+    across = [float(x) for one in faces for x in re.findall(r"([-\d.]+),", one)]
+    across = [x for x in across if x > 100.0]  # without the legend
+    wide = tab.run("document.getElementById('view').getBoundingClientRect().width")
+    assert 5.0 < max(across) - min(across) < wide / 6.0

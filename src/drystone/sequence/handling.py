@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, plain
 from drystone.assembly import Block
@@ -29,6 +28,7 @@ from drystone.model import Model
 from drystone.sequence.freedom import Joints, face_at
 from drystone.sequence.margins import Margin, Margins
 from drystone.sequence.path_search import NoPath, PathFinder, PathOptions, RemovalPath
+from drystone.sequence.plan_steps import assigned
 from drystone.sequence.plans import Plan
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.scaffolding import Scaffolding, item_numbers
@@ -233,8 +233,9 @@ class Handling(Answer):
         return [self.table()]
 
     def layers(self) -> Scene:
-        """The stages of the plan."""
-        return self.plan.layers()
+        """The stages of the plan, with the robots."""
+        rules = replace(self.plan.rules, robots=self.robots)
+        return replace(self.plan, rules=rules).layers()
 
     def props_during(self, hold: Hold) -> tuple[str, ...]:
         """Names of the blocks in place before a hold that stay propped until it ends."""
@@ -358,7 +359,7 @@ def handling(
             if progress is not None:
                 progress("paths of insertion", len(paths), len(jobs))
     notes = list(plan.notes)
-    ends = plan.steps[_known(plan) :]
+    ends = plan.steps[plan.known_steps :]
     if ends:
         name, answers = model.assembly.names[ends[0].blocks[0]], (*ends[0].during, ends[0].answer)
         why = next(one.message for one in answers if not one.stands)
@@ -368,7 +369,7 @@ def handling(
     placements: list[Placement] = []
     holds: list[Hold] = []
     outside: list[tuple[float, str]] = []
-    chosen = _assigned(plan, team)
+    chosen = assigned(plan, team)
     notes += without_robot(plan, team)
     for (number, block, here), found in zip(jobs, paths, strict=False):
         step, body = plan.steps[number], model.assembly.blocks[block]
@@ -397,16 +398,9 @@ def handling(
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)
 
 
-def _known(plan: Plan) -> int:
-    """The number of steps before the first stage that is not known to stand."""
-    answers = [(*step.during, step.answer) for step in plan.steps]
-    stands = [all(one.stands for one in some) for some in answers]
-    return [*stands, False].index(False)
-
-
 def _in_order(plan: Plan) -> Iterator[tuple[int, int, Bools]]:
     """Step of each block in the order of placement, the block, and the blocks (n,) in place."""
-    for number, step in enumerate(plan.steps[: _known(plan)]):
+    for number, step in enumerate(plan.steps[: plan.known_steps]):
         here = np.array(plan.model.assembly.fixed)
         here[list(members(plan.before(number)))] = True
         for block in step.blocks:
@@ -421,8 +415,8 @@ def _path(finder: PathFinder, job: tuple[int, int, Bools]) -> RemovalPath | NoPa
 def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
     """A line for each block of a plan that no robot can place while the others hold theirs."""
     team, notes = check_robots(robots), []
-    chosen = _assigned(plan, team)
-    for step in plan.steps[: _known(plan)]:
+    chosen = assigned(plan, team)
+    for step in plan.steps[: plan.known_steps]:
         for block in {*step.blocks} - {*chosen} if team else ():
             body = plan.model.assembly.blocks[block]
             able = [
@@ -432,25 +426,6 @@ def without_robot(plan: Plan, robots: Sequence[Robot]) -> list[str]:
             why = why if able else why_not(team, body.name, body.centroid, body.mass)
             notes.append(f"'{body.name}': {why}")
     return notes
-
-
-def _assigned(plan: Plan, team: Sequence[Robot]) -> dict[int, int]:
-    """The robot of each block, in turn and for as many blocks as can be.
-
-    Each block of a step has another robot: it holds it until the last one is in place.
-    """
-    chosen: dict[int, int] = {}
-    turn = 0
-    for step in plan.steps[: _known(plan)] if team else ():
-        at, mass = (one[list(step.blocks)] for one in (plan.model.assembly.centroid,
-                                                       plan.model.assembly.mass))  # fmt: skip
-        can = np.stack([robot.manages(at, mass) for robot in team], axis=1)
-        wait = (np.arange(len(team)) - turn - np.arange(len(at))[:, None]) % len(team)
-        of, robot = linear_sum_assignment(np.where(can, wait, len(team) ** 3))
-        for i, k in zip(of.tolist(), robot.tolist(), strict=True):
-            if can[i, k]:
-                chosen[step.blocks[i]], turn = k, k + 1
-    return chosen
 
 
 def _placed(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from drystone.answer import SceneStage, State
+from drystone.answer import Layer, LayerKind, MarkerShape, SceneStage, State
 from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
 from drystone.base.arrays import Floats, Ints
@@ -14,7 +15,8 @@ from drystone.base.errors import counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.results.stage import force_layers
-from drystone.sequence.plan_steps import PlannedSteps, Status
+from drystone.sequence.plan_steps import PlannedSteps, Status, assigned
+from drystone.sequence.robots import Robot
 from drystone.sequence.stages import StageAnswer, members
 
 _MOST_ARROWS = 200_000
@@ -150,3 +152,55 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
             *load_layers(plan.model.assembly, plan.model.load),
         ),
     )  # fmt: skip
+
+
+def with_robots(
+    plan: PlannedSteps, team: Sequence[Robot], stages: Sequence[SceneStage]
+) -> list[SceneStage]:
+    """Stages, one for each block that is placed and then others, with the robots of a team.
+
+    A mark is the base of a robot, a line leads from it to the block that it places or holds, and
+    arcs show where its reach ends.
+    """
+    arms = {block: team[k] for block, k in assigned(plan, team).items()}
+    seen = [step.blocks[: k + 1] for step in plan.steps for k in range(len(step.blocks))]
+    out = [_with_arms(plan, arms, *one) for one in zip(seen, stages, strict=False)]
+    around = _robot_layers(plan.model.assembly.bounds, team) if team else ()
+    return [replace(one, layers=one.layers + around) for one in (*out, *stages[len(out) :])]
+
+
+def _with_arms(
+    plan: PlannedSteps, arms: Mapping[int, Robot], blocks: tuple[int, ...], stage: SceneStage
+) -> SceneStage:
+    """A stage with lines from robots to the blocks of its step, of which the last is placed."""
+    busy = [(b, arms[b]) for b in reversed(blocks) if b in arms]
+    if not busy:
+        return stage
+    names, start = plan.model.assembly.names, np.array([arm.base for _, arm in busy])
+    way = plan.model.assembly.centroid[[b for b, _ in busy]] - start
+    doing = [f"'{arm.name}' {'places' if b == blocks[-1] else 'holds'} {names[b]}"
+             for b, arm in busy]  # fmt: skip
+    layer = Layer("arms", ", ".join(doing), LayerKind.LINES, "load", start, way, width=2.0)
+    message = "; ".join([*doing, *filter(None, [stage.message])])
+    return replace(stage, message=message, layers=(*stage.layers, layer))
+
+
+def _robot_layers(bounds: Floats, team: Sequence[Robot]) -> tuple[Layer, ...]:
+    """The bases of robots, and the edges of their reach near them and near blocks (n, 2, 3) [m]."""
+    base, mark = np.array([one.base for one in team]), MarkerShape.DIAMOND
+    bases = Layer("robots", "base of a robot", LayerKind.MARKERS, "load", base, shape=mark)
+    low = np.minimum(bounds[:, 0].min(axis=0), base.min(axis=0))
+    high = np.maximum(bounds[:, 1].max(axis=0), base.max(axis=0))
+    past = 0.1 * float(np.linalg.norm(high - low)) * np.array([1.0, 1.0, 1e-3])  # not below ground
+    angle = np.linspace(0.0, 2.0 * np.pi, 121)
+    circle = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    far = [one for one in team if np.isfinite(one.reach)]
+    edges = np.array([one.reach * circle[:, axes] + one.base
+                      for one in far for axes in ([0, 1, 2], [0, 2, 1], [2, 0, 1])])  # fmt: skip
+    start = edges.reshape(-1, 121, 3)[:, :-1].reshape(-1, 3)
+    way = np.diff(edges.reshape(-1, 121, 3), axis=1).reshape(-1, 3)
+    near = ((start >= low - past) & (start + way >= low - past) & (start < high + past[0])).all(1)
+    if not near.any():
+        return (bases,)
+    label = "where a reach ends"
+    return bases, Layer("reach", label, LayerKind.LINES, "reaction", start[near], way[near])

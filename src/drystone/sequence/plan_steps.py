@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, named
 from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
 from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of
 
@@ -226,6 +228,13 @@ class PlannedSteps:
         height = self.model.height[[b for step in self.steps for b in step.blocks]]
         return float(np.maximum(0.0, -np.diff(height)).sum())
 
+    @cached_property
+    def known_steps(self) -> int:
+        """Number of steps before the first stage that is not known to stand."""
+        answers = [(*step.during, step.answer) for step in self.steps]
+        stands = [all(one.stands for one in some) for some in answers]
+        return [*stands, False].index(False)
+
     def before(self, number: int) -> int:
         """Blocks in place before a step begins, as bits."""
         return self.steps[number].placed & ~mask_of(self.steps[number].blocks)
@@ -237,6 +246,23 @@ class PlannedSteps:
         always, known = ("free", "held", "propped"), [*counts.items()][1:]
         said = ", ".join(f"{n} {kind}" for kind, n in known if n or kind in always)
         return f"{len(self.steps)} steps: {said}"
+
+
+def assigned(plan: PlannedSteps, team: Sequence[Robot]) -> dict[int, int]:
+    """The robot of each block, in turn and for as many blocks as can be.
+
+    Each block of a step has another robot: it holds it until the last one is in place.
+    """
+    assembly, chosen, turn = plan.model.assembly, dict[int, int](), 0
+    for step in plan.steps[: plan.known_steps] if team else ():
+        at, mass = assembly.centroid[list(step.blocks)], assembly.mass[list(step.blocks)]
+        can = np.stack([robot.manages(at, mass) for robot in team], axis=1)
+        wait = (np.arange(len(team)) - turn - np.arange(len(at))[:, None]) % len(team)
+        of, robot = linear_sum_assignment(np.where(can, wait, len(team) ** 3))
+        for i, k in zip(of.tolist(), robot.tolist(), strict=True):
+            if can[i, k]:
+                chosen[step.blocks[i]], turn = k, k + 1
+    return chosen
 
 
 def checked_step(

@@ -14,7 +14,7 @@ from drystone.base.display import differing, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
-from drystone.sequence.plan_layers import step_stages, summary_stage
+from drystone.sequence.plan_layers import step_stages, summary_stage, with_robots
 from drystone.sequence.plan_steps import PlannedSteps, Status, Step
 from drystone.sequence.robots import FAR
 from drystone.sequence.rules import TOO_HEAVY, Order, Rules, too_heavy
@@ -290,9 +290,9 @@ class Plan(PlannedSteps, Answer):
         role = {Role.GOOD: Verdict.STABLE, Role.BAD: Verdict.UNSTABLE}  # of the title's colour
         coloured = role.get(self.role, Verdict.UNDECIDED)
         last = summary_stage(self, self.title, self.message, coloured)
-        stages = (*step_stages(self), last)
+        stages = with_robots(self, self.rules.robots, [*step_stages(self), last])
         return Scene(
-            model.assembly, model.contacts, stages, f"drystone plan: {self.told}",
+            model.assembly, model.contacts, tuple(stages), f"drystone plan: {self.told}",
             {**self.asked.facts(), "Plan": self.told}, number, still=-1, opens=-1,
             preset="stages" if len(stages) > 1 else "solid",
         )  # fmt: skip

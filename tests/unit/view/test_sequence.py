@@ -8,7 +8,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.results import Verdict
-from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence import Plan, PlanOptions, Robot, Rules, Status, handling, plan
 from drystone.view import State, page_text
 from drystone.view.instructions import instructions_text
 from drystone.view.sheet import shown_middle
@@ -34,6 +34,34 @@ def test_blocks_appear_as_they_are_placed(planned):
     assert present[0] >= 3
     assert present == sorted(present)
     assert present[-1] == len(planned.model.assembly)
+
+
+def test_robots_stand_at_every_stage_and_lines_go_to_what_they_place_and_hold():
+    """As the placements and holds of the same team; where each reach ends is near the model."""
+    team = (Robot("left", (-2.0, 0.0, 0.0), 2.9), Robot("right", (2.0, 0.0, 0.0)))
+    rules = Rules(hands=2, robots=team)
+    found = plan(arch(0.3, 7), options=PlanOptions(rules=rules), friction=0.4)
+    centroid, names = found.model.assembly.centroid, found.model.assembly.names
+    work = handling(found, team)
+    holds = 0
+    for stage, one in zip(found.layers().stages, work.placements, strict=False):
+        layers = {layer.key: layer for layer in stage.layers}
+        np.testing.assert_allclose(layers["robots"].position, [arm.base for arm in team])
+        ends = layers["arms"].position + layers["arms"].vector
+        blocks = [int(np.argmin(np.linalg.norm(centroid - end, axis=1))) for end in ends]
+        np.testing.assert_allclose(ends, centroid[blocks], atol=1e-12)
+        held = [b for b in blocks if names[b] != one.name]
+        assert stage.message.startswith(f"'{one.robot}' places {one.name}")
+        holds += len(held)
+        places = dict(zip(blocks, layers["arms"].position, strict=True))
+        base = next(arm.base for arm in team if arm.name == one.robot)
+        np.testing.assert_allclose(places[names.index(one.name)], base)
+        edge = layers["reach"].position
+        np.testing.assert_allclose(np.linalg.norm(edge - team[0].base, axis=1), 2.9)
+    assert holds == sum(len(step.blocks) * (len(step.blocks) - 1) // 2 for step in found.steps) > 0
+    last = {layer.key for layer in found.layers().stages[-1].layers}
+    assert {"robots", "reach"} <= last
+    assert "arms" not in last
 
 
 def test_the_last_stage_shows_every_status(planned):

@@ -83,12 +83,13 @@ function motionEnds() {
 }
 
 // Both ends of the arrows that are shown, and where a motion that plays carries those of its blocks; and of lines
-// that are no forces, such as the edges that a block had.
+// that are no forces, such as the edges that a block had, and marks, such as the base of a robot.
 function arrowEnds() {
   const places = [];
   for (const { layers, plays, motion } of data.stages) {
     for (const layer of layers) {
       if (!shown(layer)) continue;
+      if (layer.kind === "markers") places.push(...layer.position);
       if (layer.kind === "lines" && !layer.value) {
         for (let i = 0; i < layer.position.length; i += 3) {
           const from = layer.position.subarray(i, i + 3);
