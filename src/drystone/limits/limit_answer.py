@@ -268,12 +268,13 @@ class Limit(LimitValues, Answer):
         best, tried = self.best, self.evaluations
         looks = [_LOOKS.get(one.verdict, (MarkKind.RING, "good")) for one in tried]
         marks = []
+        falls = "" if best.falls is None else f"falls at {self._short(best.falls)}"
         for kind, ink in dict.fromkeys(looks):
             mine = [one for one, look in zip(tried, looks, strict=True) if look == (kind, ink)]
             x, y = np.array([(one.value, _share(one)) for one in mine]).T
-            marks.append(Marks(kind, x, y, ink))
+            marks.append(Marks(kind, x, y, ink, {MarkKind.CROSS: falls}.get(kind, "")))
         if best.falls is not None and best.falls not in [one.value for one in tried]:
-            marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad"))
+            marks.append(Marks(MarkKind.CROSS, np.array([best.falls]), np.zeros(1), "bad", falls))
         line = () if best.stands is None else ((best.stands, self._short(best.stands)),)
         return Chart(
             "Values that were tried", tuple(marks), self.quantity.words,
@@ -287,9 +288,10 @@ class Limit(LimitValues, Answer):
         headline = self.title  # that of the answer, whichever of its sides is shown
         if falls and self.best.stands is not None:
             headline += f"; falls at {self._short(value)}"
-        facts = {
-            key: text for key, text in state.asked.facts().items() if key in ("Load", "Friction")
-        }
+        facts, told = {}, self._digits(value)  # rounded as in the headline
+        for key, text in state.asked.facts().items():
+            if key in ("Load", "Friction"):
+                facts[key] = text.replace(f"{value:g}", told).replace(f"{value:.4g}", told)
         label = f"{'falls' if falls else 'not decided' if self._open else 'stands'} at "
         label += self._short(value)
         means = "; ".join(one for one in (state.message, *self._means()) if one)

@@ -28,7 +28,7 @@ from drystone.limits.limits import limit_load
 from drystone.loads import Fill, LoadCase, Train
 from drystone.loads.fill import Tops
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 from drystone.stability.problem import Problem
 
 
@@ -225,12 +225,15 @@ class TrainEnvelope(Answer):
         x, y, _ = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
         return bool(y > x)
 
+    @property
+    def _carried(self) -> bool:
+        """Whether the whole train is, by equilibrium and by the verdict where there is one."""
+        good = bool(len(self.places)) and bool(self.factors[self.worst] >= 1.0)
+        return good and (self.limit is None or float(self.limit.stands or 0.0) >= 1.0)
+
     def sentences(self) -> Sequence[Sentence]:
         """The least factor, how it was found, and what it does not say."""
-        falls = self.limit is not None and self.limit.stands is None
-        good = bool(len(self.places)) and self.factors[self.worst] >= 1.0 and not falls
-        good = good and (self.limit is None or float(self.limit.stands or 0.0) >= 1.0)
-        role = Role.BAD if not good else Role.UNSURE if self._turned else Role.GOOD
+        role = Role.BAD if not self._carried else Role.UNSURE if self._turned else Role.GOOD
         said = [Sentence(self.title, role)]
         if self._turned:
             turn = "it is longer along y, and the train moves along x: turn it if it spans along y"
@@ -342,9 +345,13 @@ class TrainEnvelope(Answer):
         scene = bare_scene(self.model.assembly, self.model.contacts, self.model)
         if not len(self.places) or self.falls_alone:
             return replace(scene, title=self.title)
+        worst, axles = [], self._axle_layers(self.worst)
         found = () if self.limit is None else self.limit.layers().stages
-        axles = self._axle_layers(self.worst)
-        worst = [replace(one, layers=(*one.layers, *axles)) for one in found]
+        for one in found:  # with the words of this answer
+            told = self.title + one.headline.removeprefix(self.limit.title if self.limit else "")
+            verdict = one.verdict if self._carried else Verdict.UNSTABLE
+            layers = (*one.layers, *axles)
+            worst.append(replace(one, headline=told, verdict=verdict, layers=layers))
         stages = worst or self._stage(self.worst)
         still = max(len(found) - 1, 0)
         for i in np.flatnonzero(np.isfinite(self._near)).tolist():

@@ -159,9 +159,9 @@ class LocalMechanism(Answer):
         good = self.oscillator.multiplier > 0.0
         if self.site is not None:
             good = self.fulfils("linear") or self.fulfils("non-linear")
-        moving = counted(int(np.count_nonzero(self._moving)), "block")
+        moving = counted(int(np.count_nonzero(self._moving)), "block moves", "blocks move")
         said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
-        said.append(Sentence(f"{moving} move; {self.how}"))
+        said.append(Sentence(f"{moving}; {self.how}"))
         said += [Sentence(one, Role.REMARK) for one in self.remarks]
         if self.site is not None and self.site.confidence == 1.0:
             full = "FC = 1: full knowledge of the building is taken (confidence in the site file)"
@@ -279,11 +279,12 @@ class LocalMechanism(Answer):
     def chart(self) -> Chart:
         """The capacity curve, its line, and the spectrum as displacement and acceleration."""
         curve, end = self.table(), self.oscillator.displacement
-        line = np.array([0.0, end]), np.array([self.acceleration, 0.0])
         marks = [
-            Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"),
-            Marks(MarkKind.LINE, curve["displacement"], curve["acceleration"], "ink", "capacity"),
+            Marks(MarkKind.LINE, curve["displacement"], curve["acceleration"], "ink", "capacity")
         ]
+        if math.isfinite(end):
+            line = np.array([0.0, end]), np.array([self.acceleration, 0.0])
+            marks.insert(0, Marks(MarkKind.DASHED, *line, "accent", "a0* to d0*"))
         there = self.state.secant * self.ultimate
         ends: tuple[tuple[float, str], ...] = ()
         if math.isfinite(self.secant_period):
@@ -297,7 +298,9 @@ class LocalMechanism(Answer):
             across = np.array([spectrum.displacement(one) for one in period])
             up = np.array([spectrum.acceleration(one) for one in period])
             marks.append(Marks(MarkKind.LINE, across, up, "bad", "elastic spectrum"))
-        return Chart("Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s2"), lines=ends)
+        return Chart(
+            "Capacity curve", tuple(marks), "d*", "a*", ("m", "m/s\N{SUPERSCRIPT TWO}"), lines=ends
+        )
 
 
 @checked_call

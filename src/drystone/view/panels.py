@@ -28,7 +28,7 @@ def panel(chart: Chart) -> str:
         body += "".join(_drawn(chart, one) for one in chart.marks)
         drawn = (
             f'<svg viewBox="0 0 {WIDTH:g} {height:g}" width="100%" role="img" '
-            f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>'
+            f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>{_key(chart)}'
         )
     told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
     return f"    <fieldset><legend>{html.escape(chart.title)}</legend>{drawn}{told}</fieldset>"
@@ -54,47 +54,68 @@ def _left(chart: Chart) -> float:
 
 
 def _drawn(chart: Chart, marks: Marks) -> str:
+    """Marks in a chart."""
     x, y = _place(chart, marks.x, marks.y)
-    ink = f"var(--{marks.ink})"
-    if marks.kind in (MarkKind.LINE, MarkKind.DASHED, MarkKind.AREA):
-        points = [*zip(x, y, strict=True)]
-        dashes = ' stroke-dasharray="4 3"' if marks.kind is MarkKind.DASHED else ""
+    if marks.kind is MarkKind.AREA and marks.low is not None:
+        back = _place(chart, marks.x, marks.low)
+        x, y = (np.append(one, other[::-1]) for one, other in zip((x, y), back, strict=True))
+    return _shapes(marks, x, y)
+
+
+def _shapes(marks: Marks, x: Floats, y: Floats) -> str:
+    """A line through points, or a mark at each [px]."""
+    ink, kind = f"var(--{marks.ink})", marks.kind
+    if kind in (MarkKind.LINE, MarkKind.DASHED, MarkKind.AREA):
+        dashes = ' stroke-dasharray="4 3"' if kind is MarkKind.DASHED else ""
         look = f'fill="none" stroke="{ink}" stroke-width="2"{dashes}'
-        if marks.kind is MarkKind.AREA:
+        if kind is MarkKind.AREA:
             look = f'fill="{ink}" fill-opacity="0.15" stroke="none"'
-            if marks.low is not None:
-                points += [*zip(*_place(chart, marks.x, marks.low), strict=True)][::-1]
-        told = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+        told = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
         return f'<polyline {look} points="{told}"/>'
-    if marks.kind is MarkKind.CROSS:
-        look = f'stroke="{ink}" stroke-width="1.5"'
-        path = "M{:.1f} {:.1f}l7 7m0 -7l-7 7"
-        return "".join(
-            f'<path d="{path.format(a - 3.5, b - 3.5)}" {look}/>' for a, b in zip(x, y, strict=True)
-        )
-    look = f'fill="{"none" if marks.kind is MarkKind.RING else ink}" stroke="{ink}"'
-    return "".join(
-        f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" {look}/>' for a, b in zip(x, y, strict=True)
-    )
+    look = f'fill="{"none" if kind is MarkKind.RING else ink}" stroke="{ink}"'
+    shape = '<circle cx="{:.1f}" cy="{:.1f}" r="3.5" ' + look + "/>"
+    if kind is MarkKind.CROSS:
+        shape = f'<path d="M{{:.1f}} {{:.1f}}m-3.5 -3.5l7 7m0 -7l-7 7" stroke="{ink}" '
+        shape += 'stroke-width="1.5"/>'
+    if kind is MarkKind.DIAMOND:
+        shape = f'<path d="M{{:.1f}} {{:.1f}}m-4.5 0l4.5 -4.5l4.5 4.5l-4.5 4.5z" {look}/>'
+    return "".join(shape.format(a, b) for a, b in zip(x, y, strict=True))
+
+
+def _key(chart: Chart) -> str:
+    """What the marks are, where they say it."""
+    wide = {MarkKind.LINE: [1.0, 17.0], MarkKind.DASHED: [1.0, 17.0]}
+    wide[MarkKind.AREA] = [1.0, 17.0, 17.0, 1.0]
+    rows = []
+    for text, marks in {one.label: one for one in chart.marks if one.label}.items():
+        x = np.array(wide.get(marks.kind, [9.0]))
+        y = np.array([1.0, 1.0, 11.0, 11.0]) if len(x) == 4 else np.full(len(x), 6.0)
+        shape = _shapes(marks, x, y)
+        swatch = f'<svg width="18" height="12" aria-hidden="true">{shape}</svg>'
+        rows.append(f"<span>{swatch} {html.escape(text)}</span>")
+    return f'<p class="key">{"".join(rows)}</p>' if rows else ""
 
 
 def _axes(chart: Chart) -> Iterator[str]:
-    """Axes, their ends, and the values that are marked."""
-    (low, high), left = chart.rise, _left(chart)
-    base = HEIGHT - BOTTOM
+    """Axes, their ends, and the values that are marked: these alone where both are at one place."""
+    base, left = HEIGHT - BOTTOM, _left(chart)
     yield (
         f'<path d="M{left:g} {TOP:g}V{base:g}H{WIDTH - RIGHT:g}" fill="none" stroke="var(--line)"/>'
     )
-    for at, text in chart.lines:
-        x = float(_place(chart, np.array([at]), np.zeros(1))[0][0])
+    marked = _place(chart, np.array([at for at, _ in chart.lines]), np.zeros(len(chart.lines)))[0]
+    for x, (_, text) in zip(marked.tolist(), chart.lines, strict=True):
         yield f'<path d="M{x:.1f} {TOP:g}V{base:g}" stroke="var(--ink)" stroke-dasharray="3 3"/>'
         yield _text(x, TOP - 7.0, text, "end" if x > 0.8 * WIDTH else "middle")
-    for value in dict.fromkeys((low, high)):
-        y = float(_place(chart, np.zeros(1) + chart.span[0], np.array([value]))[1][0])
+    rise = np.unique(chart.rise)
+    for value, y in zip(
+        rise, _place(chart, np.full(len(rise), chart.span[0]), rise)[1], strict=True
+    ):
         yield _text(left - 5.0, y + 4.0, _told(value, chart.units[1]), "end")
-    for value in _across(chart):
-        x = float(_place(chart, np.array([value]), np.zeros(1))[0][0])
-        yield _text(x, base + 13.0, _told(value, chart.units[0]))
+    ends = np.array(_across(chart))
+    for value, x in zip(ends, _place(chart, ends, np.zeros(len(ends)))[0].tolist(), strict=True):
+        if not (np.abs(marked - x) < 3.0).any():
+            told = _told(value, chart.units[0])
+            yield _text(x, base + 13.0, told, "start" if x < left + 3.0 else "middle")
     yield _text(0.5 * WIDTH, HEIGHT - 3.0, chart.across)
     yield _text(0.0, 11.0, chart.up, "start")
 

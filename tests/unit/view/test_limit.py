@@ -10,6 +10,7 @@ from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.base.errors import InputError
 from drystone.limits import Bracket, Limit, Quantity, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
+from drystone.seismic import local_mechanism
 from drystone.view import State, scene_of
 from drystone.view.panels import panel
 
@@ -60,11 +61,22 @@ def test_states_of_different_blocks_are_not_mixed() -> None:
     np.testing.assert_array_equal(falls.motion[own], 0.0)
 
 
+def test_what_acts_is_rounded_as_the_headline_is(tilt: Limit) -> None:
+    least = drystone.limit_friction(arch(0.3, 10))
+    assert (least.best.stands, least.title) == (0.303515625, "Stands down to friction 0.3036")
+    low = scene_of(least).stages[0]
+    for stage in (scene_of(tilt).stages[0], low):
+        told = re.findall(r"\d+\.\d+", stage.headline)[0]
+        assert told in " ".join(stage.facts.values()), stage.facts
+
+
 def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:
     text = panel(tilt.chart())
     assert text.count("<circle") == len(tilt.evaluations)  # all of them stand
     assert tilt.best.falls not in [one.value for one in tilt.evaluations]
-    assert text.count('stroke="var(--bad)"') == 1
+    assert text.count('stroke="var(--bad)"') == 2  # at its place, and in the key
+    told = scene_of(tilt).stages[-1].headline.split("; ")[1]
+    assert f"{told}</span>" in text  # rounded as in the headline
 
 
 def test_a_sweep_shows_its_weakest_direction() -> None:
@@ -89,3 +101,20 @@ def test_values_beside_a_chart_are_not_cut_off_and_a_line_ends_at_zero() -> None
     assert [text for _, text in beside] == ["0 m/s2", "1.177 m/s2"]
     for x, text in beside:
         assert float(x) >= 6.0 * len(text)
+
+
+def test_a_chart_has_a_key_and_writes_a_value_at_its_end_once() -> None:
+    marks = (
+        Marks(MarkKind.LINE, np.array([0.0, 0.0149]), np.array([0.1, 0.0]), label="load"),
+        Marks(MarkKind.DIAMOND, np.array([0.01]), np.array([0.05]), "bad", "slides"),
+    )
+    drawn = panel(Chart("Push", marks, "u", "k", ("m", ""), lines=((0.0149, "14.9 mm"),)))
+    assert re.findall(r"</svg> ([a-z]+)</span>", drawn) == ["load", "slides"]
+    assert drawn.count("14.9 mm") == 1
+    assert re.findall(r'text-anchor="(\w+)">0 m<', drawn) == ["start"]  # not below "0" of the other
+
+
+def test_a_capacity_without_an_end_draws_no_line_to_it() -> None:
+    found = local_mechanism(tower(2), friction=0.6)
+    assert np.isnan(found.oscillator.displacement)
+    assert "nan" not in panel(found.chart())
