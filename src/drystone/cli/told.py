@@ -376,11 +376,13 @@ def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
 
 def _loses_a_pull(chosen: Format, contents: Contents) -> bool:
     """Whether the model has joints that are strong, or ties, that a format does not store."""
-    contacts, lost = contents.contacts, ", ties," in chosen.loses
+    from drystone.io.registry import kept_ties
+
+    contacts, kept = contents.contacts, kept_ties(contents)
+    lost = ", ties," in chosen.loses
     if contacts is None:
-        return lost and len(contents.ties) > 0
-    tied = lost and contacts.ties.any()
-    return bool(tied or not contacts.plain.all())
+        return lost and len(kept) > 0
+    return bool(contacts.ties.sum() > (0 if lost else len(kept)) or not contacts.plain.all())
 
 
 def apart(paths: Sequence[Any]) -> None:

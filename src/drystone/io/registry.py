@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import number, texts
+from drystone.base.arrays import cross, lengths, number, texts
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, one_line_errors, require
 from drystone.base.files import PathLike, as_path, is_there, read_bytes
@@ -112,7 +112,7 @@ FORMATS: tuple[Format, ...] = (
         (".3dm",),
         "rhino",
         "rhino",
-        f"joint capacities, contacts but for ties, {_LOADS}",
+        f"joint capacities, contacts but for ties of any strength between centroids, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
     ),
@@ -352,7 +352,7 @@ def write(
     """
     chosen = writable(path, format)
     contents, scale = contents_of(model), scale_of(units)
-    contents = replace(contents, ties=_ties(contents), units="m")
+    contents = replace(contents, ties=kept_ties(contents), units="m")
     if chosen.any_unit and units != "m":
         scaled = contents.assembly.transformed(np.eye(3) / scale)
         contents = Contents(scaled, ties=contents.ties, units=units)
@@ -377,13 +377,19 @@ def writable(path: PathLike, format: str | None = None) -> Format:
     return chosen
 
 
-def _ties(contents: Contents) -> tuple[tuple[str, str], ...]:
-    """The names of the blocks of each tie, the one that is pulled first."""
-    contacts, names = contents.contacts, contents.assembly.names
+def kept_ties(contents: Contents) -> tuple[tuple[str, str], ...]:
+    """The names of the blocks of ties that these alone describe, the one that is pulled first.
+
+    They bear any pull, between the centroids.
+    """
+    contacts, names, middle = contents.contacts, contents.assembly.names, contents.assembly.centroid
     if contacts is None:
         return contents.ties
-    some = np.flatnonzero(contacts.ties).tolist()
-    own = tuple((names[contacts.block_b[k]], names[contacts.block_a[k]]) for k in some)
+    bars = contacts.select(contacts.ties & np.isinf(contacts.tie_strength))
+    far = middle[bars.block_a] - middle[bars.block_b]
+    off = lengths(bars.centroid - middle[bars.block_b]) + lengths(cross(far, bars.frame[:, 0]))
+    some = np.flatnonzero(off <= 1e-6 * lengths(far)).tolist()
+    own = tuple((names[bars.block_b[k]], names[bars.block_a[k]]) for k in some)
     return (*contents.ties, *own)
 
 

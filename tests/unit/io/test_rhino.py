@@ -10,9 +10,11 @@ import pytest
 
 from drystone import Assembly, FormatError, InputError, MissingDependency, check, io
 from drystone.assembly import replace_block
+from drystone.cli.told import left_out
 from drystone.io import rhino
+from drystone.io.registry import contents_of
 from drystone.models import arch, box, concave, vault
-from drystone.ties import tied
+from drystone.ties import tied, with_tie_words
 
 try:
     import rhino3dm
@@ -340,6 +342,12 @@ def test_ties_and_units_are_kept_in_a_file(tmp_path: Path) -> None:
     assert again.assembly.volume == pytest.approx(model.assembly.volume)
     assert again.contacts.centroid[-1] == pytest.approx(held.contacts.centroid[-1])
     assert check(again).stable
+    for other in ("out:wall:5kN", "out@0.25,0.25,1.4:wall"):  # the file could not tell this one
+        rod = with_tie_words(model, [other])
+        io.write(rod, tmp_path / "rod.3dm")
+        assert not io.read(tmp_path / "rod.3dm", **pushed).contacts.ties.any()
+        assert "write .json" in " ".join(left_out(io.format_of("a.3dm"), "m", contents_of(rod)))
+    assert "write .json" not in " ".join(left_out(io.format_of("a.3dm"), "m", contents_of(held)))
     lone = io.read(tmp_path / "held.3dm", without="wall", **pushed)
     assert len(lone.assembly) == 2
     assert check(lone).falls
