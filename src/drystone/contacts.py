@@ -298,11 +298,11 @@ class Contacts(OneLine):
         """(m,) joint of each interface, numbered in their order.
 
         Interfaces of the same two blocks are one joint where they are connected along edges without
-        a crease: the facets of a curved joint, or the parts of one with a hole.
+        a crease: the facets of a curved joint, or the parts of one with a hole. Each tie is one.
         """
         joint = np.arange(self.count, dtype=np.intp)
         pair = self.block_a * (self.highest_block + 1) + self.block_b
-        plane = np.flatnonzero(self.corners.counts > 2)
+        plane = np.flatnonzero((self.corners.counts > 2) & ~self.ties)
         _, place, several = np.unique(pair[plane], return_inverse=True, return_counts=True)
         some = plane[several[place.ravel()] > 1]
         if len(some):

@@ -174,14 +174,18 @@ def joint_table(
     utilisation: Floats,
     crushing: Floats | None = None,
 ) -> Table:
-    """The table of :meth:`drystone.Result.joints`, from the values of interfaces."""
+    """The table of :meth:`drystone.Result.joints`, from the values of interfaces.
+
+    A tie has no eccentricity and no pressure.
+    """
     resultants, utilisation = by_joint(contacts, resultants, utilisation)
     strength_use = np.zeros(contacts.joints.count)
     if crushing is not None:
         np.maximum.at(strength_use, contacts.joint, crushing)
     contacts = contacts.joints
     normal = resultants.normal
-    loaded = normal > ROUNDING * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
+    least = ROUNDING * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
+    loaded = (normal > least) & ~contacts.ties
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     at = np.where(loaded[:, None], at, made.centroid)

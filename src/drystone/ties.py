@@ -146,9 +146,13 @@ def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
 
 
 def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
-    """The pull [N] at which each tie yields, by its blocks; infinite without a limit."""
-    names, strength = assembly.names, contacts.tie_strength
-    return {
-        f"{names[contacts.block_b[i]]}:{names[contacts.block_a[i]]}": float(strength[i])
-        for i in np.flatnonzero(contacts.ties).tolist()
-    }
+    """The pull [N] at which each tie yields, by its blocks; infinite without a limit.
+
+    Several of the same blocks are numbered.
+    """
+    told: dict[str, float] = {}
+    for tie in contacts.select(contacts.ties):
+        pair = ":".join(assembly.names[i] for i in reversed(tie.blocks))
+        more = sum(one.partition(" (")[0] == pair for one in told)
+        told[f"{pair} ({more + 1})" if more else pair] = 0.0
+    return dict(zip(told, contacts.tie_strength[contacts.ties].tolist(), strict=True))

@@ -45,12 +45,14 @@ def test_a_rod_holds_what_slides_up_to_its_strength() -> None:
     assert drystone.check(blocks, friction=0.5, tie="block:anchor").stable
     weak = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{0.99 * needed}N")
     assert weak.falls
+    assert weak.message.startswith("ties yield: no contact forces within their strength")
     assert "the tie of 'anchor' and 'block' yields most" in weak.message
     strong = drystone.check(blocks, friction=0.5, tie=f"block:anchor:{1.01 * needed / 1e3}kN")
     assert strong.stable
     (ties,) = [one for one in strong.tables() if one.title == "ties"]
     assert ties["pull"][0] == pytest.approx(needed, rel=1e-6)
     assert ties["strength_use"][0] == pytest.approx(1.0 / 1.01, rel=1e-6)
+    assert strong.strength_use[-1] == pytest.approx(1.0 / 1.01, rel=1e-6)
     assert strong.asked.ties == {"block:anchor": pytest.approx(1.01 * needed)}
     assert strong.asked.joint_capacity == {}
 
@@ -240,3 +242,18 @@ def test_joints_that_shrink_leave_a_tie_its_strength() -> None:
     contacts = with_tie_words(Model.of(wall), [f"wall:anchor:{pull}N"]).contacts
     for smaller in (shrink(contacts, 0.5, [0]), to_kern(contacts), to_point(contacts, [1])):
         assert smaller.tie_strength == pytest.approx([np.inf, pull])
+
+
+def test_equal_ties_share_a_pull_and_are_told_apart() -> None:
+    """Two rods of one place carry 0.15 W each at the height of the middle of the wall."""
+    wall = tied_wall()
+    weight = G * wall.mass[1]
+    needed = (0.5 * 0.3 * 2.0 - 0.25) * weight  # moments about the foot, 1 m below the rods
+    for share, stands in ((0.49, False), (0.51, True)):
+        tie = f"wall@0.25,0.5,1:anchor:{share * needed}N"
+        found = drystone.check(wall, friction=0.6, seismic=(0.3, 0.0), tie=[tie, tie])
+        assert found.stable is stands
+        assert found.asked.ties == pytest.approx(
+            {"wall:anchor": share * needed, "wall:anchor (2)": share * needed}
+        )
+        assert found.asked.joints == 3

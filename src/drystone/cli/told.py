@@ -378,11 +378,10 @@ def _loses_a_pull(chosen: Format, contents: Contents) -> bool:
     """Whether the model has joints that are strong, or ties, that a format does not store."""
     from drystone.io.registry import kept_ties
 
-    contacts, kept = contents.contacts, kept_ties(contents)
-    lost = ", ties," in chosen.loses
+    contacts, kept = contents.contacts, () if ", ties," in chosen.loses else kept_ties(contents)
     if contacts is None:
-        return lost and len(kept) > 0
-    return bool(contacts.ties.sum() > (0 if lost else len(kept)) or not contacts.plain.all())
+        return len(contents.ties) > len(kept)
+    return bool(contacts.ties.sum() > len(kept) or not contacts.plain.all())
 
 
 def apart(paths: Sequence[Any]) -> None:

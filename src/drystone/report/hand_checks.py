@@ -113,8 +113,8 @@ def as_one_block(result: Result) -> Table | None:
 def least_strength(result: Result) -> tuple[float, int]:
     """Largest stress [Pa] of stress blocks about centres of pressure, and its interface.
 
-    Of joints that pull, that of a linear pressure. Zero where nothing presses; edges and points
-    have no stress and are left out.
+    Of joints that pull, that of a linear pressure. Zero where nothing presses; edges, points
+    and ties have no stress and are left out.
     """
     contacts, force = result.contacts, result.force
     if force is None or not contacts.count:
@@ -125,7 +125,7 @@ def least_strength(result: Result) -> tuple[float, int]:
         pulls = (contacts.capacity.tension > 0.0) & contacts.corners.any(force[:, 0] < 0.0)
         linear = contacts.corners.max(plane_pressure(contacts, force))
         stress = np.where(pulls, linear, stress)
-    stress = np.where(contacts.area > 0.0, stress, 0.0)
+    stress = np.where((contacts.area > 0.0) & ~contacts.ties, stress, 0.0)
     at = int(np.argmax(stress))
     return float(stress[at]), at
 
@@ -189,7 +189,7 @@ def crown_thrusts(result: Result) -> list[CrownThrust]:
     height = float(np.ptp(assembly.bounds[..., 2]))
     high = joints.centroid[:, 2] > assembly.bounds[:, 1, 2].max() - 0.1 * height
     steep = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
-    carries = steep & high & free & (normal > 1e-3 * normal.max(initial=0.0))
+    carries = steep & high & free & ~joints.ties & (normal > 1e-3 * normal.max(initial=0.0))
     pairs = joints.block_a[free], joints.block_b[free]
     hangs = coo_array((np.ones(len(pairs[0])), pairs), shape=(len(assembly),) * 2)
     _, part = connected_components(hangs, directed=False)

@@ -41,8 +41,9 @@ _METHOD = (
     "block b; block a gets the opposite. Reactions act on the structure, loads on the block "
     "that is named. Moments turn by the right-hand rule.",
     "Blocks are rigid and do not crack. Joints press, and carry friction by Coulomb's law with the "
-    "coefficients under Materials; they pull and crush only where a capacity stands there. Loads "
-    "act once and slowly: there is no inertia, no impact and no partial factor unless it is named.",
+    "coefficients under Materials; they pull and crush only where a capacity stands there. Ties "
+    "pull, and go on pulling where they yield. Loads act once and slowly: there is no inertia, no "
+    "impact and no partial factor unless it is named.",
     "STABLE: forces were found that balance every block within the friction cones, and they arise "
     "without prestress from a motion of the blocks on contact springs. UNSTABLE: a mechanism was "
     "found on which the loads do work against all joints, so that no forces can balance them. Both "
@@ -187,19 +188,16 @@ def _geometry(model: Model) -> Iterator[Part]:
 
 def _materials(model: Model) -> Iterator[Part]:
     yield weights(model)
-    joints = model.contacts.joints
+    joints = model.contacts.select(~model.contacts.ties).joints
     if not joints.count:
         yield "No blocks touch."
         return
-    rows = []
-    for friction in np.unique(joints.friction.round(9)).tolist():
-        mine = np.isclose(joints.friction, friction)
-        rows.append((friction, np.degrees(np.arctan(friction)), int(mine.sum()), joints.area[mine]))
+    friction, which = np.unique(joints.friction.round(9), return_inverse=True)
     columns = {
-        "friction": [row[0] for row in rows],
-        "angle": [row[1] for row in rows],
-        "joints": [row[2] for row in rows],
-        "area": [float(row[3].sum()) for row in rows],
+        "friction": friction,
+        "angle": np.degrees(np.arctan(friction)),
+        "joints": np.bincount(which),
+        "area": np.bincount(which, joints.area),
     }
     yield Table("joints by friction", columns, {"angle": "deg", "area": "m2"})
     if not (model.contacts.crushes & ~model.contacts.ties).any():
@@ -274,7 +272,8 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
     table = result.joints()
     if result.model is not model:
         yield f"In the state under {result.load.name}."
-    worst = worst_joints(table, _PLANS).tolist()
+    ties = result.contacts.joints.ties
+    worst = [i for i in worst_joints(table, _PLANS).tolist() if not ties[i]]
     shown = (
         "joint", "block_a", "block_b", "normal", "tangential", "friction_use", "kern_ratio",
         "edge_ratio", "peak_pressure",

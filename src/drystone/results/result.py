@@ -263,14 +263,12 @@ class Result(Solution, Answer):
         ties, names = np.flatnonzero(self.contacts.ties), self.assembly.names
         if self.force is None or not len(ties):
             return Table("ties", {"block_a": []})
-        strength = self.contacts.tie_strength[ties]
-        pull = self.resultants.normal[ties]
         columns = {
             "block_a": [names[i] for i in self.contacts.block_b[ties]],
             "block_b": [names[i] for i in self.contacts.block_a[ties]],
-            "pull": pull,
-            "strength": strength,
-            "strength_use": pull / strength,
+            "pull": self.resultants.normal[ties],
+            "strength": self.contacts.tie_strength[ties],
+            "strength_use": self.strength_use[ties],
         }
         return Table("ties", columns, {"pull": "N", "strength": "N", "strength_use": "1"})
 

@@ -182,12 +182,13 @@ class Solution(OfModel, OneLine):
         """Normal force (m,) by what a stress block around the centre of pressure carries.
 
         1 crushes; 0 for joints without a finite strength. Where brittle mortar pulls, or no block
-        carries it, it is the largest linear pressure by the strength.
+        carries it, it is the largest linear pressure by the strength. Of a tie its pull counts.
         """
         contacts, force = self.contacts, self._local_force
         use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
         pulls = contacts.corners.any(force[:, 0] < 0.0) | (use > 1.0 + 1e-6)
-        return np.where(contacts.brittle & pulls, linear_strength_use(contacts, force), use)
+        use = np.where(contacts.brittle & pulls, linear_strength_use(contacts, force), use)
+        return np.where(contacts.ties, self.resultants.normal / contacts.tie_strength, use)
 
 
 def reaction_table(result: Solution) -> Table:

@@ -26,6 +26,7 @@ from drystone.stability.proofs import (
 )
 
 CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
+YIELDS = "ties yield: no contact forces within their strength balance the loads"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +93,8 @@ def crushing_factor(model: Model, *, most: int = 150, stop: Stop | None = None) 
 
 def crushing_words(model: Model, found: Carried) -> str:
     """How much of the loads is carried, why so little, and the joint that crushes most."""
-    words = f"{CRUSHES}, only {rounded_down(found.share, 3):g} of them"
+    stone = (model.contacts.crushes & ~model.contacts.ties).any()
+    words = f"{CRUSHES if stone else YIELDS}, only {rounded_down(found.share, 3):g} of them"
     if (model.contacts.crushes & (model.contacts.area == 0.0)).any():
         words += "; edges and corners have no area and carry nothing"
     at = None if found.mechanism is None else crushed_most(model, found.mechanism)

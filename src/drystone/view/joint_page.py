@@ -76,7 +76,8 @@ def save_report(
 def _report_text(result: Result, worst: int) -> str:
     """The page as text."""
     table = result.joints()
-    chosen = worst_joints(table, worst).tolist()
+    ties = result.contacts.joints.ties
+    chosen = [i for i in worst_joints(table, worst).tolist() if not ties[i]]
     light, dark = ROLE_COLOUR["light"], ROLE_COLOUR["dark"]
     style = STYLE
     for mark, role in (("KERN", "pressure"), ("FORCE", "resultant"), ("ALARM", "help")):

@@ -359,6 +359,22 @@ def test_the_strength_that_forces_need_is_that_of_their_stress_block() -> None:
     assert needed == pytest.approx(2.0 * 2400.0 * 9.81 / 0.75)  # 1 - 2 x 0.125 of the face
 
 
+def test_a_tie_is_no_joint_of_stone() -> None:
+    """A rod holds what friction does not: 0.05 of the weight."""
+    blocks = [*tower(2).blocks, box((0.2, 0.2, 0.2), (-3.0, 0.4, 1.4), "anchor")]
+    asked = {"friction": 0.6, "seismic": (0.65, 0.0), "tie": "block-1:anchor"}
+    found = drystone.check(Assembly(blocks).with_fixed([0, 2]), **asked)
+    table = found.joints()
+    assert table["normal"][1] == pytest.approx(0.05 * 2400.0 * 9.81)
+    assert table["peak_pressure"][1] == table["edge_ratio"][1] == 0.0
+    assert least_strength(found)[1] == 0
+    parts = [part for one in document_of([found], TitleBlock()).sections for part in one.parts]
+    tables = {part.title: part for part in parts if isinstance(part, Table)}
+    assert tables["joints by friction"]["friction"].tolist() == [0.6]
+    assert list(tables["joints nearest to sliding or to a hinge"]["joint"]) == [0]
+    assert list(tables["ties"]["block_a"]) == ["block-1"]
+
+
 def test_forces_of_rounding_in_a_head_joint_need_no_strength() -> None:
     found = drystone.check(wall(), friction=0.6)
     assert least_strength(found)[0] == pytest.approx(found.joints()["peak_pressure"].max())
