@@ -38,7 +38,7 @@ from drystone.solvers.program import ConicSolution
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import MECHANISM_TOLERANCE, checked_mechanism, moving_blocks
 from drystone.stability.strength import crushing_factor
-from drystone.stability.touching_edges import unless_edges_hold
+from drystone.stability.touching_edges import unless_more_holds
 
 _WIDEST = 3e-3
 """A limit from one program needs checked states within this share of it on both sides. Otherwise it
@@ -101,7 +101,7 @@ def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Res
         iterations=solution.state.raw.iterations,
     )
     # the factor was that of the contacts of the model: edges that touch may hold it
-    held = unless_edges_hold(found, partial(rbe, cone, None))
+    held = unless_more_holds(found, partial(rbe, cone, None))
     return held if held.verdict is Verdict.UNSTABLE else None
 
 

@@ -34,10 +34,9 @@ from drystone.stability.proofs import (
     checked_mechanism,
     moving_blocks,
     sound_mechanism,
-    unless_near_pairs_hold,
 )
 from drystone.stability.strength import carried, crushing_words
-from drystone.stability.touching_edges import unless_edges_hold
+from drystone.stability.touching_edges import unless_more_holds
 from drystone.stability.verdict import UNBALANCED
 
 BALANCE_TOLERANCE = 1e-6
@@ -229,8 +228,7 @@ def solve_rbe(
 
     def ask(model: Model) -> Result:
         """The answer on the contacts of a model, and of what touches beside them."""
-        found = unless_edges_hold(_answer(model, chosen, clock, progress), ask)
-        return unless_near_pairs_hold(found, ask)
+        return unless_more_holds(_answer(model, chosen, clock, progress), ask)
 
     return ask(as_model(given, **how))
 

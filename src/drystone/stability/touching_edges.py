@@ -1,4 +1,4 @@
-"""No proof of falling rests on edges and corners that touch and were not searched.
+"""No proof of falling rests on what touches and was not searched, or is near and was not joined.
 
 Contacts of edges and corners that the search of contacts leaves out are looked for on what falls.
 """
@@ -6,47 +6,79 @@ Contacts of edges and corners that the search of contacts leaves out are looked 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import counted
 from drystone.checks import mechanism_defects
-from drystone.contacts import Contacts
+from drystone.contacts import Contacts, joined_contacts
+from drystone.detection import Missed
+from drystone.detection.advice import contacts_if_joined, words_on
 from drystone.detection.parallel_edges import ParallelEdges
-from drystone.geometry.frames import frames_from_normals
 from drystone.mechanics.meeting import least_friction
 from drystone.mechanics.touching import approach, further_of, near_edges, with_edges
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.stability.proofs import MECHANISM_TOLERANCE, part_of_fall, withdrawn
+from drystone.stability.proofs import (
+    MECHANISM_TOLERANCE,
+    part_of_fall,
+    withdrawn,
+)
 
 
-def held_everywhere(pairs: Ints, bounds: Floats, friction: float) -> Contacts:
-    """Contacts that hold pairs (u, 2) in every direction where they meet.
+def unless_more_holds(found: Result, check: Callable[[Model], Result]) -> Result:
+    """The result as it is, or that with what touches or is near and may hold what falls.
 
     Parameters
     ----------
-    pairs
-    bounds : (n, 2, 3) [m]
-        Lowest and highest corner of each block.
-    friction
+    found
+    check
+        Gives the verdict on the same model with more contacts, and asks this of it as well.
     """
-    both = bounds[pairs]
-    middle = 0.5 * (both[:, :, 0].max(axis=1) + both[:, :, 1].min(axis=1))
-    count, normal = 6 * len(pairs), np.concatenate([np.eye(3), -np.eye(3)])
-    return Contacts(
-        np.repeat(pairs[:, 0], 6),
-        np.repeat(pairs[:, 1], 6),
-        frames_from_normals(np.tile(normal, (len(pairs), 1))),
-        np.zeros(count),
-        np.full(count, friction),
-        np.repeat(middle, 6, axis=0),
-        np.arange(count, dtype=np.intp),
-    )
+    held = _unless_edges_hold(found, check)
+    if held is not found or found.verdict is not Verdict.UNSTABLE:
+        return held
+    model, moving = found.model, part_of_fall(found)
+    near, meet = _near(model, moving), _corners(model, moving)
+    if not near and not len(meet):
+        return found
+    if model.contacts.dry.all() or not near:
+        # what moves although these are held moves without them too
+        even_so = check(_with_all_held(model, near, meet))
+        if even_so.verdict is Verdict.UNSTABLE:
+            return replace(even_so, model=model, force_with_props=None)  # of more contacts
+    if len(meet):
+        return _undecided(found, meet, "corners")
+    said = words_on(near, found.assembly.names)
+    return withdrawn(found, f"it falls as drawn, and may stand if near blocks touch: {said}")
 
 
-def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:
+def _near(model: Model, moving: Bools) -> list[Missed]:
+    """The pairs of moving blocks (n,) that are near and were not joined."""
+    known = [miss for miss in model.unjoined if moving[[miss.block_a, miss.block_b]].any()]
+    return [*known, *near_edges(model, moving)]
+
+
+def _corners(model: Model, moving: Bools) -> Ints:
+    """The pairs (u, 2) of moving blocks (n,) that meet at corners only."""
+    further = further_of(model)
+    if further is None:
+        return np.zeros((0, 2), dtype=np.intp)
+    return further.corners[moving[further.corners].any(axis=1)]
+
+
+def _with_all_held(model: Model, near: list[Missed], meet: Ints) -> Model:
+    """The model whose near pairs touch, and whose corners that meet (u, 2) are held."""
+    corners = [Missed.overlap(a, b, 0.0, joined=False) for a, b in meet.tolist()]
+    most = float(model.contacts.friction.max(initial=1.0))  # none may be known: more than stone has
+    more = contacts_if_joined([*near, *corners], model.assembly.bounds, most)
+    contacts = joined_contacts(model.contacts, more)
+    return replace(model, contacts=contacts, unjoined=(), report=None if near else model.report)
+
+
+def _unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result:
     """The result as it is, or that with the edges and corners that touch and may hold what falls.
 
     Parallel edges that meet press along a normal that may have a range of directions. They hold
@@ -85,12 +117,6 @@ def unless_edges_hold(found: Result, check: Callable[[Model], Result]) -> Result
         ):
             return middle
         return _undecided(found, np.stack([edges.block_a, edges.block_b], axis=1), "parallel edges")
-    meet = further.corners[moving[further.corners].any(axis=1)]
-    if len(meet):
-        most = float(model.contacts.friction.max(initial=1.0))
-        held = held_everywhere(meet, model.assembly.bounds, most)
-        if check(with_edges(model, held)).verdict is not Verdict.UNSTABLE:
-            return _undecided(found, meet, "corners")
     return found
 
 

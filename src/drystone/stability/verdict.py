@@ -41,9 +41,8 @@ from drystone.stability.problem import (
     closing_blocks,
     unpressed,
 )
-from drystone.stability.proofs import unless_near_pairs_hold
 from drystone.stability.strength import within_strength
-from drystone.stability.touching_edges import unless_edges_hold
+from drystone.stability.touching_edges import unless_more_holds
 
 SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state, from which on the blocks are followed. A slide changes the
@@ -144,7 +143,7 @@ def decided(
 
     with WorkerPool(executor) as pool:
         found = _decided(asked, pool, near, rest)
-    return unless_near_pairs_hold(unless_edges_hold(found, touching), touching)
+    return unless_more_holds(found, touching)
 
 
 @one_blas_thread()
