@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+import drystone
 from drystone import io
 from drystone.live.serving import Live
+from drystone.models import box, prism
 from tests.page.browser import Browser, Tab
-from tests.page.live_steps import leave, seen_from_the_front, verdict
+from tests.page.live_steps import choose, leave, says, seen_from_the_front, verdict
 
 
 def place_of(tab: Tab, live: Live, name: str) -> tuple[float, float]:
@@ -94,3 +98,29 @@ def test_what_is_not_done_is_said_where_one_looks(phone: Tab, live: Live) -> Non
     assert phone.run("document.getElementById('live-trouble').getBoundingClientRect().height") > 0
     assert all("400" in one for one in phone.complaints())  # the browser notes the refusal
     phone.close()
+
+
+def test_a_card_has_the_friction_of_the_answer(browser: Browser, live: Live) -> None:
+    tab = browser.open(live.link, size=(760, 480))
+    verdict(tab, "STABLE")
+    tab.slide("#friction-number", 0.8)
+    says(tab, "asked", "friction 0.8")
+    choose(tab, "voussoir-06")
+    tab.click("#card td button")
+    assert "friction coefficient0.8" in tab.text("#card")
+    leave(tab, live)
+
+
+def test_a_card_has_the_edges_that_touch_as_well(browser: Browser, tmp_path: Path) -> None:
+    slab = prism([(0, 0), (0.17, 0), (1.17, 1.732), (1.04, 1.807)], (-0.2, 0.2), "slab")
+    wall = box((1, 4, 4), (float(slab.bounds[1, 0]), -2, 0), "wall")
+    blocks = drystone.Assembly((box((20, 8, 1), (-10, -4, -1), "floor"), wall, slab))
+    path = tmp_path / "slab.json"
+    io.write(blocks.with_fixed([0, 1]), path)
+    with Live(path, port=0, how={"friction": 0.9}) as live:
+        tab = browser.open(live.link, size=(760, 480))
+        verdict(tab, "STABLE")
+        choose(tab, "slab")
+        tab.click("#card td button[title='joint with wall']")  # the edge that it leans with
+        assert "friction coefficient0.9" in tab.text("#card")
+        leave(tab, live)

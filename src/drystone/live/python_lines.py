@@ -37,7 +37,8 @@ def python_lines(
 
 
 def _lines(source: str, how: Mapping[str, Any], wish: Wish, moves: bool) -> list[str]:
-    given = "".join(f", {key}={value!r}" for key, value in how.items() if value is not None)
+    plain = {key: getattr(one, "value", one) for key, one in how.items() if one is not None}
+    given = "".join(f", {key}={one!r}" for key, one in plain.items())
     loads, lines = [], [f"model = drystone.read({source!r}{given})"]
     if wish.supports is not None:
         lines.append(f"model = model.with_supports({list(wish.supports)!r})")

@@ -9,6 +9,7 @@ import numpy as np
 
 from drystone.answer.question import Question
 from drystone.answer.widening import stage_among
+from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.live.wish import Wish, WishedModel
 from drystone.loads import DOWN
@@ -57,22 +58,29 @@ def snapshot(asked: WishedModel, wish: Wish, found: Found) -> dict[str, Any]:
     wish
     found
     """
-    stage = widened(found.stage, asked)
+    stage, contacts = widened(found, asked)
     turn = rotation_about(asked.axis, wish.tilt)
     part = asked.part
     facts = Question.of(part).facts()
     stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, facts=facts)
-    encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
+    more = contacts.count > asked.whole.contacts.count
+    encoded = encode_stage(Scene(asked.whole.assembly, contacts, (stage,)), contacts=more)
     encoded["stage"]["moved"] = found.moved
     return encoded
 
 
-def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:
-    """A stage of the blocks in place as one of all blocks; those taken out are absent."""
+def widened(found: Found, asked: WishedModel) -> tuple[SceneStage, Contacts]:
+    """A stage of the blocks in place as one of all blocks, and their contacts.
+
+    Blocks taken out are absent. Edges and corners that touch as well come after the contacts of
+    the model.
+    """
     blocks, contacts = len(asked.whole), asked.whole.contacts
-    if len(asked.kept) == blocks:
-        return stage
     here = np.zeros(blocks, dtype=bool)
     here[asked.kept] = True
     interface = np.flatnonzero(here[contacts.block_a] & here[contacts.block_b])
-    return stage_among(stage, blocks, contacts, asked.kept, interface)
+    own = found.result.model.contacts
+    more = own.select(np.arange(own.count) >= len(interface), asked.kept)
+    interface = np.append(interface, contacts.count + np.arange(more.count))
+    contacts = joined_contacts(contacts, more)
+    return stage_among(found.stage, blocks, contacts, asked.kept, interface), contacts

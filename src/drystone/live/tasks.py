@@ -172,17 +172,12 @@ def _apply(work: Work) -> Iterator[Event]:
 
 def _made(work: Work, made: Model, what: str) -> dict[str, Any]:
     """A changed model of the wish, without its tilt and pushes, and the wish that is left."""
-    removed = set(work.wish.removed)
-    base = work.model.subset([i for i, b in enumerate(work.model.assembly.names)
-                              if b not in removed])  # fmt: skip
+    base = work.model.without(work.wish.removed)
     made = replace(made, load=_untilted(base, made), notes=(), report=None, cases=())
-    wish = replace(work.wish, friction=None, supports=None, removed=())
     fixed = {made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)}
-    wish = replace(
-        wish,
-        pushes=tuple(one for one in wish.pushes if one[0] in made.assembly),
-        moves=tuple(one for one in wish.moves if one[0] in fixed),
-    )
+    pushes = tuple(one for one in work.wish.pushes if one[0] in made.assembly)
+    moves = tuple(one for one in work.wish.moves if one[0] in fixed)
+    wish = replace(work.wish, friction=None, supports=None, removed=(), pushes=pushes, moves=moves)
     return {"made": made, "what": what, "state": as_json(wish)}
 
 
@@ -210,10 +205,8 @@ def _recut(work: Work) -> Iterator[Event]:
     else:
         found = recut_joints(part, stop=work.stop, progress=work.progress)
         message, made = found.message, found.model if found.changes else None
-    if made is not None:
-        yield "model", _made(work, made, message)
-    else:
-        yield "unchanged", {"message": message}
+    same = "unchanged", {"message": message}
+    yield same if made is None else ("model", _made(work, made, message))
 
 
 def _untilted(base: Model, made: Model) -> LoadCase:

@@ -179,13 +179,16 @@ def encode(scene: Scene) -> dict[str, Any]:
     return data | {"blobs": blobs.texts}
 
 
-def encode_stage(scene: Scene) -> dict[str, Any]:
+def encode_stage(scene: Scene, *, contacts: bool = False) -> dict[str, Any]:
     """The data of the first stage of a scene alone, for a page that shows its model already.
 
-    It has ``stage`` and ``blobs`` as in the data of a page.
+    It has ``stage`` and ``blobs`` as in the data of a page, and those of ``contacts`` that the page
+    does not know.
     """
     blobs = _Blobs()
-    return {"stage": _stage(scene.stages[0], scene, blobs), "blobs": blobs.texts}
+    stage = _stage(scene.stages[0], scene, blobs)
+    more = _contacts(scene.contacts.joints, scene.centre, blobs) if contacts else None
+    return {"stage": stage, "contacts": more, "blobs": blobs.texts}
 
 
 def to_text(data: dict[str, Any]) -> str:

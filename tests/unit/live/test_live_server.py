@@ -12,6 +12,7 @@ import time
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ import drystone
 from drystone import Assembly, io
 from drystone.base.errors import InputError
 from drystone.cli import main
+from drystone.detection.tolerances import EdgeContacts
 from drystone.live import serving
 from drystone.live.python_lines import python_lines
 from drystone.live.serving import Live, Watch
@@ -216,6 +218,17 @@ def test_the_python_lines_give_the_same(
     assert (model.contacts.friction == expected.contacts.friction).all()
     assert model.assembly.names == expected.assembly.names
     assert (model.assembly.fixed == expected.assembly.fixed).all()
+
+
+def test_the_python_lines_read_the_file_with_the_options_of_the_command(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    how = {"edges": EdgeContacts.ALWAYS, "load": None, "friction": 0.6}
+    lines = python_lines("arch.json", how, {}, {"gravity": 9.81, "moves": False})["python"]
+    made: dict[str, Any] = {"print": lambda *_: None}
+    exec(lines, made)
+    assert set(made["model"].contacts.friction) == {0.6}
 
 
 def test_the_load_case_is_one_of_our_json(folder: Path, tmp_path: Path) -> None:

@@ -32,10 +32,22 @@ function renewPresets() {
   }
 }
 
+// Those of the model with the friction of the answer, or those with edges and corners that touch as well.
+function showContacts(more, array) {
+  data.own ??= data.contacts;
+  const { friction } = live.asked;
+  if (more) decodeArrays(more, array);
+  const own = friction === null ? data.own : { ...data.own, friction: data.own.friction.map(() => friction) };
+  if ((more ?? own) !== data.contacts) useContacts(data, more ?? own);
+  if (page.joint >= data.contacts.a.length) page.joint = -1;
+}
+
 // One answer: the stage takes the place of the one before, the eye stays where it is.
 function showAnswer(text, quick) {
-  const { stage: fresh, blobs } = JSON.parse(text);
-  decodeStage(fresh, arraysOf(blobs));
+  const { stage: fresh, contacts, blobs } = JSON.parse(text);
+  const array = arraysOf(blobs);
+  decodeStage(fresh, array);
+  showContacts(contacts, array);
   stop();
   forgetLayers();
   data.stages = [fresh];

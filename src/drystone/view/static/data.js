@@ -12,10 +12,15 @@ function readData(text = document.getElementById("drystone-data").textContent) {
   for (const stage of data.stages) decodeStage(stage, array);
   data.blobs = null;
   data.count = data.blocks.names.length;
-  data.interfacesOf = interfacesOf(data);
-  data.contacts.first = starts(data.contacts.corners);
-  data.contacts.firstKern = data.contacts.kerns ? starts(data.contacts.kerns) : null;
+  useContacts(data, data.contacts);
   return data;
+}
+
+function useContacts(data, contacts) {
+  data.contacts = contacts;
+  data.interfacesOf = interfacesOf(data);
+  contacts.first = starts(contacts.corners);
+  contacts.firstKern = contacts.kerns ? starts(contacts.kerns) : null;
 }
 
 // Gives the array of a description, from base64 texts.
