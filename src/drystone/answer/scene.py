@@ -351,8 +351,8 @@ class Scene(OneLine):
         """The axis (0 or 1) along which one looks first, level; or None.
 
         No pressure on faces acts along it, but across it: a wall of any length is seen from its
-        end. Or blocks reach equally far along it, and the model is thin. One block in ten may reach
-        less far: a prop, or a tie.
+        end. Or blocks reach equally far along it, the model is thin, and they do not move along it.
+        One block in ten may reach less far: a prop, or a tie.
         """
         if self._profile is not None:
             return self._profile
@@ -361,8 +361,14 @@ class Scene(OneLine):
         for axis in (1, 0):
             alike = np.mean(away[:, axis] <= 1e-6 * span.max()) >= 0.9
             if alike and span[axis] < _THIN * span.max():
-                return axis
+                return None if self._leaves(axis) else axis
         return None
+
+    def _leaves(self, axis: int) -> bool:
+        """Whether blocks move most along an axis: from its end one would not see it."""
+        ways = [x.motion[:, :3] for x in self.stages if x.motion is not None and not x.arrives]
+        most = np.abs(np.concatenate([np.zeros((1, 3)), *ways])).max(axis=0)
+        return bool(most[axis] > 0.5 * most.max())
 
     @cached_property
     def _profile(self) -> int | None:

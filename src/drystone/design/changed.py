@@ -12,10 +12,11 @@ import numpy as np
 
 from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
-from drystone.base.arrays import SAME, Floats
+from drystone.base.arrays import SAME, Bools, Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
+from drystone.contacts import Contacts
 from drystone.geometry.polyhedron import edges_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
@@ -183,6 +184,7 @@ class Changed(Answer):
         layers += _outlines(before.assembly, result.assembly)
         names = result.assembly.names
         added = np.array([name not in before.assembly for name in names], dtype=bool)
+        layers += _props(result.contacts, stage.layers, added)
         added &= stage.state != State.FALLING
         state = np.where(added, State.ADDED, stage.state)
         stage = replace(stage, state=state, layers=tuple(layers))
@@ -191,6 +193,22 @@ class Changed(Answer):
             facts["File"] = replace(result.asked, file=before.origin.file).facts()["File"]
         shown = {name: text for name, text in facts.items() if text}
         return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)
+
+
+def _props(contacts: Contacts, layers: Sequence[Layer], added: Bools) -> list[Layer]:
+    """The forces of supports that are added: a block in the air does not say where it pushes."""
+    made = []
+    for one in layers:
+        if one.key == "reactions" and one.vector is not None and one.interface is not None:
+            own = added[contacts.block_a[one.interface]] | added[contacts.block_b[one.interface]]
+            made.append(
+                replace(
+                    one, key="props", label="force of the prop", colour="help", group="help",
+                    position=one.position[own], vector=one.vector[own],
+                    interface=one.interface[own],
+                )
+            )  # fmt: skip
+    return [one for one in made if one.count]
 
 
 def _outlines(before: Assembly, after: Assembly) -> list[Layer]:

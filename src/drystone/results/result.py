@@ -52,7 +52,7 @@ class Result(Solution, Answer):
         """The verdict as a plain sentence."""
         if self.verdict is Verdict.UNSTABLE:
             if len(self.falling) > 1:
-                return f"Falls: {len(self.falling)} of {len(self.assembly)} blocks"
+                return f"Falls: {len(self.falling):,} of {len(self.assembly):,} blocks"
             return f"Falls: block '{self.falling_names[0]}'" if self.falling else "Falls"
         if self.verdict is Verdict.UNDECIDED:
             return "Not decided: neither standing nor falling was shown"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -31,6 +32,7 @@ def panel(chart: Chart) -> str:
             f'fill="var(--quiet)" font-size="11" aria-label="{name}">{body}</svg>{_key(chart)}'
         )
     told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
+    told = re.sub(r"--[a-z]+ \d+", r"<code>\g<0></code>", told)  # an option is not broken
     return f"    <fieldset><legend>{html.escape(chart.title)}</legend>{drawn}{told}</fieldset>"
 
 

@@ -5,21 +5,23 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 import drystone
 from drystone.answer.question import asked_line
 from drystone.assembly import replace_block
 from drystone.checks import corner_motion
-from drystone.design import Changed, DiagnosisOptions
+from drystone.design import Changed, DiagnosisOptions, MendOptions, find_mends
 from drystone.design.changes import ballasted, glued
 from drystone.design.props import PropSeat, propped
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Origin
-from drystone.models import arch, box, tower
+from drystone.models import arch, box, incline, tower, wall
 from drystone.settlement import push
 from drystone.ties import tied
 from drystone.view import LayerKind, State, scene_of
+from drystone.view.panels import panel
 
 
 def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls():
@@ -123,3 +125,21 @@ def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
     assert not {"glued", "rougher", "weights"} & {one.key for one in nothing.layers}
     assert "1 tie" not in {one.label for one in nothing.layers}
     assert not (nothing.state == State.ADDED).any()
+
+
+def test_the_picture_of_a_prop_has_its_force_and_the_page_its_option_unbroken() -> None:
+    found = find_mends(incline(20.0), friction=0.2, options=MendOptions(kinds=("prop",)))
+    scene = scene_of(found)
+    (force,) = [layer for layer in scene.stages[1].layers if layer.key == "props"]
+    assert "a prop of 1.46 kN" in scene.stages[1].headline
+    assert force.largest == pytest.approx(1460.0, abs=5.0)
+    assert force.vector is not None
+    assert force.vector[0, 0] < 0.0  # towards -x, as its sentence says
+    assert "<code>--apply 1</code>" in panel(scene.charts[0])
+
+
+def test_a_wall_opens_in_elevation_and_where_it_falls_out_of_its_plane_from_the_side() -> None:
+    model = drystone.Model.of(wall(3, 3), friction=0.6)
+    assert scene_of(drystone.check(model)).plane == 1
+    assert scene_of(drystone.check(model.with_load((4.0, 0.0, -9.81)))).plane == 1
+    assert scene_of(drystone.check(model.with_load((0.0, 5.5, -9.81)))).plane is None
