@@ -189,6 +189,20 @@ BOUND = 4
 """Digits of a bound that is told, wherever it stands: title, table, chart or report."""
 
 
+def digits_apart(*values: float) -> int:
+    """Digits of bounds, or as many more as tell values apart, up to nine.
+
+    Examples
+    --------
+    >>> digits_apart(1.81622, 1.81649), digits_apart(1.2, 1.3)
+    (5, 4)
+    """
+    digits = BOUND
+    while digits < 9 and len({f"{one:.{digits}g}" for one in values}) < len(values):
+        digits += 1
+    return digits
+
+
 def rounded_up(value: float, digits: int = BOUND) -> float:
     """The least number of so many digits that is not below a value: told, it is enough.
 

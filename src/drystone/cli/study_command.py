@@ -72,7 +72,7 @@ def study(
     from drystone.base.table import Table
     from drystone.report import save_study
     from drystone.studies import study as studied
-    from drystone.studies import study_chart, study_map
+    from drystone.studies import study_chart, study_map, study_told
     from drystone.studies.limit_words import measures
     from drystone.view import save_chart
 
@@ -89,20 +89,31 @@ def study(
 
     def files() -> Files:
         jobs: list[Job] = [] if csv is None else [(csv, found.to_csv)]
-        varied = _varied(parameters)
+        varied, title = _varied(parameters), _titled(subject, build, parameters)
         if png is not None:
-            jobs.append((png, partial(save_chart, study_chart(found, *varied))))
+            jobs.append((png, partial(save_chart, study_chart(found, *varied), title=title)))
         if map is not None:
-            jobs.append((map, partial(save_chart, study_map(found, *varied))))
+            jobs.append((map, partial(save_chart, study_map(found, *varied), title=title)))
         if html is not None:
             jobs.append((html, partial(save_study, found)))
         return jobs, []
 
     text = f"{counted(len(found), 'row')}, {refused} refused"
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
-    shown = Table(found.title, columns, found.units, found.bounds, found.hidden)
+    shown = study_told(Table(found.title, columns, found.units, found.bounds, found.hidden))
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
     return Told(told, subject=subject, files=files)
+
+
+def _titled(subject: str, build: Any, parameters: Mapping[str, Sequence[Any]]) -> str:
+    """What was studied; a family with the parameters that keep their default."""
+    from drystone.base.declared import declared
+
+    kept = [] if isinstance(build, str) else [
+        f"{name.replace('_', ' ')} {one.default} {one.unit}".strip()
+        for name, one in declared(build).items() if name not in parameters
+    ]  # fmt: skip
+    return f"{subject}: {', '.join(kept)}" if kept else subject
 
 
 def _require_drawn(

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.widening import side_by_side
-from drystone.base.display import BOUND, named, rounded_down, rounded_up
+from drystone.base.display import digits_apart, named, rounded_down, rounded_up
 from drystone.base.errors import InputError
 from drystone.base.table import Table
 from drystone.checks import crushed_most, crushing_share
@@ -22,8 +22,6 @@ from drystone.results import Result, Verdict
 from drystone.results.stage import first_motion_words
 from drystone.settlement import Outcome
 
-_MOST_DIGITS = 9
-"""Of a value; closer brackets are told alike."""
 _LISTED = 12
 """Blocks that give way which are named."""
 _KINDS = {
@@ -342,9 +340,7 @@ class Limit(LimitValues, Answer):
         """
         sides = bracket or self.best
         both = [one for one in (sides.stands, sides.falls) if one is not None]
-        digits = BOUND
-        while digits < _MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
-            digits += 1
+        digits = digits_apart(*both)
         return f"{self._rounded(value, digits, sides):.{digits}g}"
 
     def _rounded(self, value: float, digits: int, sides: Bracket) -> float:

@@ -23,7 +23,7 @@ from drystone.report.document import Document, Heading, Part, Picture, Section, 
 from drystone.report.report_pdf import pdf_of
 from drystone.report.report_sections import document_of
 from drystone.stability import CheckOptions, check
-from drystone.studies import combinations, read_combinations, study_chart, study_map
+from drystone.studies import combinations, read_combinations, study_chart, study_map, study_told
 from drystone.studies.limit_words import limit_of_words
 from drystone.view.joint_page import plan_figure
 from drystone.view.plots import chart_png
@@ -97,7 +97,7 @@ def save_study(table: Table, path: PathLike) -> None:
             pictures.append(
                 Picture(*chart_png(chart), f"{table.title}: {chart.across}, {chart.up}")
             )
-    sections = Section("Charts", tuple(pictures)), Section("Rows", (table,))
+    sections = Section("Charts", tuple(pictures)), Section("Rows", (study_told(table),))
     entries = {"studied": table.title, "rows": str(len(table)), "drystone": version()}
     document = Document(f"Study: {table.title}", entries, f"drystone {version()}", sections)
     write_text(path, html_of(document))

@@ -253,10 +253,11 @@ class Result(Solution, Answer):
             "block_a": [names[i] for i in contacts.block_a[at]],
             "block_b": [names[i] for i in contacts.block_b[at]],
             "normal": normal,
-            "friction": np.where(tangential > SAME * np.abs(normal), tangential, 0.0),
-            "utilisation": used[at],
+            "tangential": np.where(tangential > SAME * np.abs(normal), tangential, 0.0),
+            "friction_used": used[at],
         }
-        return Table("most loaded", columns, {"normal": "N", "friction": "N", "utilisation": "1"})
+        units = {"normal": "N", "tangential": "N", "friction_used": "1"}
+        return Table("most loaded", columns, units)
 
     def _ties(self) -> Table:
         """The pull of each tie, and the one at which it yields."""

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from drystone.answer import Answer, Role, Scene, Sentence
+from drystone.base.display import rounded_down, rounded_up
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -65,7 +66,8 @@ class Margins(Answer):
     stopped: str = ""
 
     def _summary(self) -> str:
-        return f"{counted(len(self.stages), 'stage')}, least friction {self.least_friction:.3g}"
+        least = rounded_up(self.least_friction)
+        return f"{counted(len(self.stages), 'stage')}, least friction {least:g}"
 
     @property
     def least_friction(self) -> float:
@@ -90,14 +92,14 @@ class Margins(Answer):
         if self.stopped or not self.stages:
             return f"Margins of some stages are not known: {self.stopped}"
         tilt = self.stages[self.weakest].tilt
-        return f"The weakest stage, step {self.weakest + 1}, tilts {tilt:.1f} degrees"
+        return f"The weakest stage, step {self.weakest + 1}, tilts {rounded_down(tilt):g} degrees"
 
     def sentences(self) -> Sequence[Sentence]:
         """The weakest stage, and the friction down to which this order works."""
         role = Role.UNSURE if self.stopped or not self.stages else Role.GOOD
-        down = f"this order works down to friction {self.least_friction:.3g}"
-        if math.isinf(self.least_friction):
-            down = "a stage of this order stands at no friction"
+        down = "a stage of this order stands at no friction"
+        if not math.isinf(self.least_friction):
+            down = f"this order works down to friction {rounded_up(self.least_friction):g}"
         return [Sentence(self.title, role), Sentence(down)]
 
     def tables(self) -> Sequence[Table]:

@@ -3,7 +3,7 @@
 from drystone.base.settings import hold
 from drystone.studies.combination_file import Action, Combination, Situation, read_combinations
 from drystone.studies.combinations import Combinations, combinations
-from drystone.studies.study import study, study_chart, study_map
+from drystone.studies.study import study, study_chart, study_map, study_told
 
 __all__ = [
     "Action",
@@ -15,6 +15,7 @@ __all__ = [
     "study",
     "study_chart",
     "study_map",
+    "study_told",
 ]
 
 hold(globals())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice, product
@@ -13,7 +14,8 @@ import numpy as np
 
 from drystone.answer.chart import Chart, HeatMap, MarkKind, Marks
 from drystone.base.arrays import of_type
-from drystone.base.display import OneLine, shortened
+from drystone.base.declared import COEFFICIENT, declared
+from drystone.base.display import OneLine, digits_apart, rounded_down, rounded_up, shortened
 from drystone.base.errors import DrystoneError, InputError, quoted
 from drystone.base.files import PathLike
 from drystone.base.journal import Journal, add_answers, exactly
@@ -21,6 +23,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.version import version
+from drystone.io import read
 from drystone.io.opening import Given, How, content_of, supported_model
 from drystone.limits.bounds import tilt_margin
 from drystone.model import Model
@@ -62,6 +65,7 @@ class _Task(OneLine):
         return self.row(word, *(None for _ in _columns(self.limit)), "", why, time_s)
 
 
+_SIDES = ("stands", "falls")
 _READING = frozenset(How.__annotations__)
 
 
@@ -158,7 +162,30 @@ def study(
     if "stands" in _columns(limit):
         falls_below = bool((np.array(columns["falls"]) < np.array(columns["stands"])).any())
         bounds |= {"stands": falls_below, "falls": not falls_below}
-    return Table(limit or "verdicts", columns, {"time_s": "s", **units}, bounds, _hidden(columns))
+    units |= {"time_s": "s", **_units_of(build, rows[0])}
+    return Table(limit or "verdicts", columns, units, bounds, _hidden(columns))
+
+
+def study_told(table: Table) -> Table:
+    """A study for people: both sides of a limit with the digits of the limit's title.
+
+    They are rounded away from the limit: what is told to stand stands, what falls falls.
+    """
+    sides = _sides(table)
+    bounds = {name: up for name, up in table.bounds.items() if name not in sides}
+    return Table(table.title, {**table.columns, **sides}, table.units, bounds, table.hidden)
+
+
+def _sides(table: Table) -> dict[str, list[str]]:
+    """The columns of both sides of a limit in words; none where a study is of none."""
+    told: dict[str, list[str]] = {one: [] for one in _SIDES if one in table.bounds}
+    for row in zip(*(table[one].tolist() for one in told), strict=True):
+        digits = digits_apart(*filter(np.isfinite, row))
+        for name, value in zip(told, row, strict=True):
+            if np.isfinite(value):
+                value = (rounded_up if table.bounds[name] else rounded_down)(value, digits)
+            told[name].append(f"{value:.{digits}g}".replace("nan", "-"))
+    return told
 
 
 def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> Chart:
@@ -184,16 +211,17 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
     >>> from drystone.models import arch
     >>> found = study(arch, {"thickness_ratio": [0.15, 0.2]}, friction=0.7)
     >>> study_chart(found).across
-    'thickness_ratio'
+    'thickness ratio'
     """
     across, by = _parameters(table, across, by)
     up = up or _first_found(table)
     x, y = (_numbers(table, one) for one in (across, up))
-    unit = table.units.get(up, "")
     marks = _curves(table, x, y, by)
     if up == _first_found(table):
         marks += _fallen(table, x, y)
-    return Chart(table.title, tuple(marks), across, up, ("", unit))
+    units = table.units.get(across, ""), table.units.get(up, "")
+    words = _axis(table, across), _axis(table, up)
+    return Chart(table.title, tuple(marks), *words, units, _fixed(table))
 
 
 def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:
@@ -225,7 +253,7 @@ def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> 
     if not by:
         raise InputError("a map is of two parameters", where="by", remedy="draw one as a chart")
     value = value or _first_found(table)
-    found = _numbers(table, value)
+    found = _told_numbers(table, value)
     x, y = (sorted(set(table[one])) for one in (across, by))
     cells = np.full((len(y), len(x)), np.nan)
     taken = set()
@@ -236,13 +264,56 @@ def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> 
             raise InputError(said, where="map", remedy="take rows that differ in these two only")
         taken.add(place)
         cells[place] = number
-    unit = table.units.get(value, "")
-    quantity = f"{value} [{unit}]" if unit else value
+    names = [_with_unit(table, one) for one in (across, by, value)]
     columns, rows = (
         tuple(f"{one:.4g}" if isinstance(one, float) else str(one) for one in ends)
         for ends in (x, y)
     )
-    return HeatMap(table.title, across, by, columns, rows, cells, quantity)
+    head = f"{table.title}; {_fixed(table)}".removesuffix("; ")
+    return HeatMap(head, names[0], names[1], columns, rows, cells, names[2])
+
+
+def _with_unit(table: Table, name: str) -> str:
+    unit = table.units.get(name, "")
+    return f"{_axis(table, name)} [{unit}]" if unit else _axis(table, name)
+
+
+def _told_numbers(table: Table, name: str) -> Any:
+    """A column of numbers as it is told."""
+    told = _sides(table).get(name)
+    if told is None:
+        return _numbers(table, name)
+    return np.array(["nan" if one == "-" else one for one in told], dtype=float)
+
+
+def _axis(table: Table, name: str) -> str:
+    """The name of a column in words; of a side of a limit with what is limited."""
+    limited = table.title.partition(" ")[0].replace("-", " ")
+    if name not in _SIDES:
+        return name.replace("_", " ")
+    said = {"stands": "down to" if table.bounds["stands"] else "up to", "falls": "at"}
+    return f"{name} {said[name]} {'load factor' if limited == 'load' else limited}"
+
+
+def _fixed(table: Table) -> str:
+    """Parameters with one value, in words."""
+    names = list(table.columns)
+    inputs = names[1 : names.index("verdict")] if len(table) > 1 else []
+    return ", ".join(
+        f"{one.replace('_', ' ')} {table[one][0]} {table.units.get(one, '')}".strip()
+        for one in inputs
+        if len(set(table[one])) == 1
+    )
+
+
+def _units_of(build: Any, names: Iterable[str]) -> dict[str, str]:
+    """Units of parameters as the documentation of a function, or of what is read, tells them."""
+    known = dict(declared(read))
+    if callable(build):
+        with suppress(TypeError, ValueError, NameError):  # what Python cannot look into
+            known |= declared(build)
+    units = {one: known[one].unit for one in names if one in known}
+    return {one: unit for one, unit in units.items() if unit not in ("", COEFFICIENT)}
 
 
 def _first_found(table: Table) -> str:
@@ -294,7 +365,9 @@ def _curves(table: Table, x: Any, y: Any, by: str) -> list[Marks]:
     for number, value in enumerate(groups):
         mine = np.flatnonzero(np.isfinite(y) & ((table[by] == value) if by else True))
         order = mine[np.argsort(x[mine], kind="stable")]
-        ink, label = inks[number % len(inks)], f"{by} {value}" if by else ""
+        unit = table.units.get(by, "")
+        ink = inks[number % len(inks)]
+        label = f"{by.replace('_', ' ')} {value} {unit}".strip() if by else ""
         line = MarkKind.DASHED if number % 2 else MarkKind.LINE  # one below another is seen
         marks.append(Marks(line, x[order].astype(float), y[order], ink, label))
         shape = shapes[number % len(shapes)]
@@ -384,7 +457,8 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
             answer = limit_of_words(task.limit, model)(model, {"stop": clock.late})
             word = "stopped" if getattr(answer, "stopped", "") else "found"
             numbers, moves = measured(answer)
-            return task.row(word, *numbers, " ".join(moves), answer.title, clock.elapsed_s)
+            told = [None if one is None else float(f"{one:.12g}") for one in numbers]  # no noise
+            return task.row(word, *told, " ".join(moves), answer.title, clock.elapsed_s)
         result = check(model, options=task.options, stop=clock.late)
         margin = tilt_margin(model, stop=clock.late) if result.stable else None
     except DrystoneError as error:

@@ -61,7 +61,8 @@ def save_chart(chart: Chart | HeatMap, path: PathLike | None = None, *, title: s
         Another suffix, or the file cannot be written.
     """
     if isinstance(chart, HeatMap):
-        return save_plot(path, lambda: _map_figure(chart, title or chart.title))
+        head = f"{title}\n{chart.title}" if title else chart.title
+        return save_plot(path, lambda: _map_figure(chart, head))
     return save_plot(path, lambda: _chart_figure(chart, title))
 
 
@@ -87,7 +88,7 @@ def _map_figure(chart: HeatMap, title: str) -> Figure:
         return figure
     for (row, column), value in np.ndenumerate(chart.values):
         dark = np.isfinite(value) and drawn.norm(value) > 0.55
-        told = f"{value:.3g}" if np.isfinite(value) else "-"
+        told = f"{value:.4g}" if np.isfinite(value) else "-"
         ink = "white" if dark else "black"
         axes.text(column, row, told, ha="center", va="center", fontsize=9, color=ink)
     return figure

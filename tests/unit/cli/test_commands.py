@@ -166,14 +166,14 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
         "the 1 interface of the file is used",
         "the load case 'push' of the file is used",
     ]
-    assert told["most_loaded"][1]["utilisation"] == pytest.approx(1.5e4 / (0.9 * 2400 * 9.81))
+    assert told["most_loaded"][1]["friction_used"] == pytest.approx(1.5e4 / (0.9 * 2400 * 9.81))
     assert answer(capsys, "check", model, "--friction", "0.6")[0] == 1
     _, told = answer(capsys, "check", model, "--find-contacts", "--gravity", "9.81")
     assert told["notes"] == [
         "the load case 'push' of the file is not used: gravity was given; --case adds up cases of "
         "the file"
     ]
-    assert told["most_loaded"][1]["utilisation"] == pytest.approx(0.0, abs=1e-9)
+    assert told["most_loaded"][1]["friction_used"] == pytest.approx(0.0, abs=1e-9)
 
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

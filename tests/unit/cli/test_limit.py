@@ -115,7 +115,7 @@ def test_load_cases_of_the_file_combine_with_factors(tmp_path: Path, capsys: Cap
     assert code == 0
     force = told["most_loaded"][0]
     assert force["normal"] == pytest.approx(1.35 * 2400.0 * 9.81)
-    assert force["friction"] == pytest.approx(1000.0)
+    assert force["tangential"] == pytest.approx(1000.0)
     assert "no load case is called 'snow'" in refused(capsys, "check", str(path), "--case", "snow")
     given = ("--case", "wind", "--gravity", "9.81")
     assert "leave out --gravity" in refused(capsys, "check", str(path), *given)
@@ -181,7 +181,7 @@ def test_check_takes_loads_and_an_earthquake(model: str, capsys: Capsys) -> None
     assert code == 0
     force = told["most_loaded"][0]
     assert force["normal"] == pytest.approx(2500.0 * 9.81)
-    assert force["friction"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
+    assert force["tangential"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
     assert answer(capsys, "check", model, "--seismic", "0.7,0")[0] == 1
 
 

@@ -11,9 +11,11 @@ import drystone
 from drystone import DrystoneError, InputError
 from drystone.answer.chart import MarkKind
 from drystone.cli import main
+from drystone.limits import limit_load
+from drystone.loads import LoadCase
 from drystone.models import arch, box, tower
 from drystone.report import save_study
-from drystone.studies import study, study_chart, study_map
+from drystone.studies import study, study_chart, study_map, study_told
 from drystone.view import save_chart
 
 
@@ -170,6 +172,39 @@ def test_every_limit_of_the_command_has_columns_of_its_own(limit: str, tmp_path:
     assert [*map(str, again)] == [*map(str, found)]
 
 
+def test_axes_have_words_and_units_and_what_is_fixed_is_said(tmp_path: Path) -> None:
+    asked = {"radius": [1.0, 2.0], "thickness_ratio": [0.2], "voussoirs": [11]}
+    found = study(arch, asked, limit="friction")
+    chart = study_chart(found)
+    assert (chart.across, chart.up) == ("radius", "stands down to friction")
+    assert chart.units == ("m", "")
+    assert chart.caption == "thickness ratio 0.2, voussoirs 11"
+    assert study_chart(found, up="falls").up == "falls at friction"
+    found.to_csv(tmp_path / "found.csv")
+    cells = (tmp_path / "found.csv").read_text("utf-8").splitlines()[1].split(",")
+    assert max(map(len, cells[5:7])) <= len("0.123456789012")
+    both = study(arch, {**asked, "depth": [0.2, 0.3]}, limit="load seismic:1,0", friction=0.7)
+    drawn = study_map(both)
+    assert (drawn.across, drawn.up) == ("radius [m]", "depth [m]")
+    assert drawn.quantity == "stands up to load factor"
+    assert drawn.title.endswith("; thickness ratio 0.2, voussoirs 11")
+
+
+def test_both_sides_of_a_limit_are_told_as_by_its_title() -> None:
+    """With more digits than four where four do not tell them apart; a map has the same."""
+    asked = {"thickness_ratio": [0.15], "voussoirs": [11], "friction": [0.7], "radius": [1, 2]}
+    found = study(arch, asked, limit="load seismic:1,0")
+    heads, rows = study_told(found).cells()
+    assert f"{found['stands'][0]:.4g}" == f"{found['falls'][0]:.4g}"
+    limit = limit_load(arch(0.15, 11), LoadCase.seismic(arch(0.15, 11), 1.0), friction=0.7)
+    told = rows[0][heads.index("stands")], rows[0][heads.index("falls")]
+    assert limit.title == f"Stands up to load factor {told[0]}"
+    assert limit.tables()[0].cells()[1][0][1:] == list(told)
+    assert study_map(found, "radius", "voussoirs").values[0, 0] == float(told[0])
+    tilts = study(arch, {"thickness_ratio": [0.05, 0.2], "voussoirs": [11]}, limit="tilt")
+    assert study_told(tilts).cells()[1][0][2] == "-"
+
+
 def test_a_row_that_is_stopped_is_not_kept(tmp_path: Path) -> None:
     calls: list[int] = []
 
@@ -188,7 +223,7 @@ def test_two_parameters_are_drawn_as_a_map_and_written_as_a_page(tmp_path: Path)
     found = study(pier, rows, limit="tilt --axis y")
     drawn = study_map(found)
     assert (drawn.columns, drawn.rows) == (("0.4", "0.5"), ("0.3", "0.9"))
-    assert drawn.quantity == "stands [deg]"
+    assert drawn.quantity == "stands up to tilt [deg]"
     slides, wide, narrow = (math.degrees(math.atan(one)) for one in (0.3, 0.25, 0.2))
     expected = [min(slides, narrow), min(slides, wide), narrow, wide]
     assert drawn.values.ravel() == pytest.approx(expected, abs=0.1)
@@ -213,7 +248,7 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert main([*told, "--limit", "tilt", *files]) == 0
     assert "4 rows, 0 refused" in capsys.readouterr().out
     lines = (tmp_path / "study.csv").read_text("utf-8").splitlines()
-    assert lines[0].startswith("number,count,edge,friction,verdict,stands [deg],falls [deg]")
+    assert lines[0].startswith("number,count,edge [m],friction,verdict,stands [deg],falls [deg]")
     assert len(lines) == 5
     assert (tmp_path / "study.html").exists()
     assert main(["study", "tower", "--set", "edge=1:2.4:8", "--json"]) == 0
