@@ -52,7 +52,9 @@ and for one step where that leaves a block without joints. Measured: vaults and 
 blocks take two or three factorisations fewer, arches one more."""
 
 IDLE_STEPS = 6
-"""Steps at one tau without progress after which a fall is likely."""
+"""Steps at one tau without progress after which a fall is likely, and the unrelaxed law is tried
+again. Measured: a pack of 30 then takes 85 steps in place of 95, and 38 other small models as many
+as before. Not where joints still pull more: one of five such domes was then robust no more."""
 
 SINKING = 1e-3
 """Share of a block's load on the ground, if it moved as far as its joints open, close or slide,
@@ -152,7 +154,7 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
         self.state = None
         if self.parts_far(point.moved) and self.fell():
             return False
-        if point.tau <= self.polish_at:
+        if self.due(point.tau):
             early = point.tau > self.options.polish
             self.state = self.polish(point, early)
             self.polish_at = self.options.polish if early else point.tau * POLISH_AGAIN
@@ -160,6 +162,11 @@ class _Path(Equation["_Point", tuple[Floats, Floats, Floats]]):
             state = self.unrelaxed(point)
             self.state = state if state.converged else None
         return self.state is not None
+
+    def due(self, tau: float) -> bool:
+        """Whether the unrelaxed law is to be tried: where tau is small, and without progress."""
+        idle = self.since == IDLE_STEPS and not self.harder
+        return tau <= self.polish_at or (idle and tau < self.options.polish)
 
     def lost(self, sizes: Sequence[float], point: _Point) -> bool:
         options = self.options
