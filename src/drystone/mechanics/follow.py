@@ -16,14 +16,16 @@ same tilt with the load applied at once, in twenty parts, or rotated from uprigh
 from __future__ import annotations
 
 import enum
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
 from drystone.mechanics.bodies import Bodies
-from drystone.mechanics.increments import EASY, Increment, Increments, travelled
+from drystone.mechanics.increments import EASY, FEW, Increment, Increments, travelled
 from drystone.mechanics.law import ContactResponse, respond
 from drystone.mechanics.positions import BlockPositions, Placed
 from drystone.mechanics.soft_springs import SoftSprings
@@ -98,6 +100,11 @@ class Ended(enum.Enum):
     """What is driven went as far as it was to go."""
 
 
+Course: TypeAlias = Sequence[tuple[float, Floats]]
+"""Displacement of a block relative to its size, and what the drag carries (f, 6), after each
+increment of few blocks since their motion last changed."""
+
+
 @dataclass(frozen=True)
 class Bounds:
     """How far a run goes.
@@ -160,6 +167,8 @@ class Follower(Increments):
         Called before every increment.
     tell
         Called with the largest displacement after every increment.
+    known
+        The course of a run that fell, of the same blocks with another shear stiffness.
     """
 
     def __init__(
@@ -169,11 +178,13 @@ class Follower(Increments):
         *,
         stop: Callable[[], bool] | None = None,
         tell: Callable[[float], None] | None = None,
+        known: Course = (),
     ) -> None:
         super().__init__(bodies)
         self.many = MANY if self.rough else 1.0
         self.bounds, self.step_limit = bounds, bounds.step_limit
-        self.stop, self.tell = stop, tell
+        self.stop, self.tell, self.known = stop, tell, known
+        self.course: list[tuple[float, Floats]] = []
         self.frames = [self.pose]
         self.stride, self.since = 1, 0
         self.stretch = 1.0
@@ -263,7 +274,7 @@ class Follower(Increments):
                 return Ended.RESTS
             if self.soft.told(self.alone_by, self.placed.gap):
                 return Ended.SOFT
-            if self.alone_by > self.bounds.fall:
+            if self.alone_by > self.bounds.fall or self._falls_alike(found.motion, swerve):
                 return Ended.FALLS
             if self.farthest > self.bounds.left_at:
                 return Ended.LEAVES
@@ -276,6 +287,20 @@ class Follower(Increments):
                 ease = 0.1 if quick else max(FASTER ** (self.bounds.pace * self.many), least)
                 # what drifts without resistance would bring it to zero
                 self.drag = max(self.drag * ease, float(np.finfo(float).tiny))
+
+    def _falls_alike(self, motion: Floats, swerve: float) -> bool:
+        """Whether few blocks go on steadily, as they do here on the course that is known."""
+        if len(self.bodies.free) > FEW:
+            return False
+        if swerve > STEADY:
+            self.course = []
+        left = self.drag * motion
+        self.course.append((self.farthest, left))
+        at = bisect_left(self.known, self.farthest, key=lambda one: one[0])
+        if self.stretch < STRETCHED or not 0 < at < len(self.known):
+            return False
+        there = self.known[at][1]
+        return bool(np.abs(left - there).max() < STEADY * np.abs(there).max())
 
     def _supports(self, motion: Floats) -> Ended:
         """Move the supports in small steps, with approximate rest after each."""

@@ -9,7 +9,7 @@ motion: a wall that topples hinges on its edges, and hardly slides.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from drystone.mechanics.bodies import (
     numbered_forces,
 )
 from drystone.mechanics.corners import CARRIER, Carrier, flush_ends, joint_ends
-from drystone.mechanics.follow import Bounds, Ended, Follower, Track
+from drystone.mechanics.follow import Bounds, Course, Ended, Follower, Track
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, followed_model, model_with_met
 from drystone.mechanics.positions import BlockPositions, rotation_vectors
@@ -166,6 +166,9 @@ class FollowedCase:
         Displacement of a block relative to its size at which a run ends.
     felt : (k, 3) [N]
         Corner forces that its blocks may feel at rest, if they are known.
+    falls
+        The course of the first run that fell, by carrier: with another shear stiffness, if there
+        was one.
     """
 
     model: Model
@@ -175,6 +178,7 @@ class FollowedCase:
     motion: Floats | None = None
     left_at: float = np.inf
     felt: Floats | None = None
+    falls: dict[Carrier, Course] = field(default_factory=dict)
 
     @property
     def many(self) -> bool:
@@ -197,7 +201,8 @@ class FollowedCase:
             felt = np.concatenate([kept / bodies.force_unit, np.zeros((more, 3))])
         bodies = bodies if felt is None else bodies.with_felt(felt)
         bounds = Bounds(chosen.fall, chosen.pace, chosen.step_limit, self.left_at)
-        return Follower(bodies, bounds, stop=self.clock.late, tell=tell)
+        known = self.falls.get(carrier, ())
+        return Follower(bodies, bounds, stop=self.clock.late, tell=tell, known=known)
 
 
 def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
@@ -269,6 +274,8 @@ def path_of(
         bodies, track = far
     if almost is not None and track.ended is not Ended.RESTS:
         bodies, track = almost  # neither shown to rest nor to fall
+    if track.ended is Ended.FALLS:
+        case.falls.setdefault(carrier, follower.course)
     if progress is not None:
         progress(stage, 100, 100)
     return _path_after(case, carrier, first, bodies, track)

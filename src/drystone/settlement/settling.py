@@ -22,6 +22,7 @@ from drystone.contacts import joined_contacts
 from drystone.detection.tolerances import millimetres
 from drystone.io.opening import Given, How, supported_model
 from drystone.mechanics.corners import Carrier
+from drystone.mechanics.follow import Course
 from drystone.mechanics.increments import FEW
 from drystone.mechanics.meeting import Apart, faces_apart, followed_model
 from drystone.mechanics.touching import with_what_touches
@@ -172,15 +173,19 @@ def settle_for_verdict(
     executor: Workers | None = None,
     stop: Stop | None = None,
     felt: Floats | None = None,
+    falls: dict[Carrier, Course] | None = None,
 ) -> Settlement:
     """As :func:`settle`, where only the verdict counts.
 
     Of many blocks the path ends where a block has moved farther than ``rest_within``: wherever it
-    goes from there, the structure does not stand. ``felt``: see :class:`FollowedCase`.
+    goes from there, the structure does not stand. ``felt``, ``falls``: see :class:`FollowedCase`.
     """
-    chosen, clock = SettlementOptions.of(options), Clock(float("inf"), stop)
+    chosen, clock, begun = SettlementOptions.of(options), Clock(float("inf"), stop), bool(falls)
     left_at = chosen.rest_within if len(model.assembly.free) > FEW else np.inf
-    return _carried(model, None, chosen, clock, executor, None, left_at, felt)
+    follow = partial(_carried, model, None, chosen, clock, executor, None, left_at, felt)
+    found = follow(falls)
+    # what ends otherwise than those that fell is followed in full
+    return follow() if begun and found.outcome is not Outcome.FALLS else found
 
 
 def _carried(
@@ -192,13 +197,16 @@ def _carried(
     progress: Progress | None,
     left_at: float = np.inf,
     felt: Floats | None = None,
+    falls: dict[Carrier, Course] | None = None,
 ) -> Settlement:
     """Where the blocks end; what falls is followed again with the vertices that meet a face."""
     began = clock.elapsed_s
     if not len(model.assembly.free):
         return _nothing_free(model, moving, chosen)
     apart = faces_apart(model, chosen.fall)
-    case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt)
+    case = FollowedCase(
+        model, apart, chosen, clock, moving, left_at, felt, {} if falls is None else falls
+    )
     paths = _paths(case, executor, progress)
     for _ in range(MEETINGS):
         if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
@@ -208,6 +216,7 @@ def _carried(
             break
         every = joined_contacts(case.apart.contacts, met.contacts)
         more = replace(case, apart=Apart(every, np.concatenate([case.apart.gap, met.gap])))
+        case.falls.clear()  # of joints that are not all
         again = _paths(more, executor, progress)
         if not all(_on_faces(path) for path in again):
             break

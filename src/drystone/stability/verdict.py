@@ -13,7 +13,9 @@ dry joints: they are tried where it is asked whether it stands with each of them
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -298,6 +300,7 @@ def _balance(asked: Asked, uniform: Candidate) -> Floats:
 def _with_stiff_shear(
     asked: Asked,
     pool: WorkerPool,
+    follow: Callable[..., Settlement],
     found: Settlement,
     options: SettlementOptions,
     felt: Floats | None,
@@ -306,18 +309,12 @@ def _with_stiff_shear(
 
     The shear stiffness of joints is unknown as well. What is not followed to an end says nothing.
     """
-    stiff, model = asked.options.stiff_shear, asked.problem.model
+    stiff = asked.options.stiff_shear
     ends = (Outcome.RESTS, Outcome.DISPLACED, Outcome.FALLS)
-    rubs = bool(model.contacts.friction.any())
+    rubs = bool(asked.problem.model.contacts.friction.any())
     if stiff is None or not rubs or found.outcome not in ends or asked.clock.late():
         return found
-    other = settle_for_verdict(
-        model,
-        options=replace(options, tangential=stiff),
-        executor=pool.executor,
-        stop=asked.clock.late,
-        felt=felt,
-    )
+    other = follow(options=replace(options, tangential=stiff), felt=felt)
     alike = (other.outcome is Outcome.RESTS) == (found.outcome is Outcome.RESTS)
     if other.outcome is Outcome.UNKNOWN or (alike and other.outcome in ends):
         return found
@@ -374,18 +371,14 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     light, felt = asked.problem.statics.load_size.min() < LIGHT, None
     if light:
         felt = _balance(asked, uniform)
-    found = settle_for_verdict(
-        asked.problem.model,
-        options=options,
-        executor=pool.executor,
-        stop=clock.late,
-        felt=felt,
-    )
+    model, workers = asked.problem.model, pool.executor
+    follow = partial(settle_for_verdict, model, executor=workers, stop=clock.late, falls={})
+    found = follow(options=options, felt=felt)
     if light and found.rests:
-        felt = found.paths[-1].force[: asked.problem.model.contacts.corner_count]
+        felt = found.paths[-1].force[: model.contacts.corner_count]
     certain = uniform.stands and not hardly and all(one.stands for one in asked.tried)
     if not (certain and found.outcome is Outcome.RESTS):
-        found = _with_stiff_shear(asked, pool, found, options, felt)
+        found = _with_stiff_shear(asked, pool, follow, found, options, felt)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
         found = replace(found, message=message, stopped=clock.reason)

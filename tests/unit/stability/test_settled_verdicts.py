@@ -14,7 +14,7 @@ from drystone.models import box, bridge, concave, cube_curve, h_model, random_pa
 from drystone.models.solids import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.settlement.settling import settle_many
+from drystone.settlement.settling import settle_for_verdict, settle_many
 from drystone.stability import try_rest
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -148,6 +148,19 @@ def test_what_shear_stiffness_decides_is_undecided_with_both_motions() -> None:
     between = replace(one, settlement=replace(one.settlement, tangential=0.46))
     assert check(model, options=between).stable
     assert check(model.with_friction(1.02 * 0.84), options=MOVING).stable
+
+
+@pytest.mark.parametrize("degrees", [60.0, 62.0])
+def test_with_another_shear_stiffness_blocks_are_followed_until_they_go_on_as_before(
+    degrees: float,
+) -> None:
+    model, falls = tilted(wedge("a"), X, degrees), {}
+    soft = replace(MOVING.settlement, fall=0.05)
+    stiff = replace(soft, tangential=0.5)
+    alone = settle_for_verdict(model, options=stiff)
+    first, then = (settle_for_verdict(model, options=one, falls=falls) for one in (soft, stiff))
+    assert {one.outcome for one in (alone, first, then)} == {Outcome.FALLS}
+    assert then.travel < 0.01 * alone.travel
 
 
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:
