@@ -92,10 +92,10 @@ def test_what_is_not_done_is_said_where_one_looks(phone: Tab, live: Live) -> Non
     assert phone.text("#tip") == "springer-left: a support: not pushed"
     assert untouched(phone)
 
-    assert phone.run("document.getElementById('fold').getAttribute('aria-expanded')") == "false"
+    assert phone.run("document.getElementById('controls').checkVisibility()") is False  # folded
     phone.slide("#friction-number", -1)
     phone.until("document.getElementById('live-trouble').textContent.includes('zero or more')")
-    assert phone.run("document.getElementById('live-trouble').getBoundingClientRect().height") > 0
+    assert phone.run("document.getElementById('live-trouble').checkVisibility()")
     assert all("400" in one for one in phone.complaints())  # the browser notes the refusal
     phone.close()
 

@@ -146,7 +146,7 @@ async function pythonLines() {
 }
 
 function connectStrip() {
-  byId("controls").before(byId("live-trouble")); // seen where the controls are folded or scrolled
+  byId("fold").before(byId("live-trouble")); // seen where the controls are folded or scrolled
   for (const [id, slider] of Object.entries(SLIDERS)) connectSlider(id, slider);
   const onClick = (id, action) => byId(id).addEventListener("click", () => {
     Promise.resolve(action()).catch((error) => complain(error.message));
