@@ -15,6 +15,7 @@ from scipy.optimize import linear_sum_assignment
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, named
+from drystone.base.errors import counted
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
@@ -245,7 +246,7 @@ class PlannedSteps:
         counts = self.counts
         always, known = ("free", "held", "propped"), [*counts.items()][1:]
         said = ", ".join(f"{n} {kind}" for kind, n in known if n or kind in always)
-        return f"{len(self.steps)} steps: {said}"
+        return f"{counted(len(self.steps), 'step')}: {said}"
 
 
 def assigned(plan: PlannedSteps, team: Sequence[Robot]) -> dict[int, int]:

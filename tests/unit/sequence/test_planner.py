@@ -426,3 +426,7 @@ def test_no_number_of_hands_is_advised_that_no_plan_was_found_with():
     found = planned(arch(0.3, 7), 0.4, rules=Rules(hands=1))
     assert found.props
     assert not [one.text for one in found.sentences() if "without props it takes" in one.text]
+
+
+def test_a_plan_of_one_step_says_step():
+    assert plan(tower(2)).told == "1 step: 1 free, 0 held, 0 propped"
