@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TypeAlias
@@ -17,6 +18,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads.fill import Tops
 from drystone.loads.load_words import vector
+from drystone.loads.placing import off_block
 from drystone.model import Model
 
 PLATE = 0.1
@@ -99,7 +101,8 @@ def with_tie_words(model: Model, given: Iterable[str]) -> Model:
             if text.strip() == "fill":
                 model = with_resisting_fill(model)
             else:
-                model = tied(model, *_read(text, model.assembly))
+                ends = _read(text, model.assembly)
+                model = tied(_noted(model, *ends), *ends)
         except InputError as error:
             raise error.located(f"tie {text[:60]}") from error
     return model
@@ -132,17 +135,29 @@ def with_resisting_fill(model: Model) -> Model:
 
 def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
     """The blocks of a tie, its strength [N], and its ends (3,) [m] where they are given."""
-    ends, strength = text.split(":"), NO_LIMIT
-    if len(ends) == 3:
-        strength = measured(ends.pop().strip(), FORCES, what="strength")
-    if len(ends) != 2 or not strength > 0.0:
-        raise InputError("is no tie with a strength", remedy="write BLOCK:BLOCK:20kN, or fill")
-    names, places = zip(*(one.partition("@")[::2] for one in ends), strict=True)
-    first, second = assembly.indices([one.strip() for one in names]).tolist()
+    known = "|".join(map(re.escape, sorted(assembly.names, key=len, reverse=True)))
+    end = rf"\s*({known}|[^:@]*?)\s*(?:@([^:]*))?"  # names may have colons
+    found = re.fullmatch(rf"{end}:{end}(?::([^:]*))?", text)
+    if found is None:
+        raise InputError("is no tie", remedy="write BLOCK:BLOCK:20kN, or fill")
+    *ends, pull = found.groups()
+    strength = NO_LIMIT if pull is None else measured(pull.strip(), FORCES, what="strength")
+    if not strength > 0.0:
+        raise InputError(f"strength is {pull}", remedy="give a force above zero, such as 20kN")
+    names, places = ends[::2], ends[1::2]
+    first, second = assembly.indices(names).tolist()
     if first == second or assembly.fixed[[first, second]].all():
         raise InputError("nothing is tied", remedy="name two blocks, one of them free")
     at, anchor = (vector(one, "0,0,1.2") if one else None for one in places)
     return first, second, strength, at, anchor
+
+
+def _noted(model: Model, block: int, other: int, _: float, at: _End, anchor: _End) -> Model:
+    """With a note on an end that lies outside a free block."""
+    fixed, blocks = model.assembly.fixed, model.assembly.blocks
+    ends = (i for i in ((block, at), (other, anchor)) if i[1] is not None and not fixed[i[0]])
+    said = [note for i, place in ends for note in off_block(blocks[i], np.array([place]))]
+    return replace(model, notes=(*model.notes, *said))
 
 
 def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:

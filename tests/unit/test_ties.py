@@ -143,13 +143,13 @@ def test_joints_that_crush_leave_a_tie_its_strength() -> None:
 @pytest.mark.parametrize(
     ("tie", "words"),
     [
-        ("block", "is no tie with a strength; write BLOCK:BLOCK:20kN"),
+        ("block", "is no tie; write BLOCK:BLOCK:20kN"),
         ("block:nobody", "no block is called 'nobody'"),
         ("plane:anchor", "nothing is tied; name two blocks, one of them free"),
         ("block:block", "nothing is tied"),
         ("block@0,0,1:anchor@0,0,1:2kN", "has no length; give two different points"),
         ("block@0,0:anchor:2kN", "'0,0' is not three finite numbers"),
-        ("block:anchor:0kN", "is no tie with a strength"),
+        ("block:anchor:0kN", "strength is 0kN; give a force above zero"),
         ("fill", "no load is fill that resists; give fill:cover=0.3m,weight=20kN/m3,passive=1"),
         ("block:anchor:5", "is not a number with a unit"),
         ("block:anchor:5kg", "unit 'kg' is not known"),
@@ -257,3 +257,15 @@ def test_equal_ties_share_a_pull_and_are_told_apart() -> None:
             {"wall:anchor": share * needed, "wall:anchor (2)": share * needed}
         )
         assert found.asked.joints == 3
+
+
+@pytest.mark.parametrize("name", ["Basic wall:brick:1234", "w@1", "wall"])
+def test_a_tie_finds_a_block_whose_name_has_colons_and_notes_an_end_beside_it(name: str) -> None:
+    base, _, anchor = tied_wall().blocks
+    named = box((0.5, 1.0, 2.0), (0.0, 0.0, 0.0), name)
+    blocks = Assembly((base, named, anchor), [True, False, True])
+    found = drystone.check(blocks, friction=0.6, tie=f"{name}@0.25,0.5,1:anchor@-5,0,1:3kN")
+    assert found.asked.ties == {f"{name}:anchor": pytest.approx(3000.0)}
+    assert not found.asked.notes
+    off = drystone.check(blocks, friction=0.6, tie=f"anchor@-5,0,1:{name}@250,500,1000")
+    assert f"m off block '{name}'" in off.asked.notes[0]
