@@ -196,7 +196,7 @@ class Changed(Answer):
 
 
 def _props(contacts: Contacts, layers: Sequence[Layer], added: Bools) -> list[Layer]:
-    """The forces of supports that are added: a block in the air does not say where it pushes."""
+    """The forces of supports that are added: a block without contact shows no direction."""
     made = []
     for one in layers:
         if one.key == "reactions" and one.vector is not None and one.interface is not None:
