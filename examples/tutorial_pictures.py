@@ -10,6 +10,7 @@ import drystone
 from drystone.limits import limit_train
 from drystone.loads import Fill, Train
 from drystone.models import arch, box, bridge, h_model, segmental_bridge, wall
+from drystone.sequence import PlanOptions, Robot, Rules
 from drystone.settlement import support_response
 
 SIZE = (8.0, 4.4)
@@ -35,18 +36,26 @@ def main(folder: Path = Path()) -> None:
         blocks.append(box((0.5, 1.5, 1.0), (5.5, 0.6, i), f"right-{i}"))
     chapel = drystone.Model.of(drystone.Assembly(blocks).with_fixed(["ground"]), friction=0.6)
     spread = drystone.Model.of(arch(0.2, 20, 2.0), friction=0.6)
+    robots = Robot("left", (-2, 0, 0), 3.0), Robot("right", (2, 0, 0), 3.0, 150.0)
+    team = Rules(hands=2, robots=robots)
     pictures = {
         "architect": drystone.check(thin),
         "bridge": crossed.limit or crossed,
         "church-wall": drystone.seismic.local_mechanism(chapel, direction="-y", part="facade-*"),
         "engineer": drystone.check(span, friction=0.7, load=loaded),
         "retaining-wall": held,
-        "roboticist": drystone.plan(drystone.Model.of(bridge(), friction=0.5)),
+        "roboticist": drystone.plan(
+            drystone.Model.of(bridge(), friction=0.5), options=PlanOptions(rules=team)
+        ),
         "researcher": drystone.check(h_model(), friction=0.84),
         "vault": support_response(spread, {"springer-right": (0.01, 0.0, 0.0)}),
     }
     for name, subject in pictures.items():
-        higher = {"bridge": SIZE[0], "vault": 5.4}  # room for arrows and for the text above
+        higher = {
+            "bridge": SIZE[0],
+            "vault": 5.4,
+            "roboticist": 5.2,
+        }  # room for arrows and for the text above
         size = (SIZE[0], higher.get(name, SIZE[1]))
         drystone.save_figure(subject, folder / f"tutorial-{name}.png", size=size, dpi=110)
 

@@ -77,7 +77,11 @@ class SurfaceRequest:
     ] = None
     thickness: Annotated[
         float | None,
-        Option("Thickness in m (0.075 of the span of a barrel, else the size by 30).", MODEL),
+        Option(
+            "Thickness in m, half on each side of the surface (0.075 of the span of a barrel, "
+            "else the size by 30).",
+            MODEL,
+        ),
     ] = None
     eye: Annotated[
         float | None,

@@ -97,7 +97,8 @@ class ShellBody(Options):
     Attributes
     ----------
     thickness : [m]
-        One value, one per course, or a function of points; that of the shape when left out.
+        One value, one per course, or a function of points; that of the shape when left out. Half
+        of it is on each side of the surface.
     density : [kg/m3]
     joggle_deg : [degrees]
         Joggle that hooks every block over the course below: the slope of its first face, 10 to 25
