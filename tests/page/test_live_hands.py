@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -76,6 +77,7 @@ def test_two_fingers_on_a_block_zoom_and_a_tap_opens_its_card(phone: Tab, live: 
     phone.click("[data-mode=push]")
     x, y = place_of(phone, live, "voussoir-06")
     phone.touch("touchStart", (x, y))
+    time.sleep(0.8)  # a finger that rests
     phone.touch("touchEnd")
     phone.until("document.getElementById('block-actions').textContent.includes('voussoir-06')")
     assert untouched(phone)

@@ -127,11 +127,20 @@ function grabbedBlock(block, event) {
   return { move() {}, end() {} };
 }
 
+const DOUBLE = 400; // [ms] between the clicks of a double click, at most
+let acted = null; // the last click that changed something
+
+function isSecond({ timeStamp, clientX, clientY }) {
+  if (!acted || timeStamp - acted.timeStamp > DOUBLE) return false;
+  return Math.hypot(clientX - acted.clientX, clientY - acted.clientY) < NEAR_JOINT;
+}
+
 function clickedBlock(block, event) {
   if (drags()) actions.select(block); // its card does the same without a drag
-  else if (event.detail > 1) return; // of a double click the first does it
+  else if (isSecond(event)) return; // of a double click the first does it
   else if (mode === "support") toggleSupport(nameOf(block));
   else takeOut(nameOf(block));
+  acted = event;
 }
 
 function connectPush() {

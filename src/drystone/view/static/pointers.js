@@ -52,10 +52,12 @@ function followPointers(canvas, camera, { clicked, hovered, grabbed }) {
     }
   });
   const release = (event) => {
-    down.delete(event.pointerId);
-    letGo(event.type === "pointerup" && travelled > STILL);
+    const known = down.delete(event.pointerId);
+    const lifted = event.type === "pointerup";
+    letGo(lifted && travelled > STILL);
+    // a finger that rests long is lifted without the click of the browser
+    if (known && lifted && travelled <= STILL && event.button === 0) clicked(event);
   };
-  canvas.addEventListener("click", (event) => travelled <= STILL && clicked(event));
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("pointerleave", (event) => {
