@@ -133,7 +133,7 @@ def shots() -> Iterator[Shot]:
     yield Shot(stands, 9.0, f"Cut into {len(shell.voussoirs)} voussoirs",
                "with joints that are plane; each block fits its neighbours",
                lambda s: {"e": 0.45 * np.sin(np.pi * min(1.0, 1.15 * s)) ** 2},
-               azimuth=(-115.0, -100.0), preset="solid", room=1.2)  # fmt: skip
+               azimuth=(-115.0, -100.0), preset="solid", room=1.4)  # fmt: skip
     planned = drystone.plan(model, options=PlanOptions(rules=Rules(order="course")))
     scene = scene_of(planned)
     count = len(scene.stages)
@@ -158,7 +158,7 @@ def shots() -> Iterator[Shot]:
     yield Shot(tilting, 8.0, "Tilted",
                f"forces balance it, and a motion causes them: it stands up to {STANDS:.0f} degrees",
                lambda s: {"s": round(STANDS * smooth(s))},
-               azimuth=side, elevation=14.0, room=1.25)  # fmt: skip
+               azimuth=side, elevation=14.0, room=1.0)  # fmt: skip
     steep = model.with_load(drystone.LoadCase.tilt(model.assembly, axis, FALLS))
     falls = fall(steep)
     yield Shot(scene_of(falls), 7.0, f"At {FALLS:.0f} degrees it falls",
@@ -166,9 +166,10 @@ def shots() -> Iterator[Shot]:
                lambda s: {"moved": min(1.0, 1.2 * s)},
                azimuth=(-24.0, -20.0), elevation=14.0, room=1.35, preset="solid")  # fmt: skip
     mended = find_mends(steep, options=MendOptions(kinds=("prop",))).mends[0]
-    yield Shot(mended.result, 9.0, "Mended",
-               f"{mended.change.description.partition(' against')[0]} holds it at the same tilt",
-               lambda _: {}, azimuth=(-20.0, -44.0), elevation=14.0, room=1.25)  # fmt: skip
+    yield Shot(mended, 9.0, "Mended",
+               f"{mended.change.description.partition(' (')[0]} holds it at the same tilt",
+               lambda _: {},
+               azimuth=(-20.0, -44.0), elevation=14.0, room=1.25, preset="solid")  # fmt: skip
     yield Shot(stands, 3.0, "drystone", "Does a structure of loose blocks stand?",
                lambda _: {}, azimuth=(-70.0, -75.0), room=1.1)  # fmt: skip
 
