@@ -251,7 +251,7 @@ def test_the_page_of_a_limit_says_the_limit_and_shows_both_sides(opened):
 
 def test_the_page_of_a_plan_brings_each_block_in(opened):
     model = drystone.Model.of(tower(3))
-    tab = opened(drystone.plan(model))
+    tab = opened(drystone.plan(model), size=(900, 600))
     assert tab.text("h1") == "Can be assembled without help"
     assert tab.text("#stage-label") == "all blocks, after 2 steps"
     tab.slide("#stage", 0)
@@ -263,6 +263,13 @@ def test_the_page_of_a_plan_brings_each_block_in(opened):
     tab.key("PageDown")
     assert tab.text("#stage-label").startswith("step 2 of 2")
     assert tab.run("document.getElementById('motion').value") == "1"
+    # the outline of where the block comes from is below the words
+    tab.click("#fit")
+    tab.run("document.getElementById('verdict').style.visibility = 'hidden'")
+    tab.run("document.activeElement.blur()")  # no ring around the picture
+    pixels(tab)
+    behind = Image.open(io.BytesIO(tab.picture("#verdict"))).convert("L")
+    assert behind.getextrema()[0] > 200
 
 
 def test_the_page_of_contacts_draws_near_misses(opened):

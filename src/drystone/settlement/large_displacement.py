@@ -13,6 +13,7 @@ from drystone.base.declared import Offered
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.units import quantity
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
@@ -312,27 +313,27 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
         }
         return f"it does not stand {before[found.drive]}"
     unit = f" {found.unit}" if found.unit else ""
-    far, last = found.displacement[-1], found.load[-1]
+    far, last = quantity(float(found.displacement[-1]), "m"), found.load[-1]
     if found.drive is Drive.FRICTION:
         if found.end is End.FALLS:
             return f"it falls at {last:.3g} of its friction, '{_mover(driver, found)}' first"
         reached = found.end is End.REACHED
         what = "without any friction" if reached else f"at {last:.3g} of its friction"
-        return f"it is still at rest {what}, moved by {far:.3g} m"
+        return f"it is still at rest {what}, moved by {far}"
     load = _plain(found)
     last = load[-1]
     peak = f"at most {load.max():.4g}{unit}"
     if found.drive is Drive.SUPPORTS and load.min() < 0.0:
         peak = f"from {load.min():.4g} to {load.max():.4g}{unit}"
-    if found.end is End.SPENT:
-        return f"{peak}; no load is needed any more at {found.capacity:.4g} m"
+    if found.capacity is not None and found.end is End.SPENT:
+        return f"{peak}; no load is needed any more at {quantity(found.capacity, 'm')}"
     if found.end is End.FALLS:
-        return f"{peak}; it falls at {far:.4g} m, '{_mover(driver, found)}' first"
+        return f"{peak}; it falls at {far}, '{_mover(driver, found)}' first"
     if found.end is End.HELD:
-        return f"nothing gives way at {far:.4g} m, where it is {last:.4g}{unit}"
+        return f"nothing gives way at {far}, where it is {last:.4g}{unit}"
     why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
     told = why.get(found.end, f"{found.stopped}, followed")
-    return f"{peak}; {told} to {far:.4g} m, where it is {last:.4g}{unit}"
+    return f"{peak}; {told} to {far}, where it is {last:.4g}{unit}"
 
 
 def _plain(found: LargeDisplacement) -> Floats:

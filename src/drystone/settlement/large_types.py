@@ -21,6 +21,7 @@ from drystone.answer import (
     SceneStage,
     Sentence,
     State,
+    Verdict,
 )
 from drystone.answer.chart import Chart, MarkKind, Marks
 from drystone.answer.drawing import interface_layers, load_layers, state_of
@@ -277,7 +278,10 @@ class LargeDisplacement(Answer):
     def title(self) -> str:
         """How far it was followed, in words for a person."""
         if self.drive is not Drive.SUPPORTS:
-            return f"{_NAMES[self.drive]}: {self.message}"
+            name = _NAMES[self.drive]
+            if self.stopped:
+                return f"{name}, ended early: {self.message.partition(';')[0]}"
+            return f"{name}: {self.message}"
         last, far = self.states[-1], units.quantity(float(self.displacement[-1]), "m")
         if self.end is End.FALLS:
             return f"Falls when the supports have moved by {far}"
@@ -324,6 +328,15 @@ class LargeDisplacement(Answer):
         }
 
     @property
+    def _verdict(self) -> Verdict | None:
+        """Of the last state; None where a load holds it."""
+        if self.end is End.FALLS:
+            return Verdict.UNSTABLE
+        if self.drive is Drive.LOAD:
+            return None
+        return Verdict.STABLE if self.end is End.REACHED else Verdict.UNDECIDED
+
+    @property
     def falling(self) -> Bools:
         """Which blocks (n,) fall at the end."""
         falls = ~self.assembly.fixed
@@ -341,8 +354,9 @@ class LargeDisplacement(Answer):
         up, gravity = directions(self.assembly, self.model.load)
         stage = SceneStage(
             "all states", self.title, "; ".join([self.message, *self.model.notes]), state,
-            motion=path[-1], motion_name=_NAMES[self.drive], path=path if len(path) > 1 else None,
-            seconds=SECONDS, plays=True, up=up, gravity=gravity,
+            self._verdict, motion=path[-1], motion_name=_NAMES[self.drive],
+            path=path if len(path) > 1 else None, seconds=SECONDS, plays=True,
+            up=up, gravity=gravity,
             layers=(
                 *interface_layers(self.contacts),
                 *load_layers(self.assembly, self.model.load),

@@ -110,7 +110,7 @@ def test_check_tells_who_met_and_gives_forces_that_balance() -> None:
 def test_what_is_pushed_against_a_wall_is_held() -> None:
     found = push(before_a_stop(0.1).with_friction(0.3))
     assert found.end is End.HELD
-    assert found.message.startswith("nothing gives way at 0.10")
+    assert found.message.startswith("nothing gives way at 10")
     free = (found.displacement > 1e-4) & (found.displacement < 0.0999)
     assert found.load[free] == pytest.approx(0.3, rel=1e-4)
     assert found.capacity is None

@@ -10,7 +10,8 @@ import pytest
 from scipy.optimize import brentq
 
 import drystone
-from drystone import Assembly, InputError, LoadCase, Model
+from drystone import Assembly, InputError, LoadCase, Model, Verdict
+from drystone.base.units import quantity
 from drystone.cli import main
 from drystone.models import arch, box, tower
 from drystone.settlement import (
@@ -191,6 +192,8 @@ def test_friction_decays_to_the_slope() -> None:
     still = reduce_friction(tower(2), friction=0.6)
     assert still.end is End.REACHED
     assert "without any friction" in still.message
+    assert found.layers().stages[0].verdict is Verdict.UNSTABLE
+    assert still.layers().stages[0].verdict is Verdict.STABLE
 
 
 def test_it_ends_early_and_says_so() -> None:
@@ -202,6 +205,8 @@ def test_it_ends_early_and_says_so() -> None:
     assert 2 < len(some.displacement) < 60
     few = push(stack(1), friction=1.0, options=SettlementOptions(step_limit=40))
     assert few.stopped == "40 steps were made"
+    assert few.title == f"Push, ended early: at most {few.peak:.4g}"
+    assert f"followed to {quantity(few.displacement[-1], 'm')}, where" in few.message
     told: list[tuple[str, int, int]] = []
     push(stack(1), friction=0.3, to=0.01, progress=lambda *one: told.append(one))
     assert told[-1] == ("pushing", 100, 100)

@@ -154,10 +154,10 @@ def test_what_is_told_of_moved_supports() -> None:
     )
     # the force along the motion is rounding
     aside = move_supports(model, {0: (0.3, 0.0, 0.0)})
-    assert aside.message == "at most 0 N; followed to 0.3 m, where it is 0 N"
+    assert aside.message == "at most 0 N; followed to 300 mm, where it is 0 N"
     weight = f"{9.81 * model.assembly.mass[1]:.4g}"
     down = move_supports(model, {0: (0.0, 0.0, 0.3)})
-    assert down.message.startswith(f"from -{weight} to -{weight} N; followed to 0.3 m")
+    assert down.message.startswith(f"from -{weight} to -{weight} N; followed to 300 mm")
     alone = settle(model.with_supports([0, 1]), {0: (1.0, 0.0, 0.0)})
     assert alone.displacement[0, 0] == 1.0
 

@@ -2,7 +2,6 @@
 
 const MOST_POINTS = 100000; // corners looked at
 const SUPPORT = 2; // the state of a support
-const ARRIVING = 0.4; // of the way into its place on which a block is seen whole
 const AROUND = 0.15; // of supports, by the size of what is free
 const WHOLE = 2.5; // times that size, up to which supports are seen whole: half a plank under a block looks cut off
 
@@ -60,15 +59,18 @@ function someCorners(use) {
 // Where a motion that plays by itself leads or the forces of a stage are, and the way of blocks that are placed.
 function motionEnds() {
   const places = [];
-  const { centroid } = data.blocks;
+  const { centroid, point, points } = data.blocks;
   const middle = (block) => centroid.subarray(3 * block, 3 * block + 3);
+  const first = starts(points);
   for (const { arrives, plays, moved, motion } of data.stages) {
     if (!motion || !(arrives || plays || moved)) continue;
     const way = (block) => motion.subarray(6 * block, 6 * block + 3);
     if (arrives) {
       for (let block = 0; block < data.count; block++) {
         if (vec.length(way(block)) === 0) continue;
-        places.push(...vec.add(middle(block), vec.scale(way(block), ARRIVING)));
+        for (let p = 3 * first[block]; p < 3 * first[block + 1]; p += 3) {
+          places.push(...vec.add(point.subarray(p, p + 3), way(block)));
+        }
       }
       continue;
     }
