@@ -58,20 +58,28 @@ class Screen:
         listed: int = LISTED,
     ) -> None:
         """The first rows of a table, and the number of the others."""
+        from rich.cells import cell_len
         from rich.table import Table
         from rich.text import Text
 
         shown = [[clean(cell) for cell in row] for row in rows[:listed]]
         columns = [[name, *cells] for name, *cells in zip(head, *shown, strict=True)]
-        most = self._console.width
-        wide = sum(max(map(len, one)) + 2 for one in columns) > most
-        words = [" ".join(one).split() for one in columns]
-        narrow = sum(max(map(len, one)) + 2 for one in words) > most
+        words = [max(map(cell_len, " ".join(one).split()), default=0) for one in columns]
+        room = self._console.width - sum(words) - 2 * len(words)
+        narrow = room < 0
         made = Table(box=None, pad_edge=not narrow, padding=(0, 1, 0, 0) if narrow else (0, 1))
-        for one in head:  # a name is never cut, and a heading gives way first
-            room = 1 if narrow else len(one) // 2 + 1 if wide else len(one) + 1
-            folded = textwrap.fill(one, room, break_long_words=False)
-            made.add_column(Text(folded), overflow="fold")
+        lines = [max(map(cell_len, one)) for one in columns]
+        if sum(lines) - sum(words) > room:  # headings give way first
+            lines = [max(map(cell_len, one[1:]), default=0) for one in columns]
+        more = [max(line - word, 0) for line, word in zip(lines, words, strict=True)]
+        for i in sorted(range(len(more)), key=more.__getitem__):  # then the longest sentence
+            more[i] = max(min(more[i], room), 0)
+            room -= more[i]
+        for one, word, further in zip(head, words, more, strict=True):
+            made.add_column(
+                Text(textwrap.fill(one, 1, break_long_words=False) if narrow else one),
+                overflow="fold", width=None if narrow else word + further,
+            )  # fmt: skip
         for row in shown:
             made.add_row(*map(Text, row))
         if rows:

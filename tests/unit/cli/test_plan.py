@@ -84,6 +84,16 @@ def test_names_stay_whole_in_a_narrow_terminal(tmp_path, capsys, monkeypatch):
     assert "propped stages" not in table
 
 
+def test_words_stay_whole_in_the_tables_of_a_narrow_terminal(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    file = tmp_path / "arch.json"
+    io.write(arch(0.15, 36), file)
+    main(["check", str(file)])
+    table = capsys.readouterr().out.split("most loaded:")[1].split("reactions:")[0]
+    words = {"springer-left", "voussoir-00", "interface", "tangential", "friction"}
+    assert words <= set(table.split())
+
+
 def test_a_person_reads_the_counts_of_a_sweep(stack, capsys):
     assert main(["plan", stack, "--sweep", "0.5"]) == 0
     assert "friction 0.5: 3 free, 0 held, 0 propped" in capsys.readouterr().out
