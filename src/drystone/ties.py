@@ -130,7 +130,8 @@ def with_resisting_fill(model: Model) -> Model:
             near = int(supports[lengths(assembly.centroid[supports] - at).argmin()])
             model = tied(model, block, near, size, at, at + force / size * assembly.size[block])
     spent = tuple(replace(one, passive=0.0) for one in load.fills)
-    return model.with_load(replace(load, fills=spent))
+    notes = tuple(note for note in model.notes if note not in fills[0].notes)  # it counts now
+    return replace(model, load=replace(load, fills=spent), notes=notes)
 
 
 def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:

@@ -7,12 +7,13 @@ import pytest
 
 import drystone
 from drystone import Assembly, Block, InputError, Model
+from drystone.io.opening import as_model
 from drystone.limits import limit_shrink
 from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import Increments
 from drystone.mechanics.law import respond
-from drystone.models import box, incline
+from drystone.models import box, incline, segmental_bridge
 from drystone.seismic import local_mechanism
 from drystone.settlement import End, Outcome, move_supports, push
 from drystone.ties import with_tie_words
@@ -269,3 +270,11 @@ def test_a_tie_finds_a_block_whose_name_has_colons_and_notes_an_end_beside_it(na
     assert not found.asked.notes
     off = drystone.check(blocks, friction=0.6, tie=f"anchor@-5,0,1:{name}@250,500,1000")
     assert f"m off block '{name}'" in off.asked.notes[0]
+
+
+def test_what_resists_as_ties_is_not_said_to_be_left_out() -> None:
+    bridge = segmental_bridge(voussoirs=6)
+    load = "fill:cover=0.4m,weight=19kN/m3,k=0.3,passive=1.5"
+    said = "what fill resists beyond k"
+    assert any(said in note for note in as_model(bridge, load=load).notes)
+    assert not any(said in note for note in as_model(bridge, load=load, tie="fill").notes)

@@ -98,7 +98,7 @@ def study(
             jobs.append((html, partial(save_study, found)))
         return jobs, []
 
-    text = f"{counted(len(found), 'row')}, {refused} refused"
+    text = ", ".join([counted(len(found), "row"), f"{refused} refused", *_kept(parameters)])
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
     shown = study_told(Table(found.title, columns, found.units, found.bounds, found.hidden))
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
@@ -126,6 +126,12 @@ def _require_drawn(
             f"draws {' or '.join(map(str, counts))} varying parameters, not {varied}", where=where,
             remedy="give others one value, or leave it out; --csv has every row",
         )  # fmt: skip
+
+
+def _kept(parameters: Mapping[str, Sequence[Any]]) -> list[str]:
+    """The parameters with one value, where others have several, in words."""
+    varied, given = _varied(parameters), parameters.items()
+    return [f"{name.replace('_', ' ')} {one}" for name, [one, *_] in given if name not in varied]
 
 
 def _varied(parameters: Mapping[str, Sequence[Any]]) -> list[str]:

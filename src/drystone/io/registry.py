@@ -112,7 +112,7 @@ FORMATS: tuple[Format, ...] = (
         (".3dm",),
         "rhino",
         "rhino",
-        f"joint capacities, contacts but for ties of any strength between centroids, {_LOADS}",
+        f"joint capacities, contacts but for ties without a strength between centroids, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
     ),

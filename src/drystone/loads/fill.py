@@ -99,6 +99,12 @@ class Fill(Options):
             f"a load spreads {self.spread:.3g} by depth, {law}"
         )
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """That the weight alone is not all that it does, where it resists more."""
+        said = "what fill resists beyond k counts in 'limit train', and with the tie 'fill'"
+        return (said,) if self.passive else ()
+
     @classmethod
     def named(cls, text: str) -> Self:
         """From ``cover=0.3m,weight=20kN/m3``, and the other attributes.
@@ -123,13 +129,8 @@ class Fill(Options):
         """Its weight, and its pressure by ``k``, on the free blocks."""
         top = Tops.of(assembly, self)
         name = f"fill to {self._level} with K {self.k:.3g}"
-        said = (
-            ("what fill resists beyond k counts in 'limit train', and with the tie 'fill'",)
-            if self.passive
-            else ()
-        )
         surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
-        return LoadCase(top.pressed(1.0, self.k), name, said, surface=surface, fills=(self,))
+        return LoadCase(top.pressed(1.0, self.k), name, self.notes, surface=surface, fills=(self,))
 
 
 @dataclass(frozen=True, eq=False)

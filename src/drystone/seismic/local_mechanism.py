@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -240,13 +241,21 @@ class LocalMechanism(Answer):
         stage = SceneStage(
             "mechanism", self.title, self.how, state, motion=seen(assembly, self.motion),
             motion_name="Mechanism", plays=True,
-            layers=(*interface_layers(contacts), *load_layers(assembly, self.model.load),
+            layers=(*interface_layers(contacts), *load_layers(assembly, self._with_pulls()),
                     *self._earthquake(), *self._hinges()),
         )  # fmt: skip
         charts = (self.chart(),) if len(self.displacement) else ()
         title = f"drystone: {self.title[0].lower()}{self.title[1:]}"
         return Scene(assembly, contacts, (stage,), title, self.asked.facts(), charts=charts,
                      preset="solid")  # fmt: skip
+
+    def _with_pulls(self) -> LoadCase:
+        """The load, and the pulls of the ties of a part."""
+        if self.moments is None:
+            return self.model.load
+        pulls = _pulls(self.model, np.flatnonzero(self._moving), self.motion)
+        one = partial(LoadCase.point_load, self.model.assembly)
+        return sum((one(block, force, at) for block, at, force in pulls), self.model.load)
 
     def _earthquake(self) -> tuple[Layer, ...]:
         """The force of the earthquake on what moves, as one arrow that ends in its middle."""
@@ -377,7 +386,7 @@ def local_mechanism(
         site=told,
     )
     if part:
-        turning, motion, held = _turning(model, along, part, line, shaken)
+        turning, motion = _turning(model, along, part, line, shaken)
         found = turning.oscillator()
         moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
@@ -385,7 +394,7 @@ def local_mechanism(
             what = "is of rigid bodies that do not crush"
             raise InputError(what, where="part", remedy="leave the strength or the part out")
         return LocalMechanism(
-            held, motion, found, moved, load, told, site, asked,
+            model, motion, found, moved, load, told, site, asked,
             remarks=_above_ground(model, turning, site), moments=turning.moments(),
         )  # fmt: skip
     if line is not None:
@@ -514,8 +523,8 @@ def _turning(
     part: str | Sequence[str],
     line: Sequence[float] | None,
     shaken: bool,
-) -> tuple[Turning, Floats, Model]:
-    """A part that turns about a line, its virtual motion (n, 6), and its ties as loads."""
+) -> tuple[Turning, Floats]:
+    """A part that turns about a line, and its virtual motion (n, 6)."""
     assembly = model.assembly
     try:
         chosen = kept_of(assembly, part)
@@ -546,10 +555,7 @@ def _turning(
         origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken_names,
         masses, weight,
     )  # fmt: skip
-    held = [replace(LoadCase.point_load(assembly, one, force, point), name=f"tie {one}")
-            for one, point, force in pulls]  # fmt: skip
-    loose = model.with_contacts(model.contacts.select(~model.contacts.ties))
-    return turning, motion, loose.with_load(sum(held, model.load))
+    return turning, motion
 
 
 def _lowest_edge(assembly: Assembly, part: Ints, along: Floats) -> tuple[Floats, Floats]:

@@ -110,6 +110,8 @@ def test_a_tie_holds_with_its_strength() -> None:
     assert found.oscillator.multiplier == pytest.approx(expected)
     drawn = {one.key: one.vector for one in found.layers().stages[0].layers}
     assert drawn["loads"][0].tolist() == pytest.approx([-15e3, 0.0, 0.0])
+    asked = found.asked.facts()
+    assert (asked["Load"], asked["Ties"]) == ("gravity", "wall-0:base 15 kN")
     assert drawn["acceleration"][0].tolist() == pytest.approx([expected * weight, 0.0, 0.0])
 
 

@@ -264,8 +264,8 @@ def test_the_command_studies_a_family_and_writes_table_and_chart(
     assert main(["study", "tower", "--set", "count=2:3:2", *out]) == 2
     assert "--map: draws 2 varying parameters, not 1" in capsys.readouterr().err
     assert not (tmp_path / "one.jsonl").exists()  # refused before the work
-    assert main(["study", "tower", "--set", "count=2:3:2"]) == 0
-    assert "2 rows, 0 refused" in capsys.readouterr().out
+    assert main(["study", "tower", "--set", "count=2:3:2", "--set", "friction=0.5"]) == 0
+    assert "2 rows, 0 refused, friction 0.5  tower\n" in capsys.readouterr().out
     assert main(["study", "tower"]) == 2
     assert "--set: is missing" in capsys.readouterr().err
 
