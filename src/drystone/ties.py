@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, lengths
 from drystone.base.errors import InputError
-from drystone.base.units import FORCES, measured
+from drystone.base.units import FORCES, measured, quantity
 from drystone.contacts import Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
@@ -172,3 +172,10 @@ def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
         more = sum(one.partition(" (")[0] == pair for one in told)
         told[f"{pair} ({more + 1})" if more else pair] = 0.0
     return dict(zip(told, contacts.tie_strength[contacts.ties].tolist(), strict=True))
+
+
+def ties_told(ties: Mapping[str, float]) -> str:
+    """Ties with their strengths, in words."""
+    return ", ".join(
+        pair if np.isinf(pull) else f"{pair} {quantity(pull, 'N')}" for pair, pull in ties.items()
+    )

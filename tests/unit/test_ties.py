@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, Block, InputError, Model
+from drystone import Assembly, Block, InputError, Model, io
 from drystone.io.opening import as_model
 from drystone.limits import limit_shrink
 from drystone.mechanics.bodies import build_bodies
@@ -278,3 +281,15 @@ def test_what_resists_as_ties_is_not_said_to_be_left_out() -> None:
     said = "what fill resists beyond k"
     assert any(said in note for note in as_model(bridge, load=load).notes)
     assert not any(said in note for note in as_model(bridge, load=load, tie="fill").notes)
+
+
+def test_an_inspection_tells_the_ties_of_a_file(tmp_path: Path) -> None:
+    model = with_tie_words(Model.of(tied_wall(), friction=0.6), ["wall:anchor:20kN", "wall:base"])
+    io.write(model, tmp_path / "tied.json")
+    assert io.inspect(tmp_path / "tied.json").notes == (
+        "ties of the file: wall:anchor 20 kN, wall:base",
+    )
+    broken = json.loads((tmp_path / "tied.json").read_text("utf-8"))
+    broken["contacts"]["block_a"][0] = 99
+    (tmp_path / "broken.json").write_text(json.dumps(broken))
+    assert io.inspect(tmp_path / "broken.json").notes == ()

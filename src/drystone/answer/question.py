@@ -23,7 +23,7 @@ from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.supports import bounds_above_ground
-from drystone.ties import strengths
+from drystone.ties import strengths, ties_told
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """The vertical axis of a picture, unless gravity is turned."""
@@ -188,7 +188,7 @@ class Question(OneLine):
                 for name, ends in self.joint_capacity.items()
             )
             + (f" ({self.mortar})" if self.mortar else ""),
-            "Ties": ", ".join(map(_tie, self.ties, self.ties.values())),
+            "Ties": ties_told(self.ties),
             "Load": self.load,
             "Options": _pairs(self.options),
             "Notes": "; ".join(self.notes),
@@ -213,10 +213,6 @@ class Question(OneLine):
             for name, value in values.items()
             if value not in ("", None, (), {})
         }
-
-
-def _tie(blocks: str, strength: float) -> str:
-    return blocks if np.isinf(strength) else f"{blocks} {units.quantity(strength, 'N')}"
 
 
 def asked_line(facts: Mapping[str, str], made: str = "") -> str:

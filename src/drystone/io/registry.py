@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -22,6 +23,7 @@ from drystone.io.draft import Contents, Draft
 from drystone.io.several import Paths, files_of, left_notes, place_of, together
 from drystone.model import Model
 from drystone.results import Result
+from drystone.ties import strengths, ties_told
 
 
 @dataclass(frozen=True)
@@ -266,7 +268,18 @@ def inspect(path: Paths, *, supports: str | None = None, **how: Unpack[FileOptio
     """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         draft, units, rest = _draft(path, **how)
-        return try_blocks(draft, place_of(path), units, supports=supports, **rest)
+        built = try_blocks(draft, place_of(path), units, supports=supports, **rest)
+        return replace(built, notes=(*built.notes, *_tie_notes(draft, built, units)))
+
+
+def _tie_notes(draft: Draft, built: Built, units: str | None) -> list[str]:
+    """The ties of a file; those of its contacts where all its blocks can be used."""
+    ties = {":".join(pair): float("inf") for pair in draft.ties}
+    if draft.finish is not None and built.assembly is not None:
+        with suppress(InputError):  # 'check' tells what is wrong with them
+            contacts, *_ = draft.finish(built.assembly, scale_of(units or draft.units or "m"))
+            ties |= {} if contacts is None else strengths(built.assembly, contacts)
+    return [f"ties of the file: {ties_told(ties)}"] if ties else []
 
 
 def _draft(
