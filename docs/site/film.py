@@ -145,7 +145,7 @@ def shots() -> Iterator[Shot]:
 
     yield Shot(scene, 16.0, "Built, block by block",
                "every stage is checked: orange is held, red needs a prop",
-               placed, azimuth=(-100.0, -70.0), room=0.85)  # fmt: skip
+               placed, azimuth=(-100.0, -70.0), room=0.9)  # fmt: skip
     axis = (-1.0, 0.0, 0.0)
     answers = [
         drystone.check(model.with_load(drystone.LoadCase.tilt(model.assembly, axis, one)))
