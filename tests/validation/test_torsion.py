@@ -341,7 +341,7 @@ def test_of_joints_that_turn_the_one_that_carries_is_named_before_a_faint_one() 
         own = float(-model.load.wrench[block, 1])
         model = loaded(model, share * FRICTION * own * side * SQUARE * TORQUE, block)
     result = check(model)
-    _, used = (one["utilisation"] for one in result.tables()[0])
+    _, used = (one["friction_used"] for one in result.tables()[0])
     assert used == pytest.approx(1.1, abs=0.03)
     (said,) = [one.text for one in result.sentences() if "its corners" in one.text]
     assert said.startswith("the joint of 'ground' and 'large'")
