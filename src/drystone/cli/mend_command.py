@@ -109,9 +109,7 @@ def mend(
     pictures = replace(wanted, out=None)
     notes = [*model.notes, *(mends.failures() if everything else ())]
     if mends.mends and chosen.margin == design.DesignMargin():
-        notes.append(
-            "each is the least that stands, without a margin: --margin tilt=2deg asks for one"
-        )
+        notes.append("each stands without a margin: --margin tilt=2deg asks for one")
     if stands and wanted.out is not None:
         notes.append(f"{wanted.out} is not written: no mend is needed")
     told = Told(mends, notes=notes, files=partial(pictures.of, mends))
