@@ -166,12 +166,11 @@ def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
 
     Several of the same blocks are numbered.
     """
-    told: dict[str, float] = {}
-    for tie in contacts.select(contacts.ties):
-        pair = ":".join(assembly.names[i] for i in reversed(tie.blocks))
-        more = sum(one.partition(" (")[0] == pair for one in told)
-        told[f"{pair} ({more + 1})" if more else pair] = 0.0
-    return dict(zip(told, contacts.tie_strength[contacts.ties].tolist(), strict=True))
+    ties = contacts.select(contacts.ties)
+    pairs = [":".join(assembly.names[i] for i in reversed(tie.blocks)) for tie in ties]
+    again = [pairs[:i].count(pair) for i, pair in enumerate(pairs)]
+    told = [f"{pair} ({n + 1})" if n else pair for pair, n in zip(pairs, again, strict=True)]
+    return dict(zip(told, ties.tie_strength.tolist(), strict=True))
 
 
 def ties_told(ties: Mapping[str, float]) -> str:

@@ -263,6 +263,15 @@ def test_equal_ties_share_a_pull_and_are_told_apart() -> None:
         assert found.asked.joints == 3
 
 
+def test_ties_of_blocks_whose_names_have_brackets_are_told_apart() -> None:
+    base, _, anchor = tied_wall().blocks
+    blocks = (base, box((0.5, 1.0, 2.0), (0.0, 0.0, 0.0), "wall (2)"), anchor)
+    ties = ["wall (2):anchor:1kN", "wall (2):anchor:2kN"]
+    found = drystone.check(Assembly(blocks, [True, False, True]), friction=0.6, tie=ties)
+    told = {"wall (2):anchor": 1000.0, "wall (2):anchor (2)": 2000.0}
+    assert found.asked.ties == pytest.approx(told)
+
+
 @pytest.mark.parametrize("name", ["Basic wall:brick:1234", "w@1", "wall"])
 def test_a_tie_finds_a_block_whose_name_has_colons_and_notes_an_end_beside_it(name: str) -> None:
     base, _, anchor = tied_wall().blocks

@@ -74,6 +74,7 @@ def study(
     from drystone.studies import study as studied
     from drystone.studies import study_chart, study_map, study_told
     from drystone.studies.limit_words import measures
+    from drystone.studies.study import study_fixed
     from drystone.view import save_chart
 
     if limit:
@@ -98,7 +99,8 @@ def study(
             jobs.append((html, partial(save_study, found)))
         return jobs, []
 
-    text = ", ".join([counted(len(found), "row"), f"{refused} refused", *_kept(parameters)])
+    text = f"{counted(len(found), 'row')}, {refused} refused, {study_fixed(found)}"
+    text = text.removesuffix(", ")
     columns = {**found.columns, "mechanism": [shortened(one, 30) for one in found["mechanism"]]}
     shown = study_told(Table(found.title, columns, found.units, found.bounds, found.hidden))
     told = Statement((Sentence(text, Role.BAD if refused else Role.GOOD),), (shown,))
@@ -126,12 +128,6 @@ def _require_drawn(
             f"draws {' or '.join(map(str, counts))} varying parameters, not {varied}", where=where,
             remedy="give others one value, or leave it out; --csv has every row",
         )  # fmt: skip
-
-
-def _kept(parameters: Mapping[str, Sequence[Any]]) -> list[str]:
-    """The parameters with one value, where others have several, in words."""
-    varied, given = _varied(parameters), parameters.items()
-    return [f"{name.replace('_', ' ')} {one}" for name, [one, *_] in given if name not in varied]
 
 
 def _varied(parameters: Mapping[str, Sequence[Any]]) -> list[str]:

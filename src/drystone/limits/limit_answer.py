@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -286,10 +287,11 @@ class Limit(LimitValues, Answer):
         headline = self.title  # that of the answer, whichever of its sides is shown
         if falls and self.best.stands is not None:
             headline += f"; falls at {self._short(value)}"
-        facts, told = {}, self._digits(value)  # rounded as in the headline
-        for key, text in state.asked.facts().items():
-            if key in ("Load", "Friction"):
-                facts[key] = text.replace(f"{value:g}", told).replace(f"{value:.4g}", told)
+        names = {re.escape(f"{value:{form}}") for form in ("g", ".4g")}
+        whole = rf"(?<![\d.])(?:{'|'.join(names)})(?!\.?\d)"  # no part of another number
+        told, asked = self._digits(value), state.asked.facts()  # rounded as in the headline
+        keys = sorted({"Friction", "Load"} & asked.keys())
+        facts = {one: re.sub(whole, told, asked[one]) for one in keys}
         label = f"{'falls' if falls else 'not decided' if self._open else 'stands'} at "
         label += self._short(value)
         means = "; ".join(one for one in (state.message, *self._means()) if one)

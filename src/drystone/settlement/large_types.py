@@ -408,11 +408,8 @@ class LargeDisplacement(Answer):
             marks.append(Marks(MarkKind.CROSS, *at, "unsure", "moved on by itself, at rest again"))
             told += "\nWhere the load drops at once, blocks move on by themselves until they rest"
         known = self.capacity is not None and self.end is not End.LOST
-        lines = (
-            ((self.capacity, units.quantity(self.capacity, "m")),)
-            if known and self.capacity
-            else ()
-        )
+        where = units.quantity(self.capacity or 0.0, "m")
+        lines = ((self.capacity, where),) if known and self.capacity else ()
         across, up = _LABELS[self.drive]
         return Chart(
             "Load against displacement", tuple(marks), across, up, ("m", self.unit), told, lines,

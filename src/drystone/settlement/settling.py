@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
-from typing import Any, Unpack
+from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
@@ -204,9 +204,8 @@ def _carried(
     if not len(model.assembly.free):
         return _nothing_free(model, moving, chosen)
     apart = faces_apart(model, chosen.fall)
-    case = FollowedCase(
-        model, apart, chosen, clock, moving, left_at, felt, {} if falls is None else falls
-    )
+    falls = {} if falls is None else falls
+    case = FollowedCase(model, apart, chosen, clock, moving, left_at, felt, falls)
     paths = _paths(case, executor, progress)
     for _ in range(MEETINGS):
         if any(path.outcome is not Outcome.FALLS for path in paths) or clock.late():
@@ -304,6 +303,9 @@ def _on_faces(path: SettlementPath) -> bool:
     return not points or still_on_faces(path.model, path.displacement, path.point, points)
 
 
+_Run: TypeAlias = tuple[SettlementPath, bool, dict[Carrier, Course]]
+
+
 def _paths(
     case: FollowedCase, executor: Workers | None, progress: Progress | None
 ) -> tuple[SettlementPath, ...]:
@@ -311,7 +313,7 @@ def _paths(
     clock, left_at = case.clock, case.left_at
     carriers = carriers_of(case.model, case.chosen)
     tries = [(one, one is not carriers[-1]) for one in carriers]
-    known: list[tuple[SettlementPath, bool]] = []
+    known: list[_Run] = []
     # of many blocks, the second run depends on the first one
     if executor is not None and len(carriers) > 1 and not case.many:
         with WorkerPool(executor) as pool:
@@ -322,7 +324,8 @@ def _paths(
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
         other = paths[-1] if paths else None
         if number < len(known):
-            path, last = known[number]
+            path, last, falls = known[number]
+            case.falls.update(falls)
         else:  # also where the workers were ended early: the beginning of the others
             path, last = path_of(case, *which, progress=progress, overlap=stiff, other=other)
         paths += (path,)
@@ -438,5 +441,6 @@ def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions
     return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, {"solve": 0.0})
 
 
-def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> tuple[SettlementPath, bool]:
-    return path_of(case, *which)
+def _tried(case: FollowedCase, which: tuple[Carrier, bool]) -> _Run:
+    """A run in a worker, and the course of what fell there, which its caller does not see."""
+    return *path_of(case, *which), case.falls

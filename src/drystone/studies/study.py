@@ -221,7 +221,7 @@ def study_chart(table: Table, across: str = "", by: str = "", up: str = "") -> C
         marks += _fallen(table, x, y)
     units = table.units.get(across, ""), table.units.get(up, "")
     words = _axis(table, across), _axis(table, up)
-    return Chart(table.title, tuple(marks), *words, units, _fixed(table))
+    return Chart(table.title, tuple(marks), *words, units, study_fixed(table))
 
 
 def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> HeatMap:
@@ -269,7 +269,7 @@ def study_map(table: Table, across: str = "", by: str = "", value: str = "") -> 
         tuple(f"{one:.4g}" if isinstance(one, float) else str(one) for one in ends)
         for ends in (x, y)
     )
-    head = f"{table.title}; {_fixed(table)}".removesuffix("; ")
+    head = f"{table.title}; {study_fixed(table)}".removesuffix("; ")
     return HeatMap(head, names[0], names[1], columns, rows, cells, names[2])
 
 
@@ -295,8 +295,8 @@ def _axis(table: Table, name: str) -> str:
     return f"{name} {said[name]} {'load factor' if limited == 'load' else limited}"
 
 
-def _fixed(table: Table) -> str:
-    """Parameters with one value, in words."""
+def study_fixed(table: Table) -> str:
+    """Parameters with one value where others have several, in words."""
     names = list(table.columns)
     inputs = names[1 : names.index("verdict")] if len(table) > 1 else []
     return ", ".join(

@@ -1,6 +1,7 @@
 """Verdicts where the contact stiffness decides: the blocks are followed."""
 
 import itertools
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -161,6 +162,20 @@ def test_with_another_shear_stiffness_blocks_are_followed_until_they_go_on_as_be
     first, then = (settle_for_verdict(model, options=one, falls=falls) for one in (soft, stiff))
     assert {one.outcome for one in (alone, first, then)} == {Outcome.FALLS}
     assert then.travel < 0.01 * alone.travel
+
+
+def test_workers_tell_the_course_of_what_falls_as_one_process_does() -> None:
+    model = tilted(wedge("a"), X, 60.0)
+    chosen = SettlementOptions(fall=0.05)
+    alone, shared = {}, {}
+    settle_for_verdict(model, options=chosen, falls=alone)
+    with ProcessPoolExecutor(2) as workers:
+        settle_for_verdict(model, options=chosen, executor=workers, falls=shared)
+    assert set(shared) == set(alone) == {Carrier.MOVING, Carrier.RESTING}
+    for carrier, course in alone.items():
+        for (there, left), (far, drag) in zip(shared[carrier], course, strict=True):
+            assert there == far
+            assert np.array_equal(left, drag)
 
 
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:

@@ -70,6 +70,12 @@ def test_what_acts_is_rounded_as_the_headline_is(tilt: Limit) -> None:
         assert told in " ".join(stage.facts.values()), stage.facts
 
 
+def test_what_acts_keeps_its_other_numbers_where_the_limit_is_a_short_one() -> None:
+    at_limit = drystone.limit_load(tower(2), "block-1:2452.5,0,0", friction=0.5)  # 0.5 g: 4.8
+    for stage, told in zip(scene_of(at_limit).stages, ("4.7997", "4.8003"), strict=True):
+        assert stage.facts["Load"] == f"gravity + {told} 2452, 0, 0 N on 'block-1'"
+
+
 def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:
     text = panel(tilt.chart())
     assert text.count("<circle") == len(tilt.evaluations)  # all of them stand
