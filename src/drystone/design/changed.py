@@ -146,7 +146,9 @@ class Changed(Answer):
         """The verdict on the changed structure, what was changed, and how it came about."""
         result = self.result
         role = Role.GOOD if self.stands else Role.BAD if result.falls else Role.UNSURE
-        word = f"{result.verdict.upper()}{', changed' if self.words else ''}"
+        at_margin = self.stands or result.model is self.model
+        word = result.verdict.upper() if at_margin else "STANDS, not at the margin"
+        word += ", changed" if self.words else ""
         told = dict.fromkeys(one for one in (self.title, *self.log) if one)
         return [Sentence(word, role), *map(Sentence, told)]
 

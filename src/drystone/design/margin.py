@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.base.settings import Options
-from drystone.geometry.frames import rotation_about
+from drystone.geometry.frames import axis_words, rotation_about
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
@@ -163,14 +163,32 @@ class DesignMargin(Options):
 
     def cases(self, model: Model) -> list[Model]:
         """The model in each additional case in which it must stand."""
-        cases: list[Model] = []
+        return list(self._cases(model).values())
+
+    def _cases(self, model: Model) -> dict[str, Model]:
+        """The same by the words of each case."""
+        cases: dict[str, Model] = {}
         if self.friction < 1.0:
-            cases.append(model.with_friction(self.friction * model.contacts.friction))
+            less = model.with_friction(self.friction * model.contacts.friction)
+            cases[f"with {100.0 * self.friction:g} % of its friction"] = less
         if self.load != 1.0:
-            cases.append(model.with_load(self.load * model.load))
+            cases[f"under {self.load:g} times its load"] = model.with_load(self.load * model.load)
         if self.tilt > 0.0:
-            cases += [tilted(model, axis, self.tilt) for axis in AXES]
+            for axis in AXES:
+                way = axis_words(np.array(axis))
+                cases[f"tilted by {self.tilt:g} degrees {way}"] = tilted(model, axis, self.tilt)
         return cases
+
+    def case_of(self, result: Result, model: Model) -> str:
+        """Words for the case that a result of :meth:`holds` is of; empty for the model itself."""
+        if result.model is model:
+            return ""
+        loads, friction = result.model.load.wrench, result.model.contacts.friction
+        for words, case in self._cases(model).items():
+            same = np.array_equal(case.contacts.friction, friction)
+            if same and np.array_equal(case.load.wrench, loads):
+                return words
+        return ""
 
     def holds(
         self,

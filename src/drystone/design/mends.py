@@ -102,9 +102,10 @@ def mend(
         log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))
     elif clock.reason or len(steps) == _ROUNDS:
         why = clock.reason or f"ended after {counted(len(steps), 'mend')}"
-        log.append(f"{why}; {_left(result)}")
+        log.append(f"{why}; {_left(result, chosen.margin.case_of(result, model))}")
     else:
-        log += [*passed.values(), found.message or _left(result)]
+        left = _left(result, chosen.margin.case_of(result, model))
+        log += [*passed.values(), found.message or left]
     words = "; ".join(one.description for one in steps)
     return Changed(before, model, result, stands, words, tuple(steps), tuple(log))
 
@@ -122,10 +123,11 @@ def _hopeless(found: Mends) -> dict[frozenset[str], str]:
     }
 
 
-def _left(result: Result) -> str:
-    """What still falls."""
+def _left(result: Result, case: str) -> str:
+    """What still falls, in a case of the margin or in any."""
     falling = result.falling_names
-    return f"it still falls: {named(falling)}" if falling else result.message
+    said = f"it still falls: {named(falling)}" if falling else result.message
+    return f"{case}, {said}" if case else said
 
 
 _DRAWN = 5_000
@@ -186,12 +188,15 @@ class Mends(Answer):
         Kinds that do not hold a region, by the names of its blocks.
     message
         Why there is nothing to mend; empty otherwise.
+    case
+        Words for that case of the margin; empty where the structure falls without a margin.
     """
 
     diagnosis: Diagnosis
     mends: tuple[Changed, ...] = ()
     tried: tuple[tuple[tuple[str, ...], Tried], ...] = ()
     message: str = ""
+    case: str = ""
 
     def _summary(self) -> str:
         return self.message or counted(len(self.mends), "mend")
@@ -208,11 +213,20 @@ class Mends(Answer):
     @property
     def title(self) -> str:
         """How many mends there are."""
-        return self.message or f"{self.diagnosis.title}; {counted(len(self.mends), 'mend')}"
+        return self.message or f"{self._headline}; {counted(len(self.mends), 'mend')}"
+
+    @property
+    def _headline(self) -> str:
+        """What falls: the structure, or one that stands in a case of the margin."""
+        falls = self.diagnosis.title
+        return f"Stands; {self.case}, {falls[0].lower()}{falls[1:]}" if self.case else falls
 
     def sentences(self) -> Sequence[Sentence]:
         """The verdict, the mends, why it falls, and what was tried without success."""
         verdict, *reasons = self.diagnosis.sentences()
+        if self.case:
+            falls = "it falls" if self.diagnosis.result.falls else self.diagnosis.result.verdict
+            verdict = replace(verdict, text=f"STANDS; {self.case} {falls}")
         failed = [Sentence(self._failed(), Role.REMARK)] if self.tried else []
         mends = [Sentence(text) for text in self._listed()]
         reasons = [one for one in reasons if one.text not in (self.message, NOTHING)]
@@ -245,7 +259,7 @@ class Mends(Answer):
 
     def layers(self) -> Scene:
         """Why it falls, and each mend as a stage of its own, as far as a page carries them."""
-        scene = self.diagnosis.layers()
+        scene = self.figure()
         if not self.mends:
             return scene
         listed = self._listed()
@@ -267,7 +281,12 @@ class Mends(Answer):
 
     def figure(self) -> Scene:
         """Why it falls."""
-        return self.diagnosis.layers()
+        scene = self.diagnosis.layers()
+        if not self.case:
+            return scene
+        stage = replace(scene.stages[0], headline=self._headline)
+        title = f"drystone: {self._headline[0].lower()}{self._headline[1:]}"
+        return replace(scene, stages=(stage,), title=title)
 
     def numbers(self) -> Mapping[str, Any]:
         """The diagnosis, the mends, and the kinds that do not help."""
@@ -276,6 +295,7 @@ class Mends(Answer):
             "mends": [mend.as_mend() for mend in self.mends],
             "tried": [{"blocks": blocks, **vars(one)} for blocks, one in self.tried],
             "mending": self.message,
+            "case": self.case,
         }
 
 
@@ -326,8 +346,9 @@ def find_mends(
     keep = kept_blocks(model, chosen.keep)
     first = chosen.margin.holds(model, clock.late) if result is None else result
     found, message = _fallen(first, chosen.margin, clock, executor)
+    case = chosen.margin.case_of(first, model)
     if message:
-        return Mends(found, message=message)
+        return Mends(found, message=message, case=case)
     tell_one = found_one or bool
     mends: list[Changed] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
@@ -353,7 +374,7 @@ def find_mends(
                 clock.tell(f"mends of region {number}", done, len(chosen.kinds))
             mended += bool(own)
             mends += sorted(own, key=_rank)
-    return Mends(found, tuple(mends), tuple(tried))
+    return Mends(found, tuple(mends), tuple(tried), case=case)
 
 
 def _fallen(

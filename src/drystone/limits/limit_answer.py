@@ -32,6 +32,9 @@ _KINDS = {
     "robust": "every stiffness tried",
 }
 
+AT_LEAST = " at least, where the search ends"
+"""Follows the last value of a search at which it stands."""
+
 _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.CROSS, "bad")}
 """Of a value that was tried, by its verdict."""
 
@@ -151,7 +154,8 @@ class Limit(LimitValues, Answer):
             return f"Falls at {at}, where the search starts: change the model to stand there"
         if stands is None:
             return f"Stands at no {self.quantity.words} that was tried"
-        return f"{self._verb} {self._quantity(stands)}"
+        least = AT_LEAST if self.capped else ""
+        return f"{self._verb} {self._quantity(stands)}{least}"
 
     @property
     def news(self) -> Role:
@@ -194,7 +198,10 @@ class Limit(LimitValues, Answer):
                 said.append(Sentence(f"{head} takes {share:.2g} of what {what} and weight resist"))
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
-        return [*said, Sentence(f"searched from {self.start:.6g} to {self._told(self.end)}")]
+        searched = f"searched from {self.start:.6g} to {self._told(self.end)}"
+        if self.capped:
+            searched += f"; {'--upper' if self.quantity.replaces else '--to'} goes on"
+        return [*said, Sentence(searched)]
 
     def tables(self) -> Sequence[Table]:
         """The limit by each definition; those that agree share a row."""

@@ -196,6 +196,11 @@ class LimitValues:
         return self.equilibrium if self.rest is None else self.rest
 
     @property
+    def capped(self) -> bool:
+        """Whether it stands at the end of the search, beyond which there are other values."""
+        return self.best.falls is None and self.best.stands == self.end != 0.0
+
+    @property
     def sensitive_between(self) -> tuple[float, float] | None:
         """Values between which contact stiffness decides whether it stands.
 

@@ -20,7 +20,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.inside import Means
-from drystone.limits.limit_answer import Limit
+from drystone.limits.limit_answer import AT_LEAST, Limit
 from drystone.limits.limit_types import Bracket, Check, LimitOptions, Tilt
 from drystone.limits.limits import tilt_limit
 from drystone.model import Model
@@ -118,6 +118,8 @@ class TiltSweep(Answer):
             return "No direction is known"
         angle, towards = self.rest[self.lowest], self.azimuth[self.lowest]
         told = "nowhere" if np.isnan(angle) else f"up to {rounded_down(angle):g} degrees"
+        if self.limits[self.lowest].capped:
+            return f"Stands {told}{AT_LEAST}, towards each of {len(self.limits)} directions"
         return f"Stands {told} towards {towards:g} degrees, {self.rank}"
 
     def sentences(self) -> Sequence[Sentence]:

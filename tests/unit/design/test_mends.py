@@ -539,3 +539,20 @@ def test_a_vault_of_many_blocks_may_be_thicker_and_a_tie_says_how_long_it_is() -
     tie, thicker = (one.change.description for one in found.mends)
     assert "between the middles of 'c03-b01' and 'c11-b01', 2.96 m apart" in tie
     assert "thicker by 52 %" in thicker
+
+
+def test_what_stands_without_the_margin_is_not_headed_as_falling(tmp_path: Path) -> None:
+    """The heading, the title and the page name the case of the margin in which it falls."""
+    options = MendOptions(margin=DesignMargin(friction=0.3), kinds=("friction",))
+    leaning = Model.of(tower(2), friction=0.6, load=LoadCase.tilt(tower(2), (1.0, 0.0, 0.0), 20.0))
+    found = find_mends(leaning, options=options)
+    assert found.sentences()[0].text == "STANDS; with 30 % of its friction it falls"
+    assert found.title.startswith("Stands; with 30 % of its friction, falls: block 'block-1'; ")
+    headline = found.layers().stages[0].headline
+    assert headline == "Stands; with 30 % of its friction, falls: block 'block-1'"
+    assert found.code == 1
+    bare = find_mends(leaning.with_friction(0.2), options=options)
+    assert bare.sentences()[0].text == "UNSTABLE"
+    kept = MendOptions(margin=DesignMargin(friction=0.3), kinds=("friction",), keep="*")
+    made = mend(leaning, options=kept)
+    assert made.sentences()[0].text == "STANDS, not at the margin"

@@ -610,3 +610,14 @@ def test_blocks_that_slide_apart_slide_towards_no_side() -> None:
     other = [block.transformed(turn, (-5.0, 0.0, 0.0)).renamed(f"{block.name}-2") for block in one]
     found = limit_friction(Assembly((*one, *other), [True, False, True, False]))
     assert "first motion: slides" in [sentence.text for sentence in found.sentences()]
+
+
+def test_what_stands_where_the_search_ends_is_told_as_a_bound() -> None:
+    """A cap of the search is no limit of the model; friction does not go below zero."""
+    small = limit_load(tower(2), "block-1:0,0,-1", upper=7.0)
+    assert small.title == "Stands up to load factor 7 at least, where the search ends"
+    assert small.sentences()[-1].text == "searched from 0 to 7; --upper goes on"
+    assert limit_friction(tower(2)).title == "Stands down to friction 0"
+    swept = tilt_sweep(tower(2), 2, upper=5.0)
+    told = "Stands up to 5 degrees at least, where the search ends, towards each of 2 directions"
+    assert swept.title == told
