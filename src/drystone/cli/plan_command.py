@@ -141,6 +141,10 @@ def plan(
         Option("Blocks placed before any of the next --reach; separated by commas.",
                kind=kinds.OptionKind("NAMES", _names), expert=True),
     ] = (),
+    turns: Annotated[
+        bool, Option("Each robot or hand holds its block until the next one is in place, and "
+                     "nothing is propped; in the order of the file, or --order NAMES.", expert=True)
+    ] = False,
     best: Annotated[
         bool, Option("Search until no order with less help is left.", expert=True)
     ] = False,
@@ -168,13 +172,27 @@ def plan(
 ) -> Told:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
-    Whether two robots that hold the last block in turn can build it: drystone.sequence.take_turns.
-
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input. 130: stopped by Ctrl-C, with the blocks that
     are known to be placed last.
     """
     refuse_unused(chosen.scaffold_options, chosen.scaffold)
+    others = (
+        chosen.scaffold,
+        margins,
+        sweep,
+        best,
+        before,
+        reach,
+        wanted.work,
+        wanted.instructions,
+    )
+    if turns and any(others):
+        raise InputError(
+            "takes no --scaffold, --margins, --sweep, --best, --before, --reach, --work, --print",
+            where="--turns",
+            remedy="leave these out; --json has the holds",
+        )
     chosen = _with_rules(chosen, order, before, reach, robot)
     chosen = replace(chosen, patience=float("inf") if best else None, anyway=subject.anyway)
     waiting.checkpoint = checkpoint
@@ -184,6 +202,15 @@ def plan(
     waiting.stage("plan", "planning")
     check = sequence.check_thoroughly if thorough else None
     limit = float("inf") if time_limit is None else time_limit
+
+    if turns:
+        with waiting.stoppable() as stop:
+            in_turn = sequence.take_turns(
+                model, None if order == "top" else _names(order), chosen.rules.team,
+                check=check or sequence.check_both, executor=executor_of(workers),
+                progress=waiting, stop=stop, time_limit_s=limit,
+            )  # fmt: skip
+        return Told(in_turn, notes=model.notes, files=partial(wanted.of, in_turn))
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(

@@ -32,7 +32,7 @@ from drystone.sequence.path_search import NoPath, PathOptions, RemovalPath, find
 from drystone.sequence.plan_steps import Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan
-from drystone.sequence.robots import Robot, Turn, Turns, take_turns
+from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, RemovalTest, Rules
 from drystone.sequence.scaffold_items import (
     Centring,
@@ -56,6 +56,7 @@ from drystone.sequence.stages import (
 )
 from drystone.sequence.structure import StageAnswers, Structure
 from drystone.sequence.sweeps import Pose
+from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [
     "BuiltOrder",

@@ -10,6 +10,7 @@ import numpy as np
 from drystone.answer import Layer, LayerKind, MarkerShape, SceneStage, State
 from drystone.answer.drawing import help_layer, interface_layers, load_layers
 from drystone.answer.question import directions
+from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
 from drystone.model import Model
@@ -17,7 +18,7 @@ from drystone.results import Result, Verdict
 from drystone.results.stage import force_layers
 from drystone.sequence.plan_steps import PlannedSteps, Status, assigned
 from drystone.sequence.robots import Robot
-from drystone.sequence.stages import StageAnswer, members
+from drystone.sequence.stages import StageAnswer, StagedModel, members
 
 _MOST_ARROWS = 200_000
 """Largest number of arrows in all stages; with more, stages have no forces. Chosen: the page
@@ -66,7 +67,8 @@ def _of_step(plan: PlannedSteps, number: int, forces: bool) -> list[SceneStage]:
             parts.append(f"propped: {', '.join(names[b] for b in propped)}")
         if state[block] in (State.FREE, State.LATER):
             state[block] = State.COMING
-        stage = _stage(plan, f"{here}: {names[block]}", "; ".join(parts), state, answer, forces)
+        said = "; ".join(parts)
+        stage = stage_of(plan.model, f"{here}: {names[block]}", said, state, answer, forces)
         told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
         out.append(replace(stage, headline=told, motion=_way_in(plan, block, step.motion[k])))
     return out
@@ -95,10 +97,10 @@ def _state(plan: PlannedSteps, placed: int, number: int, held: tuple[int, ...]) 
     return state
 
 
-def _stage(
-    plan: PlannedSteps, label: str, message: str, state: Ints, answer: StageAnswer, forces: bool
+def stage_of(
+    model: StagedModel, label: str, message: str, state: Ints, answer: StageAnswer, forces: bool
 ) -> SceneStage:
-    model = plan.model
+    """A stage of a model whose blocks have these states (n,), with its forces if asked."""
     here = state != State.ABSENT
     contacts = model.contacts
     shown = here[contacts.block_a] & here[contacts.block_b]
@@ -164,20 +166,28 @@ def with_robots(
     """
     arms = {block: team[k] for block, k in assigned(plan, team).items()}
     seen = [step.blocks[: k + 1] for step in plan.steps for k in range(len(step.blocks))]
-    out = [_with_arms(plan, arms, *one) for one in zip(seen, stages, strict=False)]
-    around = _robot_layers(plan.model.assembly.bounds, team) if team else ()
-    return [replace(one, layers=one.layers + around) for one in (*out, *stages[len(out) :])]
+    assembly = plan.model.assembly
+    out = [with_arms(assembly, arms, *one) for one in zip(seen, stages, strict=False)]
+    return with_reach(assembly, team, [*out, *stages[len(out) :]])
 
 
-def _with_arms(
-    plan: PlannedSteps, arms: Mapping[int, Robot], blocks: tuple[int, ...], stage: SceneStage
+def with_reach(
+    assembly: Assembly, team: Sequence[Robot], stages: Sequence[SceneStage]
+) -> list[SceneStage]:
+    """Stages with the bases of a team, and arcs where its reach ends."""
+    around = _robot_layers(assembly.bounds, team) if team else ()
+    return [replace(one, layers=one.layers + around) for one in stages]
+
+
+def with_arms(
+    assembly: Assembly, arms: Mapping[int, Robot], blocks: Sequence[int], stage: SceneStage
 ) -> SceneStage:
     """A stage with lines from robots to the blocks of its step, of which the last is placed."""
     busy = [(b, arms[b]) for b in reversed(blocks) if b in arms]
     if not busy:
         return stage
-    names, start = plan.model.assembly.names, np.array([arm.base for _, arm in busy])
-    way = plan.model.assembly.centroid[[b for b, _ in busy]] - start
+    names, start = assembly.names, np.array([arm.base for _, arm in busy])
+    way = assembly.centroid[[b for b, _ in busy]] - start
     doing = [f"'{arm.name}' {'places' if b == blocks[-1] else 'holds'} {names[b]}"
              for b, arm in busy]  # fmt: skip
     layer = Layer("arms", ", ".join(doing), LayerKind.LINES, "load", start, way, width=2.0)

@@ -35,6 +35,7 @@ from drystone.sequence.stages import (
     mask_of,
     members,
 )
+from drystone.sequence.turns import in_turn
 from drystone.stability.screening import stage_screening
 from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole
@@ -206,7 +207,26 @@ class _Planner:
 
     def run(self, complete: StageAnswer) -> Plan:
         order = self.search(complete, self.bound)
-        return self.describe(complete, order, self.imposed_order(complete, order))
+        plan = self.describe(complete, order, self.imposed_order(complete, order))
+        other = self.in_turn(plan)
+        return replace(plan, message=f"{plan.message}; {other}") if other else plan
+
+    def in_turn(self, plan: Plan) -> str:
+        """Whether hands that each hold their block until the next is in place need no prop."""
+        bound, large = self.bound, self.model.largest[0] > SPARED
+        if not plan.props or plan.impossible or bound.hands < 2 or bound.lifters.max() > 1 or large:
+            return ""
+        placed = 0
+        for block in self.model.assembly.free.tolist():
+            placed |= 1 << block
+            if not bound.can_leave(block, placed):
+                return ""
+        blocks = self.model.assembly.free.tolist()
+        if not in_turn(self.evaluator, blocks, bound.rules.team, self.clock).works:
+            return ""
+        return (
+            "hands that each hold their block until the next one is in place need no prop: --turns"
+        )
 
     def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
         """The order with the least help that is found.

@@ -39,8 +39,8 @@ class Plan(PlannedSteps, Answer):
         Text for the user.
     proved
         Whether no other order needs less help: fewer propped blocks; with equally many fewer held
-        blocks; with equally many of both more steps. Orders that leave a block without contact
-        although another removal is possible are not counted.
+        blocks; with equally many of both more steps. Hands let go at the end of each step. Orders
+        that leave a block without contact although another removal is possible are not counted.
     solved
         Number of checks of connected parts; ``solve_s`` is their total time.
     stopped
@@ -174,7 +174,9 @@ class Plan(PlannedSteps, Answer):
         if not self.steps:
             return [Sentence("NO PLAN", Role.BAD), Sentence(self.message), *lost]
         said = [Sentence(self.told, self.role), Sentence(self.message)]
-        if any(self.help) and not (self.proved or self.impossible):
+        if any(self.help) and self.proved:
+            said.append(Sentence("no order needs less help, of hands that let go after each step"))
+        elif any(self.help) and not self.impossible:
             said.append(Sentence(f"another order may need less help: {self._other_orders}"))
         why = [f"step {i}, {one.why}" for i, one in enumerate(self.steps, 1) if one.why]
         said += [Sentence(one) for one in why[:_REASONS]]
@@ -287,9 +289,7 @@ class Plan(PlannedSteps, Answer):
         """
         model = self.model
         number = np.array([self.step_of.get(b, -1) + 1 for b in range(len(model.assembly))])
-        role = {Role.GOOD: Verdict.STABLE, Role.BAD: Verdict.UNSTABLE}  # of the title's colour
-        coloured = role.get(self.role, Verdict.UNDECIDED)
-        last = summary_stage(self, self.title, self.message, coloured)
+        last = summary_stage(self, self.title, self.message, self.role.verdict)
         stages = with_robots(self, self.rules.robots, [*step_stages(self), last])
         return Scene(
             model.assembly, model.contacts, tuple(stages), f"drystone plan: {self.told}",

@@ -95,6 +95,12 @@ class Rules(Options):
                 )
             object.__setattr__(self, "order", Order(self.order))
 
+    @property
+    def team(self) -> Sequence[Robot]:
+        """The robots; else one for each hand."""
+        hands = [Robot(f"hand {i + 1}", payload=self.payload) for i in range(self.hands)]
+        return self.robots or hands
+
 
 @dataclass(frozen=True, eq=False)
 class BoundRules:

@@ -193,16 +193,15 @@ class Scaffolding(Answer):
             replace(one, label=f"{one.label} in all")
             for one in scaffold_layers(self.items, self.support, self.assembly)
         )
-        summary = replace(summary, layers=(*summary.layers, *every))
-        if self.works:
-            summary = replace(summary, verdict=Verdict.STABLE)
-        else:
-            summary = replace(
-                summary,
-                message=f"with ideal props: {summary.message}",
-                headline=self.title,
-                verdict=Verdict.UNDECIDED if self.stopped else Verdict.UNSTABLE,
-            )
+        told, takes = self.sentences()
+        ideal = f"with ideal props: {summary.message}"
+        summary = replace(
+            summary,
+            layers=(*summary.layers, *every),
+            headline=told.text,
+            message=takes.text if self.works else ideal,
+            verdict=told.role.verdict,
+        )
         return replace(scene, stages=(*stages, summary))
 
     def _stage(self, number: int, stage: SceneStage) -> SceneStage:

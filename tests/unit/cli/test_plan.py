@@ -73,6 +73,14 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert all(Path(name).stat().st_size > 200 for name in files)
 
 
+def test_turns_are_asked_for_and_written(stack, tmp_path, capsys):
+    page, rows = tmp_path / "turns.html", tmp_path / "turns.csv"
+    assert main(["plan", stack, "--turns", "--html", str(page), "--csv", str(rows)]) == 0
+    assert "Can be assembled without props, by 2 robots in turn" in capsys.readouterr().out
+    assert page.stat().st_size > 10_000
+    assert rows.read_text().startswith("step,block,robot,hold [N],works\n1,block-1,hand 1,")
+
+
 def test_names_stay_whole_in_a_narrow_terminal(tmp_path, capsys, monkeypatch):
     """The headings are folded in their place."""
     monkeypatch.setenv("COLUMNS", "80")
@@ -144,6 +152,8 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
         (["--before", "block-1:block-2", "--before", "block-2:block-1"], "contradicts itself"),
         (["--order", "sideways"], "no block is called 'sideways'"),
         (["--sweep", "0.3,x"], "--sweep"),
+        (["--turns", "--margins"], "--turns: takes no --scaffold, --margins"),
+        (["--turns", "--hands", "1"], "1 robots cannot take turns"),
         (["--workers", "0"], "--workers"),
         (["--workers", "x"], "--workers"),
         (["--html", "plan.txt"], "--html"),

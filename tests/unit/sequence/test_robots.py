@@ -6,7 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from drystone import InputError, Model, Structure, plan
+from drystone import InputError, Model, Structure, Verdict, plan
+from drystone.answer import Role
 from drystone.models import arch, bayonet, bridge, tower
 from drystone.sequence import (
     PlanOptions,
@@ -209,7 +210,7 @@ def test_without_enough_friction_turns_end_where_blocks_fall():
     found = take_turns(arch(0.3, 7), friction=0.1)
     assert not found.works
     assert found.complete is None
-    assert found.turns[-1].falling
+    assert found.turns[-1].answer.falling
 
 
 def test_robots_and_orders_that_make_no_sense_are_refused():
@@ -252,3 +253,34 @@ def test_robots_of_one_step_are_chosen_together() -> None:
         [one.robot for one in handling(found, some).placements] for some in (team, team[::-1])
     ]
     assert [sum(map(bool, one)) for one in placed] == [10, 10]
+
+
+def test_a_plan_with_props_names_turns_without_and_what_is_proved() -> None:
+    thin = arch(0.15, 11)
+    found = plan(thin, friction=0.7)
+    assert found.counts["propped"] == 3
+    assert found.proved
+    assert "need no prop: --turns" in found.message
+    said = [one.text for one in found.sentences()]
+    assert "no order needs less help, of hands that let go after each step" in said
+    weak = PlanOptions(rules=Rules(payload=60.0))
+    assert "--turns" not in plan(thin, friction=0.7, options=weak).message
+    alone = PlanOptions(rules=Rules(hands=1))
+    assert "--turns" not in plan(thin, friction=0.7, options=alone).message
+
+
+def test_turns_are_an_answer_with_a_page() -> None:
+    robots = [Robot("a", (-2.0, 0.0, 0.0)), Robot("b", (2.0, 0.0, 0.0))]
+    found = take_turns(arch(0.15, 11), robots=robots, friction=0.7)
+    scene = found.layers()
+    assert [len(scene.stages), scene.stages[-1].headline] == [12, found.title]
+    assert found.table()["hold"].max() == found.largest == pytest.approx(1748.09, abs=0.1)
+    assert found.to_dict()["holds"][0]["force"][2] == pytest.approx(298.49, abs=0.01)
+    weak = [Robot("a", payload=60.0), Robot("b", payload=60.0)]
+    failed = take_turns(arch(0.15, 11), robots=weak, friction=0.7)
+    told = "'a' would hold 'voussoir-06' with 774 N, and its payload is 589 N"
+    assert failed.sentences()[-1].text == told
+    assert failed.layers().stages[-1].verdict is Verdict.UNSTABLE
+    stopped = take_turns(arch(0.15, 11), friction=0.7, time_limit_s=0.0)
+    assert len(stopped.turns) == 1
+    assert stopped.news is Role.UNSURE

@@ -59,7 +59,11 @@ def test_a_stage_that_slides_off_its_centring_is_not_shown_to_stand(found: Plan)
 def test_clamps_and_centring_are_drawn_and_every_stage_stands(
     found: Plan, kind: str, mark: str
 ) -> None:
-    scene = scaffolding(found, kind).layers()
+    made = scaffolding(found, kind)
+    scene = made.layers()
+    for answer in (made, found):  # the title and the colour of the picture are those of the answer
+        last, first = answer.layers().stages[-1], answer.sentences()[0]
+        assert (last.headline, last.verdict) == (answer.title, first.role.verdict)
     labels = [layer.label for stage in scene.stages for layer in stage.layers]
     assert mark in labels
     assert all(stage.verdict is Verdict.STABLE for stage in scene.stages)

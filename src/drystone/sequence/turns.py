@@ -1,0 +1,325 @@
+"""Robots that take turns: each holds its block until the next one is in place.
+
+They need no other support: a block is released when the next one is in place and held, so in every
+stage the last block is held. Source: Kao 2023, section 6.4.2; Parascho et al. 2020 ("Robotic
+vault", sequential assembly of an arch by two robots).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.answer import Answer, Question, Role, Scene, SceneStage, Sentence, State
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.base.units import quantity
+from drystone.io.opening import Given, How, as_model
+from drystone.loads import STANDARD_GRAVITY
+from drystone.model import Model
+from drystone.results import Verdict
+from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.plan_layers import stage_of, with_arms, with_reach
+from drystone.sequence.plan_steps import falling_words
+from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, check_both, mask_of
+
+PAIR = (Robot("left"), Robot("right"))
+"""Two robots without limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turn(OneLine):
+    """One block placed and held.
+
+    Attributes
+    ----------
+    block, name
+    robot
+        The robot that places it, and holds it until the next one is in place.
+    answer
+        Of the stage with this block held and all earlier ones released.
+    force : (3,) [N]
+    moment : (3,) [N m]
+        Force and moment of the robot, about the centroid of the block.
+    reached, carried
+        Whether the robot reaches the block, and whether it can carry the block and that force.
+    """
+
+    block: int
+    name: str
+    robot: str
+    answer: StageAnswer
+    force: Floats
+    moment: Floats
+    reached: bool
+    carried: bool
+
+    def _summary(self) -> str:
+        return f"'{self.robot}' holds '{self.name}', {self.answer.verdict}"
+
+    @property
+    def works(self) -> bool:
+        """Whether the stage stands and the robot reaches and carries the block."""
+        return self.answer.stands and self.reached and self.carried
+
+
+@dataclass(frozen=True, eq=False)
+class Turns(Answer):
+    """An assembly by robots that take turns.
+
+    Attributes
+    ----------
+    structure
+    robots
+    turns
+        One per block, in the order of assembly, up to the first failure.
+    complete
+        Answer of the complete structure without holds; None if it was not reached.
+    stopped
+        Why it was ended early; empty otherwise.
+    """
+
+    structure: StagedModel
+    robots: tuple[Robot, ...]
+    turns: tuple[Turn, ...]
+    complete: StageAnswer | None
+    stopped: str = ""
+
+    @property
+    def model(self) -> Model:
+        """The complete model."""
+        return self.structure.model
+
+    @property
+    def works(self) -> bool:
+        """Whether every stage works and the complete structure stands."""
+        return self.complete is not None and self.complete.stands and self.turns[-1].works
+
+    @property
+    def largest(self) -> float:
+        """[N], the largest force of a robot."""
+        return max((float(np.linalg.norm(turn.force)) for turn in self.turns), default=0.0)
+
+    @cached_property
+    def asked(self) -> Question:
+        """What was asked."""
+        asked = Question.of(self.model, None, self.when)
+        return replace(asked, options={"robots": ", ".join(one.name for one in self.robots)})
+
+    @property
+    def _role(self) -> Role:
+        """Good where it works; unsure where a stage is not known."""
+        if self.works:
+            return Role.GOOD
+        last = self.turns[-1].answer if self.complete is None else self.complete
+        unknown = self.stopped or last.verdict is Verdict.UNDECIDED
+        return Role.UNSURE if unknown else Role.BAD
+
+    @property
+    def title(self) -> str:
+        """Whether it can be built in turn."""
+        by = f"by {counted(len(self.robots), 'robot')} in turn"
+        return {
+            Role.GOOD: f"Can be assembled without props, {by}",
+            Role.BAD: f"Cannot be assembled {by}",
+        }.get(self._role, f"Not known whether it can be assembled {by}")
+
+    def sentences(self) -> Sequence[Sentence]:
+        """Whether it can be built, the largest hold, and what the first failure is."""
+        held = f"the largest force of a robot is {quantity(self.largest, 'N')}"
+        return [
+            Sentence(self.title, self._role),
+            Sentence("each robot holds its block until the next one is in place"),
+            Sentence(held if self.works else self.stopped or self._failure),
+        ]
+
+    @property
+    def _failure(self) -> str:
+        """Why the last stage does not work."""
+        names, last = self.model.assembly.names, self.turns[-1]
+        if last.works and self.complete is not None:
+            words = falling_words(self.complete, names) + self.complete.message
+            return f"complete, without holds: {words}"
+        if not last.answer.stands:
+            words = falling_words(last.answer, names) + last.answer.message
+            return f"when '{last.robot}' holds '{last.name}': {words}"
+        robot = next(one for one in self.robots if one.name == last.robot)
+        body = self.model.assembly.blocks[last.block]
+        if not robot.manages(body.centroid, np.array(body.mass)):
+            return why_not([robot], body.name, body.centroid, body.mass)
+        force = quantity(float(np.linalg.norm(last.force)), "N")
+        most = quantity(robot.payload * STANDARD_GRAVITY, "N")
+        return f"'{last.robot}' would hold '{last.name}' with {force}, and its payload is {most}"
+
+    def tables(self) -> Sequence[Table]:
+        """The turns."""
+        rows = self.turns
+        columns = {
+            "step": [i + 1 for i in range(len(rows))],
+            "block": [one.name for one in rows],
+            "robot": [one.robot for one in rows],
+            "hold": [float(np.linalg.norm(one.force)) for one in rows],
+            "works": [one.works for one in rows],
+        }
+        return [Table("turns", columns, {"hold": "N"})]
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Whether it works, and the force and moment of each hold."""
+        return {
+            "works": self.works,
+            "complete": None if self.complete is None else self.complete.verdict,
+            "largest_N": self.largest,
+            "stopped": self.stopped,
+            "holds": [
+                {"block": one.name, "robot": one.robot, "force": one.force, "moment": one.moment}
+                for one in self.turns
+            ],
+        }
+
+    def layers(self) -> Scene:
+        """A stage for each block, and the complete structure if it was reached."""
+        assembly = self.model.assembly
+        *early, last = self._stages()
+        told = self.sentences()[-1].text
+        stages = [
+            *early,
+            replace(last, headline=self.title, message=told, verdict=self._role.verdict),
+        ]
+        number = np.zeros(len(assembly), dtype=np.intp)
+        number[[one.block for one in self.turns]] = np.arange(1, len(self.turns) + 1)
+        apart = self.robots if len({one.base for one in self.robots}) > 1 else ()
+        return Scene(
+            assembly, self.model.contacts, tuple(with_reach(assembly, apart, stages)),
+            f"drystone plan: {self.title}", {**self.asked.facts(), "Turns": self.title},
+            number, still=-1, opens=-1, preset="stages" if len(stages) > 1 else "solid",
+        )  # fmt: skip
+
+    def _stages(self) -> Iterator[SceneStage]:
+        assembly, arms = self.model.assembly, {one.name: one for one in self.robots}
+        apart = len({one.base for one in self.robots}) > 1
+        state = np.where(assembly.fixed, State.SUPPORT, State.ABSENT)
+        for i, one in enumerate(self.turns):
+            state[state == State.HELD] = State.FREE
+            state[one.block] = State.HELD
+            label = f"step {i + 1} of {len(assembly.free)}: {one.name}"
+            stage = stage_of(self.structure, label, "", state.copy(), one.answer, True)
+            arm = {one.block: arms[one.robot]} if apart else {}
+            yield with_arms(assembly, arm, [one.block], stage)
+        if self.complete is not None:
+            state[state == State.HELD] = State.FREE
+            yield stage_of(self.structure, "all blocks", "", state, self.complete, True)
+
+
+@checked_call
+def take_turns(
+    given: Given,
+    order: Sequence[int | str] | None = None,
+    robots: Sequence[Robot] = PAIR,
+    *,
+    check: Check = check_both,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Turns:
+    """Whether two or more robots can build a structure by holding the last block in turn.
+
+    Parameters
+    ----------
+    given
+        A model of the complete structure; or an assembly or a file that ``how`` turns into one.
+    order
+        Free blocks in the order of assembly; in numerical order when left out.
+    robots
+        Two or more. The first places the first block, the second the next one, and so on.
+    check
+        Function that gives the verdict on a stage.
+
+    Raises
+    ------
+    InputError
+        Fewer than two robots, no free block, or an order with a support, a repeated block or a
+        missing block.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = take_turns(arch(0.3, 7), friction=0.7)
+    >>> found.works, [turn.robot for turn in found.turns][:3]
+    (True, ['left', 'right', 'left'])
+    """
+    team = check_robots(robots)
+    if len(team) < 2:
+        raise InputError(f"{len(team)} robots cannot take turns", remedy="give two or more")
+    structure = StagedModel(as_model(given, **how), check)
+    assembly = structure.assembly
+    blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
+    if sorted(blocks) != assembly.free.tolist():
+        raise InputError(
+            "the order does not name all free blocks",
+            where="order",
+            remedy="name every block that is not a support once",
+        )
+    if not blocks:
+        raise InputError("no block is free", where="supports", remedy="fix the supports only")
+    clock = Clock(time_limit_s, stop)
+    with Evaluator(structure, executor=executor, late=clock.late) as evaluator:
+        return in_turn(evaluator, blocks, team, clock, progress)
+
+
+def in_turn(
+    evaluator: Evaluator,
+    blocks: Sequence[int],
+    team: Sequence[Robot],
+    clock: Clock,
+    progress: Progress | None = None,
+) -> Turns:
+    """Turns of a team that places blocks in this order, up to the first that fails."""
+    structure, turns = evaluator.model, list[Turn]()
+    stages = [Stage(mask_of(blocks[: i + 1]), 1 << block) for i, block in enumerate(blocks)]
+    stages.append(Stage(structure.everything))
+    complete = None
+    with suppress(Stopped):
+        for i, stage in enumerate(stages):
+            if turns and clock.late():
+                break
+            ahead = stages[i + 1 : i + evaluator.batch]
+            answer = evaluator.answers([stage], ahead=ahead, forces=True)[0]
+            if i == len(blocks):
+                complete = answer
+                continue
+            turns.append(_turn(structure, blocks[i], team[i % len(team)], answer))
+            if progress is not None:
+                progress("turns", i + 1, len(blocks))
+            if not turns[-1].works:
+                return Turns(structure, tuple(team), tuple(turns), None)
+    stopped = "" if complete is not None else clock.reason
+    return Turns(structure, tuple(team), tuple(turns), complete, stopped)
+
+
+def _turn(structure: StagedModel, block: int, robot: Robot, answer: StageAnswer) -> Turn:
+    """A block that a robot places and holds, with the answer of its stage."""
+    wrench = answer.reaction.get(block, -structure.load.wrench[block])
+    body = structure.assembly.blocks[block]
+    force = float(np.linalg.norm(wrench[:3]))
+    return Turn(
+        block,
+        body.name,
+        robot.name,
+        answer,
+        wrench[:3],
+        wrench[3:],
+        bool(robot.distance(body.centroid) <= robot.reach),
+        body.mass <= robot.payload and force <= (1.0 + 1e-6) * robot.payload * STANDARD_GRAVITY,
+    )
