@@ -9,6 +9,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.base.arrays import lengths
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -40,6 +41,9 @@ HELD = 0.01
 PULLS = 1e-5
 """Share of the largest force from which on a pull, or what is not balanced, is some. Below is the
 rounding of interior points: 7e-7 where tension costs a million times as much."""
+
+_ACCURACY = 1e-7
+"""Tolerance of the rest state, by the load. What is smaller beside the largest force is none."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +165,10 @@ def solve_cra_penalty(
     order = tuple(sorted(needy, key=lambda i: -strength[i]))
     unheld = set(statics.free[problem.ground_share(glued.ground) > HELD].tolist())
     force, tension = problem.force(glued.force), problem.force(glued.tension[:, None])[:, 0]
+    weight = float(np.abs(problem.model.load.wrench[statics.free, :3]).max(initial=0.0))
+    small = _ACCURACY * max(float(np.abs(force).max(initial=0.0)), weight)
+    force = np.where((lengths(force) > small)[:, None], force, 0.0)
+    tension = np.where(tension > small, tension, 0.0)
     displacement = problem.displacement(glued.motion)
     residuals = check_forces(
         problem.model,
@@ -198,7 +206,7 @@ def glued_state(
         Asked often; True ends the iteration with what is there.
     """
     chosen = PenaltyOptions.of(options)
-    numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
+    numerics = RestOptions(ground=chosen.ground, tolerance=_ACCURACY)
     statics = problem.statics
     first, *rest = chosen.glue
     glued = find_rest(problem.statics, _glue(statics, first), numerics, stop=stop)

@@ -238,7 +238,7 @@ class Result(Solution, Answer):
 
         What a joint that carries hardly anything uses of its friction says nothing.
         """
-        if self.force is None or self.contacts.count == 0:
+        if self.force is None or not self.force.any():
             return Table("most loaded", {"joint": []})
         names, contacts = self.assembly.names, self.contacts.joints
         found, used = by_joint(self.contacts, self.resultants, self.utilisation)

@@ -207,8 +207,9 @@ def reaction_table(result: Solution) -> Table:
     point /= np.bincount(owner, weight, count)[:, None]
     total = sum_by_owner(force, owner, count)
     moment = sum_by_owner(np.cross(place - point[owner], force), owner, count)
-    rounding = SAME * float(result.assembly.size.max()) * lengths(total)
-    moment = np.where((lengths(moment) > rounding)[:, None], moment, 0.0)
+    rounding = SAME * float(result.assembly.size.max())
+    point = np.where(np.abs(point) > rounding, point, 0.0)
+    moment = np.where((lengths(moment) > rounding * lengths(total))[:, None], moment, 0.0)
     columns = {
         "support": [result.assembly.names[i] for i in support],
         "point": point,

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, LoadCase, Model
+from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.models import (
     arch,
+    box,
     buttressed_arch,
     h_model,
     overhang,
@@ -242,3 +243,20 @@ def test_the_penalty_form_praises_glue_only_where_its_forces_balance(
     fails = "Tension in the joints does not hold 7 blocks"
     assert found.title.startswith("Tension is needed" if virtual == "kern" else fails)
     assert found.result.message.endswith(told)
+
+
+def test_rounding_is_no_force_and_no_place() -> None:
+    """What an iteration leaves beside the weight is not drawn, and not told."""
+    found = find_forces(h_model(), friction=0.0, form="penalty")
+    assert found.unheld == ("block",)
+    assert not found.result.force.any()
+    assert not found.result.tension.any()
+    arrows = [one for one in found.layers().stages[0].layers if one.vector is not None]
+    assert max((one.largest for one in arrows if one.group == "forces"), default=0.0) == 0.0
+    assert [one.key for one in arrows if one.group == "reactions"] == []
+    assert "most loaded" not in [one.title for one in found.result.tables()]
+    base = box((0.3, 0.7, 1.0), (-0.15, -0.35, -1.0), "base")
+    top = box((0.3, 0.7, 1.0), (-0.15 + 1e-17, -0.35, 0.0), "top")
+    stands = drystone.check(Assembly((base, top)).with_fixed([0]), friction=0.6)
+    (place,) = stands.reactions()["point"]
+    assert place.tolist() == [0.0, 0.0, 0.0]
