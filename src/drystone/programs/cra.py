@@ -24,7 +24,7 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
 from drystone.stability.check_options import SAMPLES, CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.verdict import UNBALANCED, decided
+from drystone.stability.verdict import decided
 
 LOADED = 1e-7
 """Share of the largest normal force from which on a corner counts as loaded."""
@@ -129,8 +129,8 @@ def solve_cra(
         return replace(best, method="rest", message=wider, **told)
     base = decided(Asked(problem, CheckOptions(samples=SAMPLES, settle=False), clock), executor)
     told |= {"stopped": clock.reason, "time_s": {"solve": clock.elapsed_s}}
-    if not problem.statics.free_count or (base.falls and UNBALANCED in base.message):
-        return replace(base, method="cra", **told)  # eq. 5.6 wants forces that balance the loads
+    if not problem.statics.free_count:
+        return replace(base, method="cra", **told)
     if not base.stable:
         return replace(base, method="check", **told)
     left = f" (best: {_left(best):.1e})" if best is not None else ""

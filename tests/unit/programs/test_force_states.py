@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, LoadCase, Model
+from drystone import Assembly, InputError, LoadCase, Model, Verdict
 from drystone.cli import main
 from drystone.models import (
     arch,
@@ -19,7 +19,14 @@ from drystone.models import (
     tower,
     two_blocks_on_incline,
 )
-from drystone.programs import FrictionCone, FrictionRule, Objective, RBEOptions, find_forces
+from drystone.programs import (
+    FrictionCone,
+    FrictionRule,
+    Objective,
+    RBEOptions,
+    find_forces,
+    solve_cra,
+)
 
 LEVEL = Model.of(two_blocks_on_incline(0.0), friction=0.8)
 INCLINED = Model.of(two_blocks_on_incline(23.6), friction=0.8)
@@ -260,3 +267,9 @@ def test_rounding_is_no_force_and_no_place() -> None:
     stands = drystone.check(Assembly((base, top)).with_fixed([0]), friction=0.6)
     (place,) = stands.reactions()["point"]
     assert place.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_coupled_analysis_names_itself_only_where_it_found_a_state() -> None:
+    falls = solve_cra(overhang([0.75]), friction=0.6)
+    assert (falls.verdict, falls.method, falls.force) == (Verdict.UNSTABLE, "check", None)
+    assert solve_cra(tower(3), friction=0.6).method == "cra"
