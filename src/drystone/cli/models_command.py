@@ -177,6 +177,7 @@ def reproduce(
     """
     from drystone import reproduce as cases  # the program starts fast
     from drystone.answer import Role, Sentence, Statement
+    from drystone.reproduce.published_case import agreement
 
     if section is None:
         if out is not None:
@@ -198,11 +199,9 @@ def reproduce(
         written += [] if out is None else cases.save_case(found[-1], out)
         waiting.wrote = written
     wrong = [case.section for case in found if not case.agrees]
-    compared = sum(line.agrees is not None for case in found for line in case.lines)
-    agree = "all figures agree" if compared else "no published figure can be compared"
-    verdict = f"{', '.join(wrong)} differs" if wrong else agree
-    told = Sentence(verdict, Role.BAD if wrong else Role.GOOD)
+    told = [Sentence(agreement(found), Role.BAD if wrong else Role.GOOD)]
+    told += [one for case in found for one in case.sentences()[1:]]
     numbers = {"sections": [case.numbers() for case in found]}
-    answer = Statement((told, *left), tuple(case.table() for case in found), numbers)
+    answer = Statement((*told, *left), tuple(case.table() for case in found), numbers)
     asked = "all sections" if section == "all" else f"section {section}"
     return Told(answer, subject=asked, written=written, everything=True)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     Picture: TypeAlias = Result | Plan | Forces
 
 
+_ALONE = "the source gives no figure for it"
 ASSUMED = "its dimensions are not published: the shape is ours"
 
 
@@ -112,12 +113,16 @@ class Case(Answer):
         return f"section {self.section}: {self.name}"
 
     def sentences(self) -> Sequence[Sentence]:
-        """How many of its figures agree."""
-        wrong = sum(line.agrees is False for line in self.lines)
-        compared = sum(line.agrees is not None for line in self.lines)
-        told = f"{counted(compared, 'figure')} compared, {wrong or 'none'} "
-        told += "differs" if wrong < 2 else "differ"
-        return [Sentence(told, Role.BAD if wrong else Role.GOOD)]
+        """How many of its figures agree, and why the others are not compared."""
+        alone = [
+            Sentence(
+                f"not compared: {line.what}: {line.note or (line.found if line.published else _ALONE)}",
+                Role.REMARK,
+            )
+            for line in self.lines
+            if line.agrees is None
+        ]
+        return [Sentence(agreement([self]), Role.GOOD if self.agrees else Role.BAD), *alone]
 
     def tables(self) -> Sequence[Table]:
         """The lines."""
@@ -125,7 +130,7 @@ class Case(Answer):
 
     def table(self) -> Table:
         """The lines as a table."""
-        agrees = {True: "yes", False: "no", None: ""}
+        agrees = {True: "yes", False: "no", None: "not compared"}
         columns = {
             "claim": [line.what for line in self.lines],
             "published": [line.published for line in self.lines],
@@ -147,3 +152,23 @@ class Case(Answer):
             "agrees": self.agrees,
             "lines": [line.to_dict() for line in self.lines],
         }
+
+
+def agreement(cases: Sequence[Case]) -> str:
+    """How many figures of some sections agree, which sections differ, and how many have no other.
+
+    Examples
+    --------
+    >>> lines = Line("mass", "2 kg", "2 kg", True), Line("height", "", "1 m", None)
+    >>> agreement([Case("1", "a block", lines, {})])
+    '1 of 1 figure agrees, 1 not compared'
+    """
+    every = [line.agrees for case in cases for line in case.lines]
+    alone = every.count(None)
+    compared, same = len(every) - alone, every.count(True)
+    if not compared:
+        return "no published figure can be compared"
+    told = f"{same} of {counted(compared, 'figure')} {'agree' if compared > 1 else 'agrees'}"
+    wrong = [case.section for case in cases if not case.agrees]
+    told += f"; {', '.join(wrong)} differs" if wrong else ""
+    return f"{told}, {alone} not compared" if alone else told

@@ -10,7 +10,8 @@ from drystone.reproduce import SECTIONS, Case, Line, sections_of
 def test_a_section_prints_published_beside_found(capsys):
     assert main(["reproduce", "5.1.1"]) == 0
     out = capsys.readouterr().out
-    assert "all figures agree" in out
+    assert "figures agree  section 5.1.1" in out
+    assert "not compared" not in out
     assert "stable / unstable" in out
 
 
@@ -21,6 +22,12 @@ def test_a_section_without_published_figures_is_not_said_to_agree(capsys, monkey
     out = capsys.readouterr().out
     assert "no published figure can be compared" in out
     assert "figures agree" not in out
+    lines = Line("sides", "3", "3", True), Line("tilt", "9", "8", None, "the shape is ours")
+    monkeypatch.setitem(SECTIONS, "5.1.1", lambda: Case("5.1.1", "a shape of ours", lines, {}))
+    assert main(["reproduce", "5.1.1"]) == 0
+    out = capsys.readouterr().out
+    assert "1 of 1 figure agrees, 1 not compared" in out
+    assert "note: not compared: tilt: the shape is ours" in out
 
 
 def test_the_sections_are_listed(capsys):
