@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     Picture: TypeAlias = Result | Plan | Forces
 
 
-_ALONE = "the source gives no figure for it"
+_ALONE = "there is no figure to hold it against"
 ASSUMED = "its dimensions are not published: the shape is ours"
 
 
@@ -115,10 +115,7 @@ class Case(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """How many of its figures agree, and why the others are not compared."""
         alone = [
-            Sentence(
-                f"not compared: {line.what}: {line.note or (line.found if line.published else _ALONE)}",
-                Role.REMARK,
-            )
+            Sentence(f"not compared: {line.what}: {line.note or _ALONE}", Role.REMARK)
             for line in self.lines
             if line.agrees is None
         ]
