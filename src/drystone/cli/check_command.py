@@ -54,6 +54,17 @@ def solve(
     return result
 
 
+def safe(result: Result, waiting: Waiting) -> Result:
+    """The result with the margins of tilt and strength of what stands."""
+    if not result.stable or result.stopped:
+        return result
+    from drystone.limits.bounds import with_margins
+
+    waiting.stage("margin", "looking for the margin of tilt and strength")
+    with waiting.stoppable() as stop:
+        return with_margins(result, stop)
+
+
 def exit_code(result: Result, strict: bool) -> int:
     """0 if stable; with ``strict`` only if it stands for every stiffness and all were tried."""
     robust = not result.sensitive and not result.stopped
@@ -85,13 +96,7 @@ def check(
     """
     model = subject.prepared(waiting)
     wanted.require_through(model.assembly)
-    result = solve(model, waiting, time_limit, strict)
-    if result.stable and not result.stopped:
-        from drystone.limits.bounds import with_margins
-
-        waiting.stage("margin", "looking for the margin of tilt and strength")
-        with waiting.stoppable() as stop:
-            result = with_margins(result, stop)
+    result = safe(solve(model, waiting, time_limit, strict), waiting)
     why = mend_command.short(result, waiting)
     then = "mend" if why else ""
     if result.stable and result.tilt_margin is None:

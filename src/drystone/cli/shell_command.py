@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import families, kinds, options
-from drystone.cli.check_command import solve
+from drystone.cli.check_command import safe, solve
 from drystone.cli.command import command
 from drystone.cli.model_input import HOW
 from drystone.cli.offered import OUTPUT, Analysis, Argument, Experts, Of, Option
@@ -96,6 +96,16 @@ def shell(
         raise InputError(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
+    from drystone.stability.doubts import unit_doubts
+
+    waiting.stage("read", "building the shell")
+    base = surface_of(wanted)
+    for doubt in unit_doubts(base.notes):
+        if waiting.ask(f"{doubt.text} Use {doubt.option}?"):
+            wanted = replace(wanted, **doubt.how)
+            base = surface_of(wanted)
+        else:
+            waiting.warn(doubt.text)
     tuned = None
     if search.vary:
         if buildable:
@@ -106,6 +116,7 @@ def shell(
         if not tuned.front:
             return Told(tuned, subject=wanted.surface)
         wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
+        base = surface_of(wanted)
     else:
         # workers are for the search of wedges as well
         (replace(search, workers=1) if buildable else search).refuse_without_vary()
@@ -113,7 +124,6 @@ def shell(
     from drystone.shells.shell_by_name import COURSES
 
     waiting.stage("read", "building the shell")
-    base = surface_of(wanted)
     told = None
     if buildable:
         layout = pattern.layout(base.width, COURSES)
@@ -126,7 +136,7 @@ def shell(
         made = shell_on(base, wanted, pattern, waiting)
     model = replace(made.model(**reading.given), notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
-    result = solve(model, waiting, time_limit)
+    result = safe(solve(model, waiting, time_limit), waiting)
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")
         waiting.wrote = [f"{block_files} ({len(made.voussoirs)} files)"]

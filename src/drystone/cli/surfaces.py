@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -212,14 +212,15 @@ def _refuse(option: str, given: bool, kind: str | None) -> None:
 def _from_mesh(wanted: SurfaceRequest) -> Surface:
     from drystone import shells
     from drystone.shells.shell_by_name import COURSES
+    from drystone.shells.sources import surface_in_file
 
-    points, faces = shells.read_surface(wanted.surface, units=wanted.units, up=wanted.up or "z")
+    points, faces, unit = surface_in_file(wanted.surface, wanted.units, wanted.up or "z")
     name, supports, corners = Path(wanted.surface).name, wanted.supports, wanted.corners
     vaults = (supports is None or len(corners or ()) > 4) and shells.several_supports(
         points, faces, corners=corners
     )
     if vaults:
-        return _vaults(wanted, points, faces)
+        return _sized(_vaults(wanted, points, faces), wanted, unit)
     fit = shells.patch_from_mesh(points, faces, corners=corners, name=name)
     notes = [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
     if supports is None:
@@ -230,7 +231,21 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
         sides = [_side(text) for text in supports.split(",")]
     edges = tuple(shells.Edge(0, side) for side in sides)
     shape = shells.Shape((fit.patch,), (), edges, name=fit.patch.name)
-    return Surface(shape, _width(fit.patch), COURSES, tuple(notes))
+    return _sized(Surface(shape, _width(fit.patch), COURSES, tuple(notes)), wanted, unit)
+
+
+def _sized(made: Surface, wanted: SurfaceRequest, unit: str | None) -> Surface:
+    """The surface, with a remark where its size is improbable."""
+    from drystone.io.build import doubtful_size
+    from drystone.shells import ShellBody, shape_volume
+    from drystone.shells.shell_by_name import COURSES
+
+    extent = max(patch.size for patch in made.shape.patches)
+    thick = made.shape.default_thickness if wanted.thickness is None else wanted.thickness
+    weight = ShellBody().density * shape_volume(made.shape, thick)
+    what = f"the surface is {extent:.3g} m across, and a shell {thick:.3g} m thick on it weighs"
+    doubt = doubtful_size(what, extent, extent / COURSES, weight, unit)
+    return replace(made, notes=(*made.notes, *doubt))
 
 
 def _vaults(wanted: SurfaceRequest, points: Floats, faces: Sequence[Sequence[int]]) -> Surface:

@@ -245,6 +245,14 @@ def _size_notes(blocks: list[Block], units: str | None) -> list[str]:
     extent = float((high - low).max())
     block = float(np.median([(one.bounds[1] - one.bounds[0]).max() for one in blocks]))
     weight = sum(one.mass for one in blocks)
+    what = f"the model is {extent:.3g} m across, its median block {block:.3g} m, and weighs"
+    return doubtful_size(what, extent, block, weight, units)
+
+
+def doubtful_size(
+    what: str, extent: float, block: float, weight: float, units: str | None
+) -> list[str]:
+    """A remark where a size [m], that of a block [m] or a mass [kg] is improbable, else none."""
     usual = _LIKELY_BLOCK[0] <= block <= _LIKELY_BLOCK[1] and weight <= _LIKELY_MASS
     if usual and _LIKELY_EXTENT[0] <= extent <= _LIKELY_EXTENT[1]:
         return []
@@ -252,7 +260,4 @@ def _size_notes(blocks: list[Block], units: str | None) -> list[str]:
     now = UNITS[units or "m"]
     likely = min(_METRIC, key=lambda unit: abs(np.log(block * UNITS[unit] / now / _USUAL_BLOCK)))
     remedy = f"--units {likely}" if likely != (units or "m") else "--units"
-    return [
-        f"the model is {extent:.3g} m across, its median block {block:.3g} m, and weighs"
-        f" {mass(weight)}; {read_in}: is the unit right ({remedy})?"
-    ]
+    return [f"{what} {mass(weight)}; {read_in}: is the unit right ({remedy})?"]

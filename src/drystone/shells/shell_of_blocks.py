@@ -16,6 +16,7 @@ from drystone.base.arrays import SAME, Bools, Floats, Ints, dot, unit
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
+from drystone.base.units import quantity
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry import boxes
 from drystone.geometry.frames import frames_from_normals
@@ -159,6 +160,7 @@ class Shell(Answer):
         return [
             Sentence(flat, Role.GOOD if planar.reached or self.pins.faceted else Role.BAD),
             Sentence(f"{self.title}, {ground}, {self.volume:.2f} m3"),
+            Sentence(self._thick),
             Sentence(
                 f"largest warp of a joint {planar.warp_before:.2%} of a block{made}; "
                 f"largest drift {planar.drift:.1%}, {self.off_surface:.1%} off the surface"
@@ -184,6 +186,18 @@ class Shell(Answer):
             "moved_off_surface": self.fitted,
             "supports": [f"patch {edge.patch}, {edge.side.value}" for edge in self.shape.supports],
         }
+
+    @property
+    def _thick(self) -> str:
+        """How thick it is, and where that comes from if nobody asked for it."""
+        low, high = float(self.thickness.min()), float(self.thickness.max())
+        if high - low > SAME * high:
+            return f"{quantity(low, 'm')} to {quantity(high, 'm')} thick"
+        usual = self.shape.default_thickness
+        if abs(high - usual) > SAME * usual:
+            return f"{quantity(high, 'm')} thick"
+        usually = "a thirtieth of its size" if self.shape.thickness is None else "usual of its form"
+        return f"{quantity(high, 'm')} thick, {usually}: --thickness gives another"
 
     @property
     def voussoirs(self) -> Ints:

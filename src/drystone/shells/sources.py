@@ -260,6 +260,14 @@ def read_surface(
     InputError
         The unit is not known.
     """
+    points, faces, _ = surface_in_file(path, units, up)
+    return points, faces
+
+
+def surface_in_file(
+    path: PathLike, units: str | None, up: Literal["z", "y"]
+) -> tuple[Floats, list[tuple[int, ...]], str | None]:
+    """As :func:`read_surface`, and the unit that was asked for or is in the file, if any."""
     chosen = format_of(path)
     if chosen.read is None:
         raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
@@ -272,4 +280,5 @@ def read_surface(
         offset += len(points)
     if not faces:
         raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
-    return scale_of(units or draft.units or "m") * np.concatenate(vertices) @ UP[up].T, faces
+    unit = units or draft.units
+    return scale_of(unit or "m") * np.concatenate(vertices) @ UP[up].T, faces, unit

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -71,14 +71,19 @@ def doubts(model: Model, path: Paths, how: Mapping[str, Any]) -> Iterator[Doubt]
         degrees = f"{friction:g}deg"
         yield Doubt(f"friction {friction:g} is more than stone has: are degrees meant?",
                     {"friction": degrees})  # fmt: skip
-    units = [(note, found[1]) for note in model.notes if (found := _UNIT.search(note))]
-    for note, unit in units:
-        yield Doubt(note, {"units": unit})
+    units = unit_doubts(model.notes)
+    yield from units
     yield from _apart(model)
     if not units and _may_lie(model, path, how) and _stands_upright(model, str(how["supports"])):
         yield Doubt(
             "it falls as it is, and stands with y up: does y point up in the file?", {"up": "y"}
         )
+
+
+def unit_doubts(notes: Iterable[str]) -> list[Doubt]:
+    """The remarks of a reader on an improbable size."""
+    found = [(note, _UNIT.search(note)) for note in notes]
+    return [Doubt(note, {"units": unit[1]}) for note, unit in found if unit]
 
 
 def _apart(model: Model) -> Iterator[Doubt]:

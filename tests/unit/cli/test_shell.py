@@ -204,3 +204,32 @@ def test_bad_input_is_one_line(
     assert err.count("\n") == 1
     assert all(word in err for word in words)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_mesh_of_an_improbable_size_is_asked_about(barrel_file: str, capsys: Capsys) -> None:
+    """As the blocks of a file are: before the work, with the option to type."""
+    numbers = [
+        " ".join([line[0], *(str(1e3 * float(x)) for x in line[2:].split())])
+        if line[0] == "v"
+        else line
+        for line in Path(barrel_file).read_text().splitlines()
+    ]
+    Path(barrel_file).write_text("\n".join(numbers))
+    arguments = ["shell", barrel_file, "--courses", "9", "--blocks", "3"]
+    assert main(arguments) == 0
+    told = capsys.readouterr()
+    assert "no unit was given, metres assumed: is the unit right (--units mm)?" in told.err
+    assert main([*arguments, "--units", "mm"]) == 0
+    told = capsys.readouterr()
+    assert "is the unit right" not in told.err + told.out
+    assert "mm thick, a thirtieth of its size: --thickness gives another" in told.out
+    assert "safety: forces balance a tilt about x or y of " in told.out
+
+
+def test_the_thickness_of_a_shell_is_told(capsys: Capsys) -> None:
+    sentences = [
+        answer(capsys, "shell", "barrel", "--courses", "5", "--blocks", "2", *more)[1]["shell"]
+        for more in ((), ("--thickness", "0.6"))
+    ]
+    assert "450 mm thick, usual of its form: --thickness gives another" in sentences[0]["sentences"]
+    assert "600 mm thick" in sentences[1]["sentences"]
