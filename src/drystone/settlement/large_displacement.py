@@ -326,7 +326,7 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
     if found.drive is Drive.SUPPORTS and load.min() < 0.0:
         peak = f"from {load.min():.4g} to {load.max():.4g}{unit}"
     if found.capacity is not None and found.end is End.SPENT:
-        return f"{peak}; no load is needed any more at {quantity(found.capacity, 'm')}"
+        return f"{peak}; moved by {quantity(found.capacity, 'm')} it falls without this load"
     if found.end is End.FALLS:
         return f"{peak}; it falls at {far}, '{_mover(driver, found)}' first"
     if found.end is End.HELD:

@@ -70,7 +70,7 @@ class Drive(enum.Enum):
 class End(enum.Enum):
     """Why the blocks are followed no farther."""
 
-    SPENT = "no load is needed any more"
+    SPENT = "pushed over"
     """The load has fallen to zero: the blocks are in an equilibrium from which they fall."""
     FALLS = "falls"
     """Blocks move on while what drives them is held."""
@@ -222,7 +222,7 @@ class LargeDisplacement(Answer):
 
     @property
     def capacity(self) -> float | None:
-        """[m], the displacement at which no load is needed any more, or from which blocks fall.
+        """[m], the displacement from which blocks fall without the load, or while it is held.
 
         None where they were not followed so far.
         """
@@ -293,12 +293,15 @@ class LargeDisplacement(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """Why it ends, and what was found."""
-        if self.drive is Drive.SUPPORTS:
-            good = self.end is End.REACHED
-        else:
-            good = self.capacity is not None and len(self.displacement) > 1
-        return [Sentence(self.end.value.upper(), Role.GOOD if good else Role.BAD),
-                Sentence(self.message)]  # fmt: skip
+        role = Role.PLAIN if self._verdict is None else Role.of(self._verdict)
+        return [Sentence(self.end.value.upper(), role), Sentence(self.message)]
+
+    @property
+    def code(self) -> int:
+        """0 where it stands to the end, or a displacement from which it falls was found; else 1."""
+        found = self.capacity is not None and len(self.displacement) > 1
+        stands = self._verdict is Verdict.STABLE
+        return 0 if stands or (found and self.drive is not Drive.SUPPORTS) else 1
 
     def tables(self) -> Sequence[Table]:
         """When joints become hinges and slide."""

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import drystone
 from drystone import Assembly, InputError, LoadCase, Model, Verdict
+from drystone.answer import Role
 from drystone.base.units import quantity
 from drystone.cli import main
 from drystone.models import arch, box, tower
@@ -194,6 +195,11 @@ def test_friction_decays_to_the_slope() -> None:
     assert "without any friction" in still.message
     assert found.layers().stages[0].verdict is Verdict.UNSTABLE
     assert still.layers().stages[0].verdict is Verdict.STABLE
+    pushed = push(stack(1), friction=1.0)
+    assert pushed.message.endswith("it falls without this load")
+    roles = [one.sentences()[0].role for one in (found, still, pushed)]
+    assert roles == [Role.BAD, Role.GOOD, Role.PLAIN]  # the colours of the page
+    assert [one.code for one in (found, still, pushed)] == [0, 0, 0]
 
 
 def test_it_ends_early_and_says_so() -> None:
@@ -277,7 +283,7 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert target.read_text(encoding="utf-8").startswith("displacement [m],load\n")
     assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
     assert "slides" in capsys.readouterr().out
-    assert main(["limit", "decay", file]) == 1
+    assert main(["limit", "decay", file]) == 0
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--gravity", "9,0,-9"]) == 1
     assert "does not stand before the load grows" in capsys.readouterr().out
