@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
+from drystone.base.files import Job
 from drystone.cli import kinds, options
 from drystone.cli.command import command
 from drystone.cli.model_input import Subject
@@ -21,7 +22,7 @@ from drystone.cli.waiting import Waiting, executor_of
 if TYPE_CHECKING:
     from drystone.cli.told import Files
     from drystone.model import Model
-    from drystone.sequence import Margins, Plan, PlanOptions, Robot, Scaffolding
+    from drystone.sequence import Margins, Plan, PlanOptions, Robot, Scaffolding, Turns
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,33 @@ class PlanFiles(WithFilm):
         Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
                kind=kinds.target(".json", ".csv"), expert=True),
     ] = None  # fmt: skip
+    stages: Annotated[
+        Path | None,
+        Option("Folder for a model of each stage, .json; what is propped then is a support there.",
+               OUTPUT, kind=kinds.FOLDER, expert=True),
+    ] = None  # fmt: skip
     instructions: Annotated[
         Path | None,
         Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
                kinds.target(".html", ".htm"), expert=True),
     ] = None  # fmt: skip
+
+    def models(self, stage: Callable[[int], Model], count: int) -> list[Job]:
+        """The files of the stages, where they are asked for."""
+        from drystone import io
+
+        if self.stages is None:
+            return []
+        digits = len(str(count))
+        return [
+            (self.stages / f"stage-{i + 1:0{digits}d}.json", partial(io.write, stage(i)))
+            for i in range(count)
+        ]
+
+    def of_turns(self, turns: Turns) -> Files:
+        """The files of robots that take turns."""
+        jobs, notes = self.of(turns)
+        return [*jobs, *self.models(turns.stage, len(turns.turns))], notes
 
     def all_of(
         self,
@@ -52,21 +75,23 @@ class PlanFiles(WithFilm):
             wanted = [str(path) for path in astuple(self) if path is not None]
             return [], [f"not written: {', '.join(wanted)}"] if wanted else []
         jobs, notes = replace(self, csv=None).of(made or plan)
+        jobs += self.models(plan.stage, len(plan))
         if self.instructions is not None:
             from drystone.view.instructions import save_instructions
 
             jobs.append((self.instructions, partial(save_instructions, plan)))
-        if self.work is not None:
-            from drystone.sequence import handling, without_robot
-
-            placed = handling(plan, robots, margins=margins, scaffolding=made)
-            known = {*plan.notes, *without_robot(plan, robots)}
-            notes = [*notes, *sorted({*placed.notes} - known, key=placed.notes.index)]
-            flat = self.work.suffix == ".csv"
-            jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
         if self.csv is not None:
             jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
-        return jobs, notes
+        if self.work is None:
+            return jobs, notes
+        from drystone.sequence import handling, without_robot
+
+        placed = handling(plan, robots, margins=margins, scaffolding=made)
+        known = {*plan.notes, *without_robot(plan, robots)}
+        more = sorted({*placed.notes} - known, key=placed.notes.index)
+        flat = self.work.suffix == ".csv"
+        jobs.append((self.work, placed.table().to_csv if flat else placed.save_json))
+        return jobs, [*notes, *more]
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -152,7 +177,7 @@ def plan(
         bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
     ] = False,
     margins: Annotated[
-        bool, Option("Least friction and tilt limit of every stage; takes 30 to 70 times as long "
+        bool, Option("Least friction and tilt limit of every stage; takes tens of times as long "
                      "as the plan.", expert=True)
     ] = False,
     sweep: Annotated[
@@ -210,7 +235,9 @@ def plan(
                 check=check or sequence.check_both, executor=executor_of(workers),
                 progress=waiting, stop=stop, time_limit_s=limit,
             )  # fmt: skip
-        return Told(in_turn, notes=model.notes, files=partial(wanted.of, in_turn))
+        return Told(
+            in_turn, notes=model.notes, files=partial(wanted.of_turns, in_turn), into=wanted.stages
+        )
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:
         return sequence.plan(
@@ -238,6 +265,7 @@ def plan(
         found, {key: one for key, one in also.items() if one is not None},
         notes=[*model.notes, *found.notes, *kept, *sequence.without_robot(found, robot)],
         files=partial(wanted.all_of, found, made, measured, robot),
+        into=wanted.stages if found.steps else None,
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
-from drystone.limits import LimitOptions, limit_friction, tilt_sweep
+from drystone.limits import LimitOptions, limit_friction, limit_tilt
 from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plan_steps import checked_step, falling_words, without_help
@@ -207,9 +207,14 @@ def _margin_of(
         return Margin(math.inf, 0.0)
     check = structure.check
     least = limit_friction(some, check=check, options=widths[0]).best
-    sweep = tilt_sweep(some, directions, upper=upper, check=check, options=widths[1])
-    tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
-    return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))
+    tilt = upper
+    for angle in 2.0 * np.pi * np.arange(directions) / directions:
+        axis = (-np.sin(angle), np.cos(angle), 0.0)  # only what tilts less than before counts
+        found = limit_tilt(some, axis, upper=tilt, check=check, options=widths[1]).best
+        tilt = 0.0 if found.stands is None else float(found.stands)
+        if not tilt:
+            break
+    return Margin(np.inf if least.stands is None else float(least.stands), tilt)
 
 
 PlanAt: TypeAlias = Callable[[Model], Plan]

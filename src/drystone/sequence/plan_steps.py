@@ -16,6 +16,7 @@ from scipy.optimize import linear_sum_assignment
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
+from drystone.model import Model
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import RemovalTest
@@ -235,6 +236,11 @@ class PlannedSteps:
         answers = [(*step.during, step.answer) for step in self.steps]
         stands = [all(one.stands for one in some) for some in answers]
         return [*stands, False].index(False)
+
+    def stage(self, number: int) -> Model:
+        """The blocks in place after a step, counted from 0; those that are propped are supports."""
+        step = self.steps[number]
+        return self.model.cut_out(Stage(step.placed, mask_of(step.props)))[0]
 
     def before(self, number: int) -> int:
         """Blocks in place before a step begins, as bits."""

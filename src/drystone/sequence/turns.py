@@ -100,6 +100,11 @@ class Turns(Answer):
         """The complete model."""
         return self.structure.model
 
+    def stage(self, number: int) -> Model:
+        """The blocks in place after a turn, counted from 0; the one that is held is a support."""
+        blocks = [one.block for one in self.turns[: number + 1]]
+        return self.structure.cut_out(Stage(mask_of(blocks), 1 << blocks[-1]))[0]
+
     @property
     def works(self) -> bool:
         """Whether every stage works and the complete structure stands."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone import LoadCase, io, sequence
+from drystone import LoadCase, check, io, sequence
 from drystone.assembly import Assembly
 from drystone.cli import main
 from drystone.models import arch, box, corbelled_wall, tower
@@ -79,6 +79,24 @@ def test_turns_are_asked_for_and_written(stack, tmp_path, capsys):
     assert "Can be assembled without props, by 2 robots in turn" in capsys.readouterr().out
     assert page.stat().st_size > 10_000
     assert rows.read_text().startswith("step,block,robot,hold [N],works\n1,block-1,hand 1,")
+
+
+def test_stages_are_written_with_their_props(tmp_path, capsys):
+    file, folder = tmp_path / "arch.json", tmp_path / "stages"
+    io.write(arch(0.15, 11), file)
+    assert main(["plan", str(file), "--friction", "0.7", "--stages", str(folder)]) == 1
+    found = [io.read(path) for path in sorted(folder.iterdir())]
+    assert [len(one) for one in found] == [3, 4, 6, 8, 10, 11, 12, 13]
+    assert [int(one.assembly.fixed.sum()) for one in found] == [2, 2, 3, 3, 3, 3, 3, 2]
+    assert all(check(one).stable for one in found)
+    assert not check(found[2].with_supports(["springer-left", "springer-right"])).stable
+    turned = tmp_path / "turns"
+    main(["plan", str(file), "--friction", "0.7", "--turns", "--stages", str(turned)])
+    last = io.read(turned / "stage-05.json")
+    assert (len(last), last.assembly.fixed.sum(), check(last).stable) == (7, 3, True)
+    none = tmp_path / "none"
+    main(["plan", str(file), "--payload", "1", "--stages", str(none)])
+    assert not none.exists()
 
 
 def test_names_stay_whole_in_a_narrow_terminal(tmp_path, capsys, monkeypatch):

@@ -5,13 +5,16 @@ import pytest
 
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
+from drystone.limits import LimitOptions, tilt_sweep
 from drystone.model import Model
 from drystone.models import arch, box, leaning_column, tower
+from drystone.results import Result
 from drystone.sequence import (
     Plan,
     PlanOptions,
     Robot,
     Rules,
+    check_once,
     margins,
     plan,
     sweep_friction,
@@ -32,6 +35,26 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     np.testing.assert_allclose([one.tilt for one in found.stages], expected, atol=0.3)
     assert found.weakest == 2
     assert found.least_friction < 0.02
+
+
+def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
+    asked = []
+
+    def counted(model: Model) -> Result:
+        asked.append(model)
+        return check_once(model)
+
+    order = plan(Model.of(arch(0.15, 11), friction=0.7), check=counted)
+    asked.clear()
+    found = margins(order, friction_width=1.0)
+    mine = len(asked)
+    wide = LimitOptions(width=0.5, scan=2)
+    for number, one in enumerate(found.stages):
+        stage = order.stage(number)
+        sweep = tilt_sweep(stage, 4, upper=45.0, check=counted, options=wide)
+        least = min(each.best.stands or 0.0 for each in sweep.limits)
+        assert one.tilt == pytest.approx(least, abs=0.5)
+    assert mine < 0.9 * (len(asked) - mine)
 
 
 def test_a_stage_that_floats_stands_at_no_friction_and_no_tilt():
