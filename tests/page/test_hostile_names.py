@@ -11,10 +11,9 @@ import drystone
 from drystone import io
 from drystone.limits import LimitOptions
 from drystone.live.serving import Live
-from drystone.report import TitleBlock, write_report
+from drystone.report import TitleBlock, save_instructions, save_joints, write_report
 from drystone.sequence import interlocking
-from drystone.view import Frame, save_page, save_report
-from drystone.view.instructions import save_instructions
+from drystone.view import Frame, save_page
 from tests.page.browser import Browser, Tab
 from tests.page.hostile_names import NAMES, hostile_model
 from tests.page.live_steps import choose, leave, verdict
@@ -55,11 +54,11 @@ def test_the_page_shows_names_as_text(
     assert tab.run("document.getElementById('view').getBoundingClientRect().height") > 200
 
 
-@pytest.mark.parametrize("save", [save_report, save_instructions, save_page])
+@pytest.mark.parametrize("save", [save_joints, save_instructions, save_page])
 def test_reports_and_instructions_show_names_as_text(
     opened: Callable[..., Tab], save: Callable[..., None]
 ) -> None:
-    subject = drystone.check(MODEL) if save is save_report else drystone.plan(MODEL)
+    subject = drystone.check(MODEL) if save is save_joints else drystone.plan(MODEL)
     tab = opened(lambda path: save(subject, path), size=(1000, 700))
     unharmed(tab)
     columns = "[...document.querySelectorAll('tbody tr')].map((row) => row.offsetHeight)"

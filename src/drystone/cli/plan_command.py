@@ -77,7 +77,7 @@ class PlanFiles(WithFilm):
         jobs, notes = replace(self, csv=None).of(made or plan)
         jobs += self.models(plan.stage, len(plan))
         if self.instructions is not None:
-            from drystone.view.instructions import save_instructions
+            from drystone.report import save_instructions
 
             jobs.append((self.instructions, partial(save_instructions, plan)))
         if self.csv is not None:

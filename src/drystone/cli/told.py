@@ -310,9 +310,9 @@ class Written(Pictures):
             return jobs, ["no table of joints or corners: there are no forces"]
         for path in self.joints:
             if path.suffix.lower() == ".html":
-                from drystone.view import save_report
+                from drystone.report import save_joints
 
-                jobs.append((path, partial(save_report, result)))
+                jobs.append((path, partial(save_joints, result)))
             else:
                 jobs.append(_table(path, result.joints()))
         jobs += [_table(path, result.corners()) for path in self.corners]

@@ -11,7 +11,7 @@ from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.io.jsontext import parse_toml
-from drystone.view.joint_page import JointPlan
+from drystone.report.joint_plans import JointPlan
 
 
 @dataclass(frozen=True)

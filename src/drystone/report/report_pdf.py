@@ -16,7 +16,7 @@ from drystone.base.errors import require
 from drystone.base.files import utf8
 from drystone.base.table import Table
 from drystone.report.document import Document, Heading, Part, Picture
-from drystone.view.joint_page import JointPlan
+from drystone.report.joint_plans import JointPlan
 
 _MARGIN = 51.0
 """[points], 18 mm."""

@@ -25,10 +25,10 @@ from drystone.report.hand_checks import (
     least_strength,
     weights,
 )
+from drystone.report.joint_plans import joint_plan
 from drystone.results import Result
 from drystone.sequence import StagedModel
 from drystone.studies import Combinations
-from drystone.view.joint_page import joint_plan
 
 _LISTED = 40
 """Rows of a table in the text; longer ones stand in an annex. Chosen: one page."""
@@ -268,30 +268,35 @@ def _proof(state: Result) -> str:
     return ", ".join([state.verdict.value, *told])
 
 
-def _checks(result: Result, model: Model) -> Iterator[Part]:
+def worst_told(result: Result, count: int) -> Iterator[Part]:
+    """The joints nearest to sliding or to a hinge: a table, what its columns say, their plans."""
     table = result.joints()
-    if result.model is not model:
-        yield f"In the state under {result.load.name}."
     ties = result.contacts.joints.ties
-    worst = [i for i in worst_joints(table, _PLANS).tolist() if not ties[i]]
+    worst = [i for i in worst_joints(table, count).tolist() if not ties[i]]
     shown = (
         "joint", "block_a", "block_b", "normal", "tangential", "friction_use", "kern_ratio",
-        "edge_ratio", "peak_pressure",
+        "edge_ratio", "peak_pressure", *(("strength_use",) if result.contacts.crushes.any() else ())
     )  # fmt: skip
     units = {name: unit for name, unit in table.units.items() if name in shown}
     shares = dict.fromkeys(("friction_use", "kern_ratio", "edge_ratio"), "1")
     told = {name: table[name] for name in shown}
     rounding = 1e-9 * float(table["normal"].max(initial=0.0))
     told["tangential"] = np.where(told["tangential"] > rounding, told["tangential"], 0.0)
-    few = Table("joints nearest to sliding or to a hinge", told,
-                {**units, **shares}).take(worst)  # fmt: skip
-    yield few
+    few = Table("joints nearest to sliding or to a hinge", told, {**units, **shares})
+    yield few.take(worst)
     yield (
         "friction use: force and torque by what friction resists. kern ratio: above 100 % the "
         "joint opens. edge ratio: 100 % is a hinge. In the plans the joint is seen against its "
         "normal, with its kern (dashed) and the centre of pressure (dot)."
     )
     yield tuple(joint_plan(result, table, i) for i in worst)
+
+
+def _checks(result: Result, model: Model) -> Iterator[Part]:
+    table = result.joints()
+    if result.model is not model:
+        yield f"In the state under {result.load.name}."
+    yield from worst_told(result, _PLANS)
     needed, at = least_strength(result)
     if needed > 0.0:
         a, b = (result.assembly.names[i] for i in result.contacts[at].blocks)

@@ -22,6 +22,7 @@ from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
 from drystone.model import Model
 from drystone.report.document import Picture
+from drystone.sequence import Plan
 from drystone.view.figure import draw
 from drystone.view.plots import save_chart
 
@@ -46,6 +47,11 @@ def answer_pictures(answer: Answer) -> Iterator[Picture]:
     sides = range(len(limit.states)) if isinstance(limit, Limit) else [scene.still]
     for i in sides:
         yield _picture(_drawn(scene, i), scene.stages[i].headline)
+
+
+def numbered_picture(plan: Plan) -> Picture:
+    """The complete structure with the number of its step at every planned block."""
+    return _picture(_drawn(plan.layers(), -1), "Blocks, by the step that places them")
 
 
 def loads_picture(model: Model) -> Picture:

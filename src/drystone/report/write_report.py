@@ -9,6 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 
+import numpy as np
+
 from drystone.answer import Answer
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, write_bytes, write_text
@@ -20,12 +22,15 @@ from drystone.design import DiagnosisOptions, diagnose
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import with_margins
 from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
+from drystone.report.joint_plans import plan_figure
 from drystone.report.report_pdf import pdf_of
-from drystone.report.report_sections import document_of
+from drystone.report.report_sections import document_of, worst_told
+from drystone.report.sketches import numbered_picture
+from drystone.results import Result
+from drystone.sequence import Plan
 from drystone.stability import CheckOptions, check
 from drystone.studies import combinations, read_combinations, study_chart, study_map, study_told
 from drystone.studies.limit_words import limit_of_words
-from drystone.view.joint_page import plan_figure
 from drystone.view.plots import chart_png
 
 
@@ -99,8 +104,51 @@ def save_study(table: Table, path: PathLike) -> None:
             )
     sections = Section("Charts", tuple(pictures)), Section("Rows", (study_told(table),))
     entries = {"studied": table.title, "rows": str(len(table)), "drystone": version()}
-    document = Document(f"Study: {table.title}", entries, f"drystone {version()}", sections)
-    write_text(path, html_of(document))
+    _save(path, f"Study: {table.title}", entries, *sections)
+
+
+def save_joints(result: Result, path: PathLike, *, worst: int = 12) -> None:
+    """Write a page on the joints nearest to sliding or to a hinge: a table, and a plan of each.
+
+    Parameters
+    ----------
+    result
+        With forces.
+    path
+        HTML. Written to a temporary name beside it and renamed.
+    worst
+        How many joints are shown.
+
+    Raises
+    ------
+    InputError
+        The result has no forces, or the file cannot be written.
+    """
+    entries = {"verdict": result.verdict.value, "found": result.message, "load": result.load.name}
+    joints = Section("Joints", tuple(worst_told(result, worst)))
+    _save(path, "Joints that work hardest", entries, joints)
+
+
+def save_instructions(plan: Plan, path: PathLike) -> None:
+    """Write a page for printing: the blocks with the steps that place them, and a table.
+
+    Parameters
+    ----------
+    plan
+    path
+        HTML. Written to a temporary name beside it and renamed.
+    """
+    table = plan.table()
+    moved = [motion for step in plan.steps for motion in step.motion]
+    columns = {**table.columns, "moved_along": np.array(moved).reshape(-1, 3)}
+    told = Table(table.title, columns, table.units)
+    entries = {"plan": plan.told, "found": plan.message}
+    _save(path, "Assembly plan", entries, Section("Steps", (numbered_picture(plan), told)))
+
+
+def _save(path: PathLike, title: str, entries: Mapping[str, str], *sections: Section) -> None:
+    """Write a page that is no calculation report."""
+    write_text(path, html_of(Document(title, entries, f"drystone {version()}", sections)))
 
 
 _STYLE = """

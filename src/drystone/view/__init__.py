@@ -4,7 +4,6 @@ from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneSta
 from drystone.base.settings import hold
 from drystone.view.figure import save_figure
 from drystone.view.gif import save_film
-from drystone.view.joint_page import save_report
 from drystone.view.notebook import Frame, interact, show
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import PRESETS, Preset
@@ -29,7 +28,6 @@ __all__ = [
     "save_figure",
     "save_film",
     "save_page",
-    "save_report",
     "scene_of",
     "show",
 ]

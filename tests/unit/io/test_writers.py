@@ -25,7 +25,6 @@ OTHERS = {
     ("view/gif.py", "save"): "into memory",
     ("view/gif.py", "savefig"): "into memory",
     ("view/plots.py", "savefig"): "into memory",
-    ("view/instructions.py", "savefig"): "into memory",
 }
 """Other calls that write, and why they may."""
 CALLS = {
