@@ -144,6 +144,11 @@ class Limit(LimitValues, Answer):
         return self.best.falling is not None and self.best.falls is None
 
     @property
+    def _known(self) -> bool:
+        """Whether any value was tried."""
+        return bool(self.evaluations) or self.best.falls is not None
+
+    @property
     def title(self) -> str:
         """Up to which value it stands."""
         stands = self.best.stands
@@ -152,9 +157,13 @@ class Limit(LimitValues, Answer):
         if stands is None and self.best.falls == self.start:
             at = self._quantity(self.start)
             return f"Falls at {at}, where the search starts: change the model to stand there"
+        if stands is None and not self._known:
+            return "Nothing is known yet"
         if stands is None:
             return f"Stands at no {self.quantity.words} that was tried"
         least = AT_LEAST if self.capped else ""
+        if self.stopped and self.best.falls is None:
+            least = " at least"
         return f"{self._verb} {self._quantity(stands)}{least}"
 
     @property
@@ -171,7 +180,8 @@ class Limit(LimitValues, Answer):
         falling = self.best.falling
         if self._open and falling is not None:
             return [Sentence(f"{self.title}: {falling.message}", Role.UNSURE)]
-        said = [Sentence(self.title, Role.GOOD if found else Role.BAD)]
+        role = Role.BAD if self._known else Role.UNSURE
+        said = [Sentence(self.title, Role.GOOD if found else role)]
         if self.quantity.inverse and self.best.stands:
             inverse = rounded_down(1.0 / self.best.stands)
             said.append(Sentence(f"{self.quantity.inverse}: {inverse:g}"))

@@ -43,7 +43,7 @@ from drystone.limits import (
     tilt_sweep,
 )
 from drystone.model import Model
-from drystone.models import arch, concave, h_model, incline, tower, wedge
+from drystone.models import arch, concave, h_model, incline, tower, wall, wedge
 from drystone.report import assess
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -621,3 +621,21 @@ def test_what_stands_where_the_search_ends_is_told_as_a_bound() -> None:
     swept = tilt_sweep(tower(2), 2, upper=5.0)
     told = "Stands up to 5 degrees at least, where the search ends, towards each of 2 directions"
     assert swept.title == told
+
+
+def test_a_search_of_a_large_model_that_is_stopped_says_what_it_knows() -> None:
+    """The convex program of so many joints takes minutes; values near the start do not."""
+    model, seen = Model.of(wall(2, 3200), friction=0.6), set()
+
+    def progress(stage: str, done: int, total: int) -> None:
+        del done, total
+        seen.add(stage)
+
+    found = limit_tilt(model, progress=progress, stop=lambda: "limit of equilibrium" in seen)
+    assert found.stopped == "it was interrupted"
+    assert found.title == "Stands up to 9.45 degrees about x at least"
+    assert found.rest is not None
+    assert found.falls is None
+    nothing = limit_tilt(tower(2), stop=lambda: True)
+    assert nothing.title == "Nothing is known yet"
+    assert nothing.sentences()[0].role is Role.UNSURE
