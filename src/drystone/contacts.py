@@ -114,12 +114,8 @@ class Contacts(OneLine):
         interface = checked["interface"]
         if len(interface) != len(checked["point"]):
             raise InputError("point and interface differ in length")
-        if len(interface) and (
-            (np.diff(interface) < 0).any() or interface[0] < 0 or interface[-1] >= m
-        ):
-            raise InputError("interface must be ascending and name existing interfaces")
-        if len(np.unique(interface)) != m:
-            raise InputError("every interface needs a corner")
+        if (np.diff(interface) < 0).any() or not np.array_equal(np.unique(interface), np.arange(m)):
+            raise InputError("interface must be ascending, with a corner of each of the interfaces")
         if (checked["block_a"] == checked["block_b"]).any():
             raise InputError("an interface joins two different blocks")
         for name, value in checked.items():

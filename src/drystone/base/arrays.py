@@ -47,19 +47,24 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
     expected = tuple(shape)
     if array.ndim == 2 and array.size == 0 and expected[0] in (None, 0):
         array = array.reshape(0, expected[1] if expected[1] is not None else 0)
-    if array.ndim != len(expected) or any(
-        want is not None and want != have for want, have in zip(expected, array.shape, strict=True)
-    ):
-        wanted = "(" + ", ".join("any" if s is None else str(s) for s in expected) + ")"
+    _refuse_shape(array, expected, what)
+    _refuse_first(~np.isfinite(array), array, what, "give finite numbers only")
+    return frozen(array)
+
+
+def _refuse_shape(array: NDArray[Any], shape: Sequence[int | None], what: str) -> None:
+    """Refuse an array of another shape; ``None`` stands for any length."""
+    found = tuple(s if s is None else have for s, have in zip(shape, array.shape, strict=False))
+    if array.ndim != len(shape) or found != tuple(shape):
+        wanted = "(" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
         raise InputError(f"{what} must have shape {wanted}, got {array.shape}")
-    finite = np.isfinite(array)
-    if not finite.all():
-        position = tuple(int(i) for i in np.argwhere(~finite)[0])
-        raise InputError(
-            f"{what}{list(position) or ''} is {array[position]}", remedy="give finite numbers only"
-        )
-    array.setflags(write=False)
-    return array
+
+
+def _refuse_first(wrong: Bools, array: Floats, what: str, remedy: str) -> None:
+    """Refuse an array with wrong numbers; the first one is named."""
+    if wrong.any():
+        position = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise InputError(f"{what}{list(position) or ''} is {array[position]:g}", remedy=remedy)
 
 
 def floats(values: Any, what: str) -> Floats:
@@ -85,13 +90,7 @@ def frozen_points(values: Any, shape: Sequence[int | None], what: str) -> Floats
         Also for numbers beyond :data:`FARTHEST`, of which products overflow.
     """
     array = frozen_floats(values, shape, what)
-    far = np.abs(array) > FARTHEST
-    if far.any():
-        position = tuple(int(i) for i in np.argwhere(far)[0])
-        raise InputError(
-            f"{what}{list(position) or ''} is {array[position]:g}",
-            remedy=f"give metres, up to {FARTHEST:g}",
-        )
+    _refuse_first(np.abs(array) > FARTHEST, array, what, f"give metres, up to {FARTHEST:g}")
     return array
 
 
@@ -107,12 +106,8 @@ def frozen_ints(values: Any, shape: Sequence[int | None], what: str) -> Ints:
     kept = flags.owndata and flags.c_contiguous and not flags.writeable
     kept = kept and array.dtype == np.intp
     result = array if kept else np.array(array, dtype=np.intp, order="C", copy=True)
-    if result.ndim != len(shape) or any(
-        want is not None and want != have for want, have in zip(shape, result.shape, strict=True)
-    ):
-        raise InputError(f"{what} has shape {result.shape}")
-    result.setflags(write=False)
-    return result
+    _refuse_shape(result, shape, what)
+    return frozen(result)
 
 
 def number(value: Any, what: str, *, finite: bool = True) -> float:

@@ -90,22 +90,17 @@ def _meshes(top: Field) -> Draft:
     while waiting:
         mesh, name = waiting.pop()
         if isinstance(mesh.value, list):
-            inner = [*mesh.elements()]
-            names = [name] if len(inner) == 1 else [f"{name}-{i}" for i in range(len(inner))]
-            waiting += [*zip(inner, names, strict=True)][::-1]
+            inner = [(one, f"{name}-{i}") for i, one in enumerate(mesh.elements())]
+            waiting += inner[::-1] if len(inner) != 1 else [(inner[0][0], name)]
         elif {"vertex", "vertices"}.isdisjoint(data_of(mesh).object().value):
             raise mesh.error("is no mesh", "a list may hold meshes only")
         else:
             shapes.append(_mesh(mesh, name))
-    given = Counter(shape.metadata.get("label") for shape in shapes)
-    return Draft(
-        tuple(
-            replace(shape, name=str(label), metadata={})
-            if (label := shape.metadata.get("label")) and given[label] == 1
-            else shape
-            for shape in shapes
-        )
-    )
+    labels = [shape.metadata.get("label") for shape in shapes]
+    for i, label in enumerate(labels):
+        if label and labels.count(label) == 1:
+            shapes[i] = replace(shapes[i], name=str(label), metadata={})
+    return Draft(tuple(shapes))
 
 
 def _untyped_assembly(top: Field) -> Draft:

@@ -41,13 +41,9 @@ _LARGEST_STRIDE = 252
 def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
     """Blocks of a GLB file, turned by ``upright`` (3, 3): the nodes of its scene with a mesh."""
     top, binary = _chunks(data, path)
-    required = [one.text() for one in top.get("extensionsRequired", []).elements()]
-    if required:
-        raise FormatError(
-            f"needs the extension {', '.join(required)[:80]}",
-            where=str(path),
-            remedy="export without compression and extensions",
-        )
+    if required := [one.text() for one in top.get("extensionsRequired", []).elements()]:
+        what = f"needs the extension {', '.join(required)[:80]}"
+        raise FormatError(what, where=str(path), remedy="export without compression and extensions")
     soups: list[FaceSoup] = []
     told: dict[str, Field | None] = {}
     unfolded = Unfolded(path)
@@ -74,9 +70,8 @@ def read(data: bytes, path: Path, *, upright: Floats = Z_UP) -> Draft:
         soups.append(FaceSoup(turned, faces.tolist(), name, where, split=ours is None))
     shapes, notes = shapes_of(soups, SAME, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
-    if None not in told.values():
-        notes = []
     shapes, renamed = named_apart(shapes)
+    notes = notes if None in told.values() else []
     return Draft(tuple(shapes), units="m", notes=(*notes, *renamed))
 
 

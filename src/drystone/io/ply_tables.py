@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ _TYPES = {
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
+_CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
+"""Of the module struct."""
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 Table = dict[str, Any]
@@ -136,42 +139,52 @@ def read(body: bytes, header: _Header, path: Path) -> dict[str, Table]:
 def _ascii(body: bytes, header: _Header) -> dict[str, Table]:
     words = body.split()
     at = 0
+
+    def taken(kind: str, count: int) -> list[Any]:
+        """The next values."""
+        nonlocal at
+        if not 0 <= count <= len(words) - at:
+            raise IndexError
+        at += count
+        return list(map(float if kind[0] == "f" else int, words[at - count : at]))
+
     tables: dict[str, Table] = {}
     for element in header.elements:
-        rows: list[list[Any]] = []
         if element.properties and element.count > len(words) - at:
             raise IndexError
-        for _ in range(element.count if element.properties else 0):
-            row: list[Any] = []
-            for column in element.properties:
-                if column.length is None:
-                    row.append(float(words[at]) if column.type[0] == "f" else int(words[at]))
-                    at += 1
-                    continue
-                length = int(words[at])
-                if not 0 <= length <= len(words) - at - 1:
-                    raise IndexError
-                row.append([int(word) for word in words[at + 1 : at + 1 + length]])
-                at += 1 + length
-            rows.append(row)
-        tables[element.name] = _columns(element, rows)
+        tables[element.name] = _rows(element, taken)
     return tables
 
 
-def _columns(element: Element, rows: list[list[Any]]) -> Table:
-    table: Table = {}
-    for i, column in enumerate(element.properties):
-        values = [row[i] for row in rows]
-        if column.length is not None:
-            table[column.name] = values
-        else:
+def _rows(element: Element, taken: Callable[[str, int], Sequence[Any]]) -> Table:
+    """The columns of rows that follow each other, from a function that takes the next values."""
+    columns: Table = {column.name: [] for column in element.properties}
+    for _ in range(element.count if element.properties else 0):
+        for column in element.properties:
+            if column.length is None:
+                columns[column.name].append(taken(column.type, 1)[0])
+            else:
+                (length,) = taken(column.length, 1)
+                columns[column.name].append(list(map(int, taken(column.type, int(length)))))
+    for column in element.properties:
+        if column.length is None:
             kind = np.float64 if column.type[0] == "f" else np.int64
-            table[column.name] = np.array(values, dtype=kind)
-    return table
+            columns[column.name] = np.array(columns[column.name], dtype=kind)
+    return columns
 
 
 def _binary(body: bytes, header: _Header) -> dict[str, Table]:
     at = 0
+
+    def taken(kind: str, count: int) -> Sequence[Any]:
+        """The next values; lists in rows have different lengths."""
+        nonlocal at
+        size = int(kind[1]) * count
+        if not 0 <= size <= len(body) - at:
+            raise IndexError
+        at += size
+        return struct.unpack_from(f"{header.order}{count}{_CODES[kind]}", body, at - size)
+
     tables: dict[str, Table] = {}
     for element in header.elements:
         if not any(column.length for column in element.properties):
@@ -187,26 +200,5 @@ def _binary(body: bytes, header: _Header) -> dict[str, Table]:
             continue
         if element.count > len(body) - at:
             raise IndexError
-        tables[element.name], at = _lists(body, at, element, header.order)
+        tables[element.name] = _rows(element, taken)
     return tables
-
-
-def _lists(body: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
-    """Rows with lists, which have different lengths, one after the other."""
-    codes = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
-    sizes = {code: int(code[1]) for code in codes}
-    rows: list[list[Any]] = []
-    for _ in range(element.count):
-        row: list[Any] = []
-        for column in element.properties:
-            length = 1
-            if column.length is not None:
-                (length,) = struct.unpack_from(order + codes[column.length], body, at)
-                at += sizes[column.length]
-                if not 0 <= length <= len(body) - at:
-                    raise IndexError
-            values = struct.unpack_from(f"{order}{int(length)}{codes[column.type]}", body, at)
-            at += int(length) * sizes[column.type]
-            row.append(values[0] if column.length is None else [int(v) for v in values])
-        rows.append(row)
-    return _columns(element, rows), at

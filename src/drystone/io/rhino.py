@@ -63,9 +63,8 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     shapes, renamed = named_apart(shapes)
     ties = [_tie(one.text(), path) for one in top["ties"].elements()]
     names = {shape.name for shape in shapes}
-    for a, b in ties:
-        if not {a, b} <= names:
-            notes.append(f"the tie of '{a}' and '{b}' left out: one of them is not there")
+    lost = [(a, b) for a, b in ties if not {a, b} <= names]
+    notes += [f"the tie of '{a}' and '{b}' left out: one of them is not there" for a, b in lost]
     return Draft(
         tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed), ties=tuple(ties)
     )

@@ -75,17 +75,15 @@ class Guard:
         token
             From the address; else it is the bearer token of the header ``Authorization``.
         """
-        host = headers.get("Host") or ""
+        host = headers.get("Host", "")
         if host not in self.hosts:
             raise Refusal(
                 403, "the request names another host", f"ask http://{self.hosts[0]}/ itself"
             )
-        origin = headers.get("Origin")
-        if origin is not None and origin not in (f"http://{host}",):
+        origin, site = headers.get("Origin"), headers.get("Sec-Fetch-Site", "none")
+        if origin not in (None, f"http://{host}") or site not in ("none", "same-origin"):
             raise Refusal(403, "the request comes from another site", "open the link of the server")
-        if (headers.get("Sec-Fetch-Site") or "none") not in ("none", "same-origin"):
-            raise Refusal(403, "the request comes from another site", "open the link of the server")
-        given = token or (headers.get("Authorization") or "").removeprefix("Bearer ").strip()
+        given = token or headers.get("Authorization", "").removeprefix("Bearer ").strip()
         if not given:
             raise Refusal(401, "the token is missing", "use the link that the server printed")
         if not hmac.compare_digest(given.encode(), self.token.encode()):

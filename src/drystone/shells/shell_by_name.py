@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
@@ -73,16 +73,17 @@ def shape_by_name(
     thickness : [m]
         With which a form is found.
     """
-    if kind == "barrel":
-        return barrel_vault(span, span if length is None else length, rise), ()
-    if kind == "cross":
-        return cross_vault(span), ()
-    if kind == "pavilion":
-        return pavilion_vault(span, eye, keystone=keystone), ()
-    if kind == "dome":
-        return dome(0.5 * span, 0.5 * eye, keystone=keystone), ()
-    if kind == "tri-dome":
-        return tri_dome(span, 0.5 * span if rise is None else rise, eye, keystone=keystone), ()
+    known: dict[str, Callable[[], Shape]] = {
+        "barrel": lambda: barrel_vault(span, span if length is None else length, rise),
+        "cross": lambda: cross_vault(span),
+        "pavilion": lambda: pavilion_vault(span, eye, keystone=keystone),
+        "dome": lambda: dome(0.5 * span, 0.5 * eye, keystone=keystone),
+        "tri-dome": lambda: tri_dome(
+            span, 0.5 * span if rise is None else rise, eye, keystone=keystone
+        ),
+    }
+    if kind in known:
+        return known[kind](), ()
     if kind == "free-edge":
         plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
     else:
