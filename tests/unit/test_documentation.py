@@ -469,11 +469,15 @@ def test_the_figures_of_the_concepts_are_what_the_example_draws(
 
 
 def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path) -> None:
-    """Their names; each stands on its page."""
+    """Their names, and the answer that each draws; each stands on its page."""
+    from PIL import Image
+
     runpy.run_path(str(ROOT / "examples" / "tutorial_pictures.py"))["main"](tmp_path)
     drawn = sorted(path.name for path in tmp_path.iterdir())
     assert [name.removeprefix("tutorial-").removesuffix(".png") for name in drawn] == TUTORIALS
     for name, stem in zip(drawn, TUTORIALS, strict=True):
         page = ROOT / "docs" / "tutorials" / f"{stem}.md"
         assert f"](../images/{name})" in page.read_text("utf-8")
-        assert (ROOT / "docs" / "images" / name).read_bytes().startswith(b"\x89PNG")
+        with Image.open(tmp_path / name) as now, Image.open(ROOT / "docs/images" / name) as shown:
+            assert now.text["told"] == shown.text.get("told"), f"{name} is older than its answer"
+            assert now.size == shown.size
