@@ -177,7 +177,7 @@ class Changed(Answer):
         return {**asdict(self.change), **told}
 
     def layers(self) -> Scene:
-        """The changed structure, the edges that are gone or new, and what was added."""
+        """The changed structure, the edges that are gone, and what was added."""
         before, result = self.before, self.result
         stage = result.stage("mended")
         known = {layer.key for layer in stage.layers}
@@ -214,26 +214,21 @@ def _props(contacts: Contacts, layers: Sequence[Layer], added: Bools) -> list[La
 
 
 def _outlines(before: Assembly, after: Assembly) -> list[Layer]:
-    """The edges of blocks that changed, or are gone, as they were, and those that are new."""
-    was = {block.name: block for block in before.blocks}
+    """The edges of blocks that changed, or are gone, as they were."""
     now = {block.name: block for block in after.blocks}
-    layers = []
-    for key, label, colour, old, new in (
-        ("before", "edges before", "missed", was, now),
-        ("now", "edges now", "load", now, was),
-    ):
-        parts = [
-            _without(block.vertices[edges_of(block.faces)], other.vertices[edges_of(other.faces)])
-            if other is not None
-            else block.vertices[edges_of(block.faces)]
-            for name, block in old.items()
-            if (other := new.get(name)) is not block and (other is not None or key == "before")
-        ]
-        ends = np.concatenate([*parts, np.zeros((0, 2, 3))])
-        if len(ends):
-            start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
-            layers.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=1.2))
-    return layers
+    parts = [
+        _without(block.vertices[edges_of(block.faces)], other.vertices[edges_of(other.faces)])
+        if other is not None
+        else block.vertices[edges_of(block.faces)]
+        for block in before.blocks
+        if (other := now.get(block.name)) is not block
+    ]
+    ends = np.concatenate([*parts, np.zeros((0, 2, 3))])
+    if not len(ends):
+        return []
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    kind, colour = LayerKind.LINES, "missed"
+    return [Layer("before", "edges before", kind, colour, start, along, width=0.5)]
 
 
 def _without(edges: Floats, others: Floats) -> Floats:

@@ -25,7 +25,7 @@ from drystone.design.changes import (
     joint_change,
     props_at,
 )
-from drystone.design.margin import LARGE_REGION, SMALL_REGION
+from drystone.design.margin import LARGE_REGION, SMALL_REGION, DesignMargin
 from drystone.design.needs import SEARCHED, props_of, pulls_of_region
 from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_by
 from drystone.design.props import PropSeat, carries, find_props, struts
@@ -107,6 +107,8 @@ def _by_force(
     make = change.make(0.0)
     forces, points = bench.largest_forces(make, count)
     told, total = words(forces, points), float(np.linalg.norm(forces, axis=1).sum())
+    if bench.margin != DesignMargin():
+        told += ": the largest force at the margin"
     return Change.single(change.kind, make, told, total, added=change.added), total
 
 

@@ -370,6 +370,8 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     )
     assert firm.change.value == pytest.approx(1.5 * plain.change.value, rel=1e-6)
     assert "N (up) under 'out' at " in firm.change.description
+    assert firm.change.description.endswith(" m: the largest force at the margin")
+    assert "margin" not in plain.change.description
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
