@@ -19,6 +19,8 @@ from drystone.geometry.stress_block import cut_off, stress_block
 from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
 
+FORCE_TOLERANCE = 1e-8
+"""Largest residual of a claim of equilibrium, dimensionless."""
 _PRESSED = 1e-7
 """A corner that carries force overlaps by at least this share of the largest displacement at the
 blocks that meet there, or in proportion. Less is rounding, and a force there would be prestress."""

@@ -22,9 +22,6 @@ from drystone.virtual import JointSections, joint_sections
 TWISTED = 1e-3
 """A smaller torque, by the friction of a face times the root of its area, is not counted."""
 
-WITHIN = 1.0 - TWISTED
-"""The same of a force on the rim, which acts just within it."""
-
 
 def sliding_use(contacts: Contacts, resultants: Resultants) -> Floats:
     """Tangential by the largest tangential force that it can bear (m,); infinite for none."""
@@ -100,7 +97,8 @@ class PressedFaces:
         area, centroid = made.area[which], made.centroid[which] - centre
         some = Sections(area, centroid, made.inertia[which], made.inverse[which])
         far = edge_ratio(some, local, loops, np.zeros_like(centre))
-        within = centroid * (1.0 - WITHIN / np.maximum(far, WITHIN))[:, None]
+        rim = 1.0 - TWISTED  # a force there acts just within it
+        within = centroid * (1.0 - rim / np.maximum(far, rim))[:, None]
         return cls(which, loops, local, area, linear_pressure(some, local, loops, within))
 
     def slip(self, contacts: Contacts, resultants: Resultants, least: Floats | float = 0.0) -> Slip:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, dot, frozen_floats
+from drystone.base.arrays import ROUNDING, Bools, Floats, Ints, dot, frozen_floats
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.base.settings import hold
@@ -28,9 +28,6 @@ _Choice = Sequence[int] | Ints | Bools | None
 
 JointSections = tuple[Floats, Floats, Sections]
 """What :func:`joint_sections` gives."""
-
-_MERGED = 1e-12
-"""Corners closer than this share of the size of their interface are one."""
 
 
 def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
@@ -199,7 +196,7 @@ def _reshaped(contacts: Contacts, point: Floats, interfaces: _Choice) -> Contact
     loops = []
     for i in range(contacts.count):
         part = slice(contacts.start[i], contacts.start[i + 1])
-        loops.append(_distinct(flat[part], _MERGED * float(size[part].max())))
+        loops.append(_distinct(flat[part], ROUNDING * float(size[part].max())))
     return _replaced(contacts, origin, loops)
 
 

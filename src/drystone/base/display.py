@@ -185,6 +185,12 @@ def named(names: Sequence[str], most: int = _NAMED) -> str:
     )
 
 
+def first_of(lines: Sequence[str], more: str = "more like this", most: int = _NAMED) -> list[str]:
+    """The first of several lines of one kind, and how many more there are."""
+    rest = len(lines) - most
+    return [*lines[:most], *([f"and {rest} {more}"] if rest > 0 else [])]
+
+
 BOUND = 4
 """Digits of a bound that is told, wherever it stands: title, table, chart or report."""
 

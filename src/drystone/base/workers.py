@@ -35,7 +35,7 @@ _AHEAD = 64
 workers, and few enough to be kept in memory."""
 LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
 """What an answer raises when its worker has died, or the scheduler or the network to it."""
-_POLL_S = 0.1
+POLL_S = 0.1
 """Time between two looks at the clock while an answer is waited for."""
 
 ExecutorFactory: TypeAlias = Callable[[], Executor]
@@ -266,7 +266,7 @@ def _done(future: Future[Any], late: Callable[[], bool]) -> bool:
     """Wait for an answer; False when it is late before."""
     while not future.done() and not late():
         with suppress(TimeoutError):
-            future.result(timeout=_POLL_S)
+            future.result(timeout=POLL_S)
     return future.done()
 
 

@@ -23,7 +23,7 @@ import click
 from drystone.base.errors import DrystoneError, InputError
 from drystone.cli import kinds, output
 from drystone.cli.command import SETTINGS, help_all, write_examples
-from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY, ends_as_ctrl_c
+from drystone.cli.waiting import NOTHING, UNDER_WAY, ends_as_ctrl_c
 
 _SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""
@@ -240,7 +240,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return output.fail(_in_our_words(error), output.BAD_INPUT, as_json)
     except (_Interrupted, KeyboardInterrupt, click.Abort) as error:
         left = error if isinstance(error, _Interrupted) else NOTHING
-        return output.fail(KeyboardInterrupt(f"interrupted; {left}"), INTERRUPTED, as_json)
+        return output.fail(KeyboardInterrupt(f"interrupted; {left}"), output.INTERRUPTED, as_json)
     except (BrokenPipeError, SystemExit) as error:
         # click and rich exit with 1 where nobody reads, click with 0 when it has completed a word
         if isinstance(error, SystemExit) and error.code != 1:

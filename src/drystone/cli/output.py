@@ -13,8 +13,9 @@ from typing import Any, TextIO
 from drystone.base.display import named
 from drystone.base.errors import InputError, MissingDependency, clean
 
-BAD_INPUT, MISSING, FAULT, CLOSED = 2, 3, 70, 141
-"""Exit codes of errors; the last one where nobody reads stdout, as where SIGPIPE ends a program."""
+BAD_INPUT, MISSING, FAULT, INTERRUPTED, CLOSED = 2, 3, 70, 130, 141
+"""Exit codes of errors, and after Ctrl-C; the last one where nobody reads stdout, as where SIGPIPE
+ends a program."""
 LISTED = 20
 """Rows of a table that are printed; --json has all."""
 

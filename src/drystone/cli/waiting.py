@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.errors import clean
+from drystone.cli.output import INTERRUPTED
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 """Time [s], about, before progress is shown."""
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
 NOTHING = "nothing was written"
 _REQUESTS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)

@@ -14,6 +14,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.design.vertex_places import BlockVertices
+from drystone.detection.edgecontacts import PARALLEL
 from drystone.geometry.polyhedron import edges_of
 from drystone.model import Model
 
@@ -21,9 +22,6 @@ NEAR = 6e-3
 """A corner is at a vertex, or on an edge, that is nearer than this share of the size of the smaller
 block, and a face in the plane of a joint. Chosen above the gap of 5e-3 within which contacts are
 found."""
-
-_SLANT = 0.05
-"""Two edges cross where they differ by this sine or more, chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +200,7 @@ def _crossing(
     found = [list(_edges_at(bodies, block, point, normal, near)) for block in pair]
     for one, along in found[0]:
         for other, across in found[1]:
-            if float(np.linalg.norm(np.cross(along, across))) > _SLANT:
+            if float(np.linalg.norm(np.cross(along, across))) > PARALLEL:
                 return one, other
     return None
 
@@ -218,5 +216,5 @@ def _edges_at(
         along = (q - p) / length
         t = float((point - p) @ along)
         off = float(np.linalg.norm(point - p - t * along))
-        if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < _SLANT:
+        if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < PARALLEL:
             yield np.array([start + i, start + j]), along

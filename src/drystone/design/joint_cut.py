@@ -14,6 +14,7 @@ from drystone.base.arrays import ROUNDING, Floats, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.changed_model import changed
+from drystone.detection.coplanar import EXACT
 from drystone.geometry.glue import cut_cell, glue
 from drystone.geometry.polygon import area_vector
 from drystone.geometry.polyhedron import Loop, Piece
@@ -216,7 +217,7 @@ def _walls(joint: JointPlane, ending: Piece | None) -> Cell:
 def _side(body: Piece, start: Floats, end: Floats, square: Floats) -> Floats:
     """Normal of the side face of a body at an edge of its joint; ``square`` where there is none."""
     vertices, faces = body
-    near = ON * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    near = EXACT * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     best = square
     for face in faces:
         corner = vertices[list(face)]
@@ -271,10 +272,6 @@ def _refuse_swallowed(
 
 _WHOLE = 0.999
 """A block ends at a joint when the joint covers at least this share of its face, chosen."""
-
-ON = 1e-4
-"""A vertex is on the plane of a joint when it is nearer than this share of the size of the block,
-chosen: contacts are found within a gap of 5e-3, files give coordinates to 1e-6."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -366,7 +363,7 @@ def snapped(body: Piece, joint: JointPlane) -> Piece:
 def faces_at(body: Piece, joint: JointPlane) -> list[Loop]:
     """The faces of a body that lie in the plane of a joint."""
     vertices, faces = body
-    near = ON * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    near = EXACT * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     on = np.abs((vertices - joint.centre) @ joint.normal) <= near
     return [face for face in faces if on[list(face)].all()]
 

@@ -21,9 +21,6 @@ NEAR = 0.25
 NEAR_BESIDE = 0.15
 """The same of blocks that touch elsewhere, and so are in place. Chosen: below the 0.2 of play that
 the lugs of a bayonet have beside the faces on which they rest."""
-MANY = 4096
-"""Patch pairs of two blocks above which a grid finds the near ones."""
-
 Pairs = tuple[Ints, Ints]
 
 
@@ -197,7 +194,7 @@ def _products(
     begin = np.searchsorted(pair_g, np.arange(count + 1))
     per_pair = np.diff(begin)
     product = np.bincount(pair_f, minlength=count) * per_pair
-    large = product > MANY
+    large = product > boxes.FEW
     small = np.flatnonzero(~large[pair_f])
     source, place = expand(begin[pair_f[small]], per_pair[pair_f[small]])
     found_f, found_g = [f[small][source]], [g[place]]

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.display import Card, named
+from drystone.base.display import Card, first_of, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.advice import suggestions
@@ -237,13 +237,14 @@ class ContactReport(Card):
         lines += resampled_lines(self.resampled)
         lines += inexact_lines(self.names, self.inexact)
         lines += self._missed_lines()
-        lines += _first(
+        lines += first_of(
             [
                 f"{100.0 * short.share:.2g} % of the curved joint of '{self.names[short.block_a]}'"
                 f" and '{self.names[short.block_b]}' is missed, {short.area:.3g} m2: its two sides"
                 " are meshed too differently"
                 for short in sorted(self.shortfalls, key=lambda joint: -joint.share)
-            ]
+            ],
+            most=SHOWN,
         )
         if self.undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
@@ -264,14 +265,16 @@ class ContactReport(Card):
                 f" {named([self.names[i] for i in self.isolated], SHOWN)}"
             )
         lines += overlap_lines(self.names, self.overlaps_left)
-        lines += _first(
+        lines += first_of(
             [
                 f"blocks '{self.names[a]}' and '{self.names[b]}' are the same block twice"
                 for a, b in self.duplicates
-            ]
+            ],
+            most=SHOWN,
         )
-        lines += _first(
-            [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts]
+        lines += first_of(
+            [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts],
+            most=SHOWN,
         )
         lines += repair_lines((self.names[i], what) for i, what in self.repairs)
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
@@ -418,9 +421,3 @@ def _by_how_much(miss: Missed) -> str:
 def _face(number: Any) -> int | None:
     """A face number; ``None`` for the side of a contact that is an edge or a corner."""
     return int(number) if number >= 0 else None
-
-
-def _first(lines: list[str]) -> list[str]:
-    """The first of several lines of one kind."""
-    more = [f"and {len(lines) - SHOWN} more like this"] if len(lines) > SHOWN else []
-    return lines[:SHOWN] + more

@@ -10,9 +10,10 @@ from drystone.geometry.halfedge import NOISE, HalfEdges, joined_faces, outlines
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces
 
-PLANAR = 1e-4
-"""They are one polygon when no corner lies farther from its plane than this share of the block
-size. Chosen: a finely meshed curve is not flattened."""
+EXACT = 1e-4
+"""Distances below this share of the block size count as none: gaps have no block between them, and
+faces are one polygon. Chosen: thinner than any block, and fine meshes of a curve are not flattened.
+"""
 
 
 def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
@@ -32,7 +33,7 @@ def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) 
     height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
     worst = np.zeros(len(share))
     np.maximum.at(worst, corner_group, height)
-    keep = many & (worst[group] <= PLANAR * size[faces.owner])
+    keep = many & (worst[group] <= EXACT * size[faces.owner])
     apart = np.where(keep, group, len(share) + np.arange(faces.count))
     _, first, label = np.unique(apart, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.intp)

@@ -19,14 +19,10 @@ from drystone.base.errors import InputError, counted
 from drystone.base.ragged import BATCH, Ragged, expand
 from drystone.detection.candidates import Pairs
 from drystone.detection.patches import Patches
-from drystone.detection.planes import Pieces, Planes, merged, tidy
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, merged, tidy
 from drystone.detection.tolerances import SHOWN, millimetres
 from drystone.geometry import clip, planar
 from drystone.geometry.shared_volume import shared_volumes
-
-NEGLIGIBLE = 0.02
-"""Overlaps narrower than this share of another of the same patch and blocks are noise. Chosen:
-areas are kept to 2 %."""
 
 _Rings: TypeAlias = tuple[Floats, Ints, Ints]
 """Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""

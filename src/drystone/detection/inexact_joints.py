@@ -22,6 +22,7 @@ from drystone.detection.candidates import (
     fits,
     reach_of_patches,
 )
+from drystone.detection.coplanar import EXACT
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.face_overlaps import (
     Overlap,
@@ -34,7 +35,6 @@ from drystone.detection.face_overlaps import (
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import (
     EXPLAINED,
-    NOTABLE,
     Error,
     Inexact,
     compare_with_tolerances,
@@ -42,7 +42,7 @@ from drystone.detection.misses import (
 )
 from drystone.detection.mortar_joints import join_by_mortar, join_warped
 from drystone.detection.patches import Patches
-from drystone.detection.planes import EXACT, planes_between, uncovered
+from drystone.detection.planes import NEGLIGIBLE, planes_between, uncovered
 from drystone.detection.tolerances import LARGEST, DetectionOptions, EdgeContacts, Missed, Reason
 
 DEEPEST = 0.08
@@ -178,7 +178,7 @@ def _faces(
     good = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
     deep_facets = fits(patches, planes.f, planes.g) & np.isin(pair, deep_pairs)
     width = joint_width(shared, pair, deep_facets)
-    good &= width > NOTABLE * planes.size[row]
+    good &= width > NEGLIGIBLE * planes.size[row]
     convex = patches.block_convex
     deep = good & (least < -checked.tolerance[row]) & (mean >= -limit[row])
     deep &= width > -2.0 * mean  # of two faces that a corner has passed, the wider counts

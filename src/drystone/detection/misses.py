@@ -17,7 +17,6 @@ from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.ragged import Ragged
 from drystone.detection.candidates import (
-    MANY,
     NEAR,
     NEAR_BESIDE,
     Pairs,
@@ -29,14 +28,12 @@ from drystone.detection.candidates import (
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.interfaces import Interfaces, angles, from_pieces, joined
 from drystone.detection.patches import Patches
-from drystone.detection.planes import Pieces, Planes, gaps
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, gaps
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason, millimetres
+from drystone.geometry.boxes import FEW
 
 EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""
-
-NOTABLE = 0.02
-"""Missed overlaps narrower than this share of the block size are not reported. Chosen."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +127,7 @@ def misses(
     Wider gaps that may be errors of the drawing are among them.
     """
     row = shared.row
-    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[row])
+    refused = ~checked.accepted & (shared.width > NEGLIGIBLE * planes.size[row])
     covered = np.zeros(patches.count)
     np.add.at(covered, planes.f[found.row], found.area)
     np.add.at(covered, planes.g[found.row], found.area)
@@ -232,7 +229,7 @@ def edge_misses(
     found, undirected = edge_contacts(assembly, patches, pairs, reach, options)
     count = len(patches.size)
     left = ~np.isin(a * count + b, [*(found.block_a * count + found.block_b), *facing])
-    left &= patches.of_block.counts[a] * patches.of_block.counts[b] <= MANY  # not of fine meshes
+    left &= patches.of_block.counts[a] * patches.of_block.counts[b] <= FEW  # not of fine meshes
     others = a[left], b[left]
     farthest = reach_of_pairs(patches, others, options)
     farther, _ = edge_contacts(assembly, patches, others, farthest, options)
@@ -329,10 +326,6 @@ def inexact_lines(names: Sequence[str], inexact: Sequence[Inexact]) -> list[str]
     return [*lines, HOLDS] if lines else []
 
 
-_WORTH = 0.02
-"""Share of the area of a joint that may be missing without a report."""
-
-
 @dataclass(frozen=True)
 class Shortfall:
     """A curved joint whose area was not completely found.
@@ -401,7 +394,7 @@ def shortfalls(
     )
     gap, angle = _needed(planes, shared, checked, options)
     result = []
-    for i in np.flatnonzero((joint > 0.0) & (missing > _WORTH * (joint + missing))).tolist():
+    for i in np.flatnonzero((joint > 0.0) & (missing > NEGLIGIBLE * (joint + missing))).tolist():
         mine = (pair == i) & (lost > 1e-3 * lost[pair == i].max())
         a, b = divmod(int(keys[i]), len(patches.size))
         share = float(missing[i] / (joint[i] + missing[i]))

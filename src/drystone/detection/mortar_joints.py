@@ -17,13 +17,13 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.ragged import Ragged
 from drystone.detection.candidates import facing_patches, near_blocks
-from drystone.detection.coplanar import PLANAR
+from drystone.detection.coplanar import EXACT
 from drystone.detection.face_contacts import face_contacts
 from drystone.detection.face_overlaps import negligible, overlaps, projections
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import NOTABLE, Error, Inexact, compare_with_tolerances
+from drystone.detection.misses import Error, Inexact, compare_with_tolerances
 from drystone.detection.patches import Patches, patches_of
-from drystone.detection.planes import Pieces, Planes, planes_between, tidy, uncovered
+from drystone.detection.planes import NEGLIGIBLE, Pieces, Planes, planes_between, tidy, uncovered
 from drystone.detection.tolerances import DetectionOptions, Missed, Reason
 from drystone.geometry import planar
 
@@ -60,7 +60,7 @@ def join_by_mortar(
     checked = compare_with_tolerances(patches, planes, shared, options)
     gap = Ragged(shared.start).mean(planes.gap_at(shared.corner, shared.corner_row))
     keep = ~(checked.too_steep | checked.too_warped) & ~negligible(patches, planes, shared)
-    keep &= (shared.width > NOTABLE * planes.size[shared.row]) & (gap > 0.0)
+    keep &= (shared.width > NEGLIGIBLE * planes.size[shared.row]) & (gap > 0.0)
     keep &= gap <= THICKEST * planes.size[shared.row]
     pieces, _ = uncovered(patches, planes, shared.select(keep))
     gap = Ragged(pieces.start).mean(planes.gap_at(pieces.corner, pieces.corner_row))
@@ -143,7 +143,7 @@ def join_warped(
     blocks, faces = [], []
     for block in chosen.tolist():
         mine = slice(patches.first_patch[block], patches.first_patch[block + 1])
-        warped = patches.warp[mine] > PLANAR * patches.size[block]
+        warped = patches.warp[mine] > EXACT * patches.size[block]
         made, face = _fanned(assembly.blocks[block], set(patches.face[mine][warped].tolist()))
         blocks.append(made)
         faces.append(face)

@@ -14,10 +14,8 @@ from drystone.detection.edgecontacts import PARALLEL, SHORT, Wires, near_items
 from drystone.detection.patches import Patches
 from drystone.detection.tolerances import DetectionOptions
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.halfedge import BENT
 from drystone.geometry.polyhedron import loop_edges
-
-_SHARP = 1e-3
-"""Sine of the angle between two faces below which they meet at no edge."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,7 @@ def _folds(assembly: Assembly, wires: Wires, blocks: Ints) -> Floats:
             if len(sides[key]) == 2:
                 (one, i, j), (other, _, _) = sides[key]
                 inward = np.cross(faces.normals[one], body.vertices[j] - body.vertices[i])
-                if inward @ faces.normals[other] < -_SHARP * np.sqrt(inward @ inward):
+                if inward @ faces.normals[other] < -BENT * np.sqrt(inward @ inward):
                     fold[edge] = faces.normals[[one, other]]
     return fold
 

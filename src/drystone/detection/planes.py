@@ -10,6 +10,7 @@ import shapely
 
 from drystone.base.arrays import SAME, Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged, expand
+from drystone.detection.coplanar import EXACT
 from drystone.detection.patches import Patches
 from drystone.geometry import clip, planar
 from drystone.geometry.frames import frames_from_normals
@@ -140,9 +141,9 @@ def tidy(pieces: Pieces, planes: Planes) -> Pieces:
     return result.select(result.width > SAME * planes.size[result.row])
 
 
-EXACT = 1e-4
-"""Gaps below this share of the block size have no block between them. Chosen: thinner than any
-block."""
+NEGLIGIBLE = 0.02
+"""Overlaps narrower than this share of another of the same patch and blocks are noise, and missed
+ones, and parts of a joint, below it are not reported. Chosen: areas are kept to 2 %."""
 _BEHIND = 0.01
 """An interface is cut where another lies in front of it, if their common area is wider than this
 share of the block size. Chosen: above the overlap of neighbouring strips on a curve."""

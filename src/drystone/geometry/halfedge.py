@@ -140,8 +140,8 @@ def sharp_edges(faces: Faces, front: Bools | None = None) -> tuple[Ints, Ints, B
     return edge, faces.owner[edges.face[once]], drawn
 
 
-_TURN = 1e-3
-"""[rad] Neighbours with a smaller angle between them are candidates for merging. Chosen. They are
+BENT = 1e-3
+"""[rad] Neighbouring faces with a smaller angle between them meet at no edge. Chosen. They are
 merged if their distance from one plane is small enough."""
 
 
@@ -176,7 +176,7 @@ def merge_coplanar(
     stacked = stack_faces(vertices, faces)
     vectors, normal = stacked.area_vectors, stacked.normals
     edges = half_edges(stacked)
-    flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < _TURN)
+    flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < BENT)
     has_area: Bools = np.asarray(normal.any(axis=1))
     flat &= has_area[edges.face] & has_area[edges.face[edges.twin]]
     group = joined_faces(edges, flat, stacked.count)

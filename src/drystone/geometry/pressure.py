@@ -16,10 +16,9 @@ from drystone.geometry.kern import Sections, edge_ratio
 EDGE = 1e-7
 """A force closer to the rim than this share of the distance from the centroid acts on the rim."""
 _CONVERGED = 1e-14
-"""Newton decrement divided by the function's value: the pressure then has about seven correct
-digits. One quadrilateral of a thousand keeps more than a hundredth of it by rounding."""
-_ROUNDING = 1e-14
-"""Relative error of the function's value."""
+"""Newton decrement divided by the function's value, which is no more exact than that: the pressure
+then has about seven correct digits. One quadrilateral of a thousand keeps more than a hundredth of
+it by rounding."""
 DESCENT = 1e-4
 """Share of the predicted decrease that a step must reach (Nocedal, Wright 2006, eq. 3.4)."""
 _MOST_STEPS = 50
@@ -106,7 +105,7 @@ def _opened(made: Sections, corners: Floats, loops: Ragged, position: Floats) ->
             break
         moved = plane + np.where(active, share, 0.0)[:, None] * step
         trial = _newton(local, loops, moved)
-        allowed = _ROUNDING * np.abs(value) - DESCENT * share * decrement
+        allowed = _CONVERGED * np.abs(value) - DESCENT * share * decrement
         good = active & (trial[0] <= value + allowed)
         value, decrement = np.where(good, trial[:2], (value, decrement))
         plane, step = np.where(good[:, None], (moved, trial[2]), (plane, step))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import FARTHEST, Floats, Ints
+from drystone.base.display import first_of
 from drystone.base.errors import FormatError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.halfedge import merge_coplanar
@@ -18,9 +19,6 @@ from drystone.geometry.polyhedron import Loop
 from drystone.geometry.soup import split_solids, without_slivers
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
-
-_MANY = 5
-"""Names in one note."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +210,5 @@ def named_apart(shapes: Sequence[DraftBlock]) -> tuple[list[DraftBlock], list[st
         else:
             named.append(shape)
     often = [name for name, times in count.items() if times > 1]
-    notes = [f"{count[name]} blocks are called '{name}': numbered" for name in often[:_MANY]]
-    if len(often) > _MANY:
-        notes.append(f"and {len(often) - _MANY} more names that several blocks have")
-    return named, notes
+    notes = [f"{count[name]} blocks are called '{name}': numbered" for name in often]
+    return named, first_of(notes, "more names that several blocks have")

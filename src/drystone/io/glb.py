@@ -33,7 +33,6 @@ _INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from y up to z up."""
-_MOST_NODES = 100_000
 _LARGEST_STRIDE = 252
 """[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
 
@@ -133,13 +132,11 @@ def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
         count = len(top.get("nodes", []).value or [])
         roots = Field(list(range(count)), "nodes", top.file)
     waiting = [(root, np.eye(4)) for root in roots.elements()][::-1]
-    seen = 0
     visited: set[int] = set()
     while waiting:
         index, above = waiting.pop()
         node = _item(top, "nodes", index)
-        seen += 1
-        if index.integer() in visited or seen > _MOST_NODES:
+        if index.integer() in visited:
             raise index.error("is used twice, or is its own parent")
         visited.add(index.integer())
         with np.errstate(all="ignore"):  # overflow is found with the vertices

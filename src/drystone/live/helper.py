@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from drystone.base.workers import POLL_S
 from drystone.live.calculator import calculate
 from drystone.mcp.folder import Folder
 
@@ -21,9 +22,6 @@ _GRACE = 3.0
 between two lines of Python, and one call of compiled code takes less than a second."""
 _START = 120.0
 """[s] for the process to start. Chosen: it takes one or two, and a hundred on a crowded machine."""
-POLL_INTERVAL = 0.1
-"""[s] between two tests whether a job was cancelled or is late."""
-
 
 _ENDED = (
     "the calculation ended without an answer, perhaps because memory ran out",
@@ -91,7 +89,7 @@ class Helper:
             if not wanted():
                 self.cancel()
             try:
-                if pipe.poll(POLL_INTERVAL):
+                if pipe.poll(POLL_S):
                     event = pipe.recv()
                     if event["event"] == "ready":
                         self._ready, end = True, time.monotonic() + seconds

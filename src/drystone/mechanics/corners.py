@@ -22,15 +22,12 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, plane_cross
+from drystone.base.arrays import SAME, Bools, Floats, Ints, plane_cross
 from drystone.contacts import Contacts
+from drystone.geometry.halfedge import BENT
 from drystone.mechanics.face_edges import FaceSides, to_the_end
 from drystone.model import FlushEnds
 
-STRAIGHT = 1e-6
-"""Sine of the angle between two edges below which they are one side."""
-BENT = 1e-3
-"""Sine of the angle between two faces of a block above which they meet at an edge."""
 FLUSH_REACH = 0.02
 """By the smaller block's size, how far an edge where both faces end flush goes with the block that
 carries it: the other face is taken as longer by as much as what stands may move."""
@@ -109,7 +106,7 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Fl
     edges = np.stack([outward, outward[before]], axis=1)
     weight = np.stack([share, share[before]], axis=1)
     limit = np.stack([reach, reach[before]], axis=1)
-    bent = np.abs(np.linalg.det(edges)) > STRAIGHT
+    bent = np.abs(np.linalg.det(edges)) > SAME
     # lines, points, and corners in the middle of a side have one share in every direction
     edges[~bent] = np.eye(2)
     weight[~bent] = weight[~bent].mean(axis=1, keepdims=True)

@@ -7,11 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross, dot, lengths, plane_cross, unit
+from drystone.base.arrays import SAME, Bools, Floats, Ints, cross, dot, lengths, plane_cross, unit
 from drystone.base.ragged import BATCH, Ragged, expand
 
-FLUSH = 1e-6
-"""Distance below which an edge of an interface lies on an edge of a block, by the block's size."""
 COPLANAR = 0.01
 """Largest distance between an interface and a face that it lies on, by the block's size, and
 largest sine of the angle between them: contacts are found on faces that are not quite flat."""
@@ -74,7 +72,7 @@ class FaceSides:
         outer = np.ones(len(row), dtype=bool)
         for one, other in _pairs(Ragged.from_owners(row, len(block)), row):
             back = np.abs(found[one, ::-1] - found[other]).max(axis=(1, 2), initial=0.0)
-            outer[one[back < FLUSH * self.size[block[row[one]]]]] = False
+            outer[one[back < SAME * self.size[block[row[one]]]]] = False
         return Ragged.from_owners(row[outer], len(block)), found[outer]
 
     def owned(
@@ -94,7 +92,7 @@ class FaceSides:
             Normal of the edge in the plane of its interface.
         """
         owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
-        direction, margin = unit(along)[0], FLUSH * self.largest[block]
+        direction, margin = unit(along)[0], SAME * self.largest[block]
         for edge, side in _pairs(self.of_block, block):
             axis, most = self.axis[side], margin[edge]
             arm = middle[edge] - self.begin[side]

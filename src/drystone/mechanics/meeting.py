@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.arrays import SAME, Bools, Floats, Ints, frozen
 from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
 from drystone.detection.tolerances import LARGEST
@@ -21,9 +21,6 @@ from drystone.model import Model
 
 FARTHEST = LARGEST["gap"]
 """Largest distance of two faces that may meet, by the smaller block's size."""
-APART = 1e-6
-"""Distance by the block's size above which two faces are apart: those that touch and are no joint
-of the model were left out on purpose."""
 BETWEEN = 1e-3
 """By the block's size, how far outside of the two faces a joint of the model may lie that is taken
 as the joint of these faces: joints are found halfway between faces that are not quite flat."""
@@ -74,9 +71,7 @@ def _facing(assembly: Assembly, reach: float) -> Apart:
     options = DetectionOptions(gap=reach, search=reach, edges=EdgeContacts.NEVER, inexact=False)
     found = find_contacts(assembly, options=options)
     sides = FaceSides(assembly)
-    most = APART * np.minimum(
-        sides.size[found.contacts.block_a], sides.size[found.contacts.block_b]
-    )
+    most = SAME * np.minimum(sides.size[found.contacts.block_a], sides.size[found.contacts.block_b])
     near = np.abs(found.report.gap) > most
     contacts = found.contacts.select(near)
     a, b = contacts.block_a, contacts.block_b

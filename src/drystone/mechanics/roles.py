@@ -10,14 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import ROUNDING, SAME, Bools, Floats
 from drystone.mechanics.corners import Ends, distance_from_supports
 from drystone.model import Model
-
-SAME = 1e-6
-"""Difference of two lengths, by the size of the blocks, that does not decide."""
-BALANCED = 1e-9
-"""Sum of all loads, by the sum of their sizes, below which it has no direction."""
 
 
 def turned_joints(model: Model) -> Bools:
@@ -35,7 +30,7 @@ def turned_joints(model: Model) -> Bools:
     loads = model.load.wrench[assembly.free, :3]
     load = loads.sum(axis=0)
     strength = float(np.linalg.norm(load))
-    some = strength > BALANCED * float(np.linalg.norm(loads, axis=1).sum())
+    some = strength > ROUNDING * float(np.linalg.norm(loads, axis=1).sum())
     down = load / strength if some else np.zeros(3)
     middle = assembly.volume @ assembly.centroid / assembly.volume.sum()
     from_middle = assembly.centroid - middle

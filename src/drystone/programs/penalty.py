@@ -10,6 +10,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.base.arrays import lengths
+from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -225,11 +226,10 @@ def _glue(statics: Statics, stiffness: float) -> Compliance:
 def _words(needy: list[str], unheld: set[str], balanced: bool) -> str:
     if not needy:
         return "no block shows that it needs help"
-    shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
+    shown = named(needy)
     stuck = [name for name in needy if name in unheld]
     if not balanced:
         return f"help is needed at {shown}; no tension was found that balances the loads: prop them"
     if not stuck:
         return f"help is needed at {shown}; glue would do"
-    props = ", ".join(stuck[:5]) + (f" and {len(stuck) - 5} more" if len(stuck) > 5 else "")
-    return f"help is needed at {shown}; glue cannot hold {props}: prop them"
+    return f"help is needed at {shown}; glue cannot hold {named(stuck)}: prop them"

@@ -16,13 +16,10 @@ from drystone.base.progress import Stopped
 from drystone.sequence.order_search import OrderSearch
 from drystone.sequence.stage_tree import Cost, Node
 from drystone.sequence.stages import StageAnswer, mask_of, members
+from drystone.stability.screening import MANY_BLOCKS
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
-
-SPARED = 100
-"""Most free blocks of a connected part with which every prop is tested at all of its stages. A
-vault of 366 blocks has hundreds of props, each in dozens of stages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +190,7 @@ def _props_in_time(path: Sequence[Node], needed: Sequence[int], search: OrderSea
         mask if _stands(replace(node, props=mask), search, full=False) else least
         for node, mask, least in zip(path, active, needed, strict=True)
     ]
-    if search.model.largest[0] <= SPARED:
+    if search.model.largest[0] <= MANY_BLOCKS:
         _spare(path, active, search)
     return active
 

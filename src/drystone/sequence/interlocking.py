@@ -25,6 +25,7 @@ from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.drawing import bare_scene, seen
 from drystone.base.arrays import SAME, Floats
 from drystone.base.declared import Offered
+from drystone.base.display import named
 from drystone.base.errors import InputError, SolverError, counted
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -77,10 +78,9 @@ class Interlocking(Answer):
         if self.holds:
             told = "no motion opens its joints or slides along them: it carries every load"
             return [Sentence(self.title, Role.GOOD), Sentence(told)]
-        alone = f"blocks that can move alone: {', '.join(self.names[:8]) or 'none'}"
-        more = f", and {len(self.first) - 8} more" if len(self.first) > 8 else ""
+        alone = f"blocks that can move alone: {named(self.names) or 'none'}"
         told = f"{counted(len(self.moving), 'block')} can move together without friction"
-        return [Sentence(self.title, Role.BAD), Sentence(told), Sentence(alone + more)]
+        return [Sentence(self.title, Role.BAD), Sentence(told), Sentence(alone)]
 
     def layers(self) -> Scene:
         """The free motion."""

@@ -16,7 +16,7 @@ from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.helping import SPARED, Trimmed, mended, trimmed
+from drystone.sequence.helping import Trimmed, mended, trimmed
 from drystone.sequence.order_search import Costly, OrderSearch
 from drystone.sequence.plan_steps import Step, checked_step, falling_words, without_help
 from drystone.sequence.plans import Plan
@@ -36,7 +36,7 @@ from drystone.sequence.stages import (
     members,
 )
 from drystone.sequence.turns import in_turn
-from drystone.stability.screening import stage_screening
+from drystone.stability.screening import MANY_BLOCKS, stage_screening
 from drystone.stability.touching_edges import may_touch_more
 from drystone.stability.verdict import check as check_whole
 
@@ -213,7 +213,7 @@ class _Planner:
 
     def in_turn(self, plan: Plan) -> str:
         """Whether hands that each hold their block until the next is in place need no prop."""
-        bound, large = self.bound, self.model.largest[0] > SPARED
+        bound, large = self.bound, self.model.largest[0] > MANY_BLOCKS
         if not plan.props or plan.impossible or bound.hands < 2 or bound.lifters.max() > 1 or large:
             return ""
         placed = 0
@@ -359,7 +359,7 @@ class _Planner:
             for want, name in zip(wanted, found, strict=False)
             if want != name
         ][:1]
-        small = self.model.largest[0] <= SPARED
+        small = self.model.largest[0] <= MANY_BLOCKS
         if order.cost != NO_HELP and not order.proved and complete.stands and small:
             other = replace(self.bound, rank=removal_rank(Order.TOP, self.model))
             if self.search(complete, other).cost == NO_HELP:
@@ -372,7 +372,7 @@ class _Planner:
     def describe(self, complete: StageAnswer, order: Trimmed, own: Sequence[str]) -> Plan:
         path, active = order.path, order.props
         steps: list[Step] = []
-        told = self.model.largest[0] <= SPARED
+        told = self.model.largest[0] <= MANY_BLOCKS
         near, there = None, ~mask_of(self.bound.reasons)
         for number in reversed(range(1, len(path))):  # each begins at the rest states of the last
             props = active[number - 1] & there, active[number] & there

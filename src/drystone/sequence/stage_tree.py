@@ -29,6 +29,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.rules import BoundRules
 from drystone.sequence.scaffold_stages import ScaffoldedStages
 from drystone.sequence.stages import Stage, StageAnswer, StagedModel, mask_of, members
+from drystone.stability.screening import FEW_BLOCKS
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
 """Directions about a friction cone. Sums of them contain the cone, and reach 2 % farther. Without
@@ -111,11 +112,6 @@ Cost: TypeAlias = tuple[int, int, int]
 step, all except the last). Fewer of the first count more than fewer of the next."""
 
 NO_HELP: Cost = (0, 0, 0)
-
-FEW_BLOCKS = 25
-"""Free blocks below which every stage is checked. With more blocks that is done where a stage has
-no more help than the one before, and before blocks are held or propped: unnecessary help is
-removed at the end. Propped after a quick look only, a vault of 85 blocks has 17 props, not 8."""
 
 RINGS = 2
 """Rings of neighbours of the removed blocks that are checked alone. Measured on stages of vaults

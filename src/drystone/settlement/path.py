@@ -18,6 +18,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
+from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotations
 from drystone.loads import LoadCase
@@ -38,7 +39,6 @@ from drystone.mechanics.soft_springs import STIFFEST
 from drystone.mechanics.vertices_met import ROWS
 from drystone.model import Model
 from drystone.settlement.settlement_types import (
-    PROVEN,
     Outcome,
     SettlementOptions,
     SettlementPath,
@@ -265,7 +265,10 @@ def path_of(
         elif motion is None and far is None and _rests_far(bodies, track, chosen):
             far = bodies, track
             overlap *= STIFFER
-        elif felt is None and (left := _left_by_light_ones(case, carrier, bodies, track)) > PROVEN:
+        elif (
+            felt is None
+            and (left := _left_by_light_ones(case, carrier, bodies, track)) > FORCE_TOLERANCE
+        ):
             felt = track.response.force
             almost = (bodies, track) if left < LIGHT else None
         else:
@@ -362,7 +365,7 @@ def _with_outcome(path: SettlementPath, track: Track, case: FollowedCase) -> Set
         moved_on = not moving and not case.clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
-    if residuals.largest > PROVEN:
+    if residuals.largest > FORCE_TOLERANCE:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks move as far as the supports that they follow
     near = moving or travel <= chosen.rest_within

@@ -21,12 +21,10 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats
+from drystone.mechanics.bodies import LEAST_AREA
 from drystone.mechanics.statics import Statics
 from drystone.solvers.program import ConicProgram, ConicSolution, ConicStatus, ProgramBuilder
 
-SOFTEST = 0.05
-"""Least tributary area of a corner, as a share of the mean: slivers would make the system
-ill-conditioned."""
 TANGENTIAL = 0.1
 """Tangential stiffness divided by normal stiffness. Chosen as in the search for a rest state."""
 
@@ -76,7 +74,7 @@ def solve_response(
     step_limit
     """
     k = statics.corner_count
-    softness = compliance / np.maximum(statics.tributary, SOFTEST)
+    softness = compliance / np.maximum(statics.tributary, LEAST_AREA)
     diagonal = np.stack([softness, softness / TANGENTIAL, softness / TANGENTIAL], axis=1)
     costs = {"linear": imposed.ravel(), "quadratic": diagonal.ravel()}
     program = _program(statics, np.zeros(k), costs)

@@ -24,9 +24,6 @@ from drystone.mechanics.bodies import Bodies
 from drystone.mechanics.corners import Carrier
 from drystone.model import Model
 
-PROVEN = 1e-8
-"""Largest residual of a rest state, dimensionless: that of every equilibrium."""
-
 
 def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Model:
     """The blocks at the end, with each corner as a separate interface.

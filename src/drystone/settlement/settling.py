@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import rounded_up
+from drystone.base.display import first_of, rounded_up
 from drystone.base.errors import InputError, quoted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import linked
@@ -44,9 +44,6 @@ from drystone.settlement.settlement_types import (
 )
 
 _UNKNOWN = "what a joint still carries after it has moved is not known"
-
-TOLD = 3
-"""Pairs of blocks that met meanwhile and are named in the message."""
 
 
 def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
@@ -100,9 +97,8 @@ def _said_met(path: SettlementPath) -> str:
     """Which blocks have met."""
     names, contacts = path.model.assembly.names, path.model.contacts
     pairs = {(int(contacts.block_a[i]), int(contacts.block_b[i])): None for i in path.met}
-    told = [f"'{names[a]}' meets '{names[b]}'" for a, b in list(pairs)[:TOLD]]
-    more = [f"and {len(pairs) - TOLD} pairs more"] if len(pairs) > TOLD else []
-    return "".join(f", {one}" for one in told + more)
+    told = [f"'{names[a]}' meets '{names[b]}'" for a, b in pairs]
+    return "".join(f", {one}" for one in first_of(told, "pairs more"))
 
 
 MEETINGS = 3

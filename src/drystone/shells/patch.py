@@ -28,8 +28,9 @@ STEP = 2e-3
 """Parameter step of the five-point derivative, chosen: truncation and rounding both below 1e-10 on
 the analytic families."""
 
-_FOLD_GRID = 33
-"""Samples along u and v when a patch is checked for folds. Chosen: finer than any course."""
+SAMPLES = 33
+"""Along u and v when a patch is checked for folds, and its sides for crossings. Chosen: finer than
+any course."""
 
 
 class Side(enum.Enum):
@@ -205,7 +206,7 @@ def check_patch(patch: Patch) -> None:
     InputError
         The normal reverses between two neighbouring samples: the patch is folded there.
     """
-    grid = (np.arange(_FOLD_GRID) + 0.5) / _FOLD_GRID
+    grid = (np.arange(SAMPLES) + 0.5) / SAMPLES
     normal = patch.normal(*np.meshgrid(grid, grid, indexing="ij"))
     along_u = dot(normal[1:], normal[:-1]) < 0.0
     along_v = dot(normal[:, 1:], normal[:, :-1]) < 0.0

@@ -17,14 +17,10 @@ from drystone.base.files import PathLike, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import format_of
 from drystone.io.build import UP
-from drystone.shells.patch import Patch, arc_lengths, check_patch, numbers
+from drystone.shells.patch import SAMPLES, Patch, arc_lengths, check_patch, numbers
 
 _Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
-
-
-_CROSSING_SAMPLES = 65
-"""Samples of each boundary curve in the search for crossings. Chosen."""
 
 
 def patch_from_function(
@@ -222,7 +218,7 @@ def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpl
 
 def _refuse_crossings(curves: dict[str, _Curve], size: float, where: str) -> None:
     """Raise for boundary curves that meet away from their corners."""
-    s = np.linspace(0.0, 1.0, _CROSSING_SAMPLES)[1:-1]
+    s = np.linspace(0.0, 1.0, SAMPLES)[1:-1]
     sampled = {side: np.asarray(curve(s), dtype=np.float64) for side, curve in curves.items()}
     middle = {side: points[len(points) // 2] for side, points in sampled.items()}
     for one, other in (("bottom", "top"), ("left", "right")):

@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError, SolverError
-from drystone.checks import check_forces
+from drystone.checks import FORCE_TOLERANCE, check_forces
 from drystone.mechanics import law
 from drystone.mechanics.law import Compliance
 from drystone.mechanics.nearby import find_rest_nearby, with_forces
@@ -17,7 +17,7 @@ from drystone.mechanics.rest import POLISH_AGAIN, find_rest
 from drystone.mechanics.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
+from drystone.stability.proofs import first_motion
 from drystone.stability.screening import AT_REST, PATIENT, PROVED, Screening
 
 LEAST_GROUND = replace(AT_REST, ground=1e-17)

@@ -31,7 +31,6 @@ _MOST = 500
 """Blocks up to which a model is tried on its other side. Chosen: the quick check takes 0.4 s."""
 _BEDS = 0.6
 """With more of the area of its joints level, a model lies on its beds. Chosen."""
-_Y = (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -138,7 +137,7 @@ def _feet(assembly: Assembly) -> int:
 def _stands_upright(model: Model, supports: str) -> bool:
     """Whether it does not stand as it is, and does with its y axis up."""
     try:
-        turned = select(model.assembly, supports, up=_Y, joints=model.joints)
+        turned = select(model.assembly, supports, up=(0.0, 1.0, 0.0), joints=model.joints)
     except InputError:
         return False
     if turned.fixed.all() or _feet(turned) < _feet(model.assembly):

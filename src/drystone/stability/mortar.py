@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, lengths
 from drystone.base.errors import counted
 from drystone.base.progress import Clock
-from drystone.checks import check_forces, normal_force_by_strength
+from drystone.checks import FORCE_TOLERANCE, check_forces, normal_force_by_strength
 from drystone.contacts import Contacts
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.joints import linear_strength_use, plane_pressure
@@ -21,7 +21,7 @@ from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempt, Candidate
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import FORCE_TOLERANCE, undone
+from drystone.stability.proofs import undone
 from drystone.virtual import joint_sections
 
 

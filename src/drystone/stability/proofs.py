@@ -8,22 +8,16 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
-from drystone.checks import block_speed, check_forces, mechanism_defects
+from drystone.checks import FORCE_TOLERANCE, block_speed, check_forces, mechanism_defects
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.mechanics.rest_state import RestState
 from drystone.results import Result, Samples, Verdict
 from drystone.stability.problem import Problem
 
-FORCE_TOLERANCE = 1e-8
-"""Largest residual of a claim of equilibrium, dimensionless."""
-
 MECHANISM_TOLERANCE = 1e-5
 """Largest closing of a gap in a claimed mechanism, by the speed of its blocks: ten times what the
-certificates of the interior point come to on slender overlaps."""
-
-WITNESS_TOLERANCE = 1e-5
-"""The same for a first motion, which the compliance of the contacts blurs by about the weakness of
-the ground springs, 1e-7, times the stiffness of the structure."""
+certificates of the interior point come to on slender overlaps. A first motion is blurred by the
+compliance of the contacts: about 1e-7, the weakness of the ground, times the stiffness."""
 
 FALLING_SHARE = 1e-3
 """A block falls when it moves, or leans on the ground springs, more than this share of the one that
@@ -118,5 +112,5 @@ def first_motion(problem: Problem, state: RestState) -> Floats | None:
     left = (residuals.equilibrium, residuals.tension, residuals.cone, residuals.alignment)
     dry = problem.model.with_capacity(None).with_friction(0.0)
     violation, power = mechanism_defects(dry, motion)
-    admissible = violation <= WITNESS_TOLERANCE and power > 0.0
-    return motion if admissible and max(left) <= WITNESS_TOLERANCE else None
+    admissible = violation <= MECHANISM_TOLERANCE and power > 0.0
+    return motion if admissible and max(left) <= MECHANISM_TOLERANCE else None

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import rounded_down
 from drystone.base.progress import Clock, Stop
-from drystone.checks import Residuals, check_forces, crushed_most
+from drystone.checks import FORCE_TOLERANCE, Residuals, check_forces, crushed_most
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import LoadFactors
 from drystone.model import Model
@@ -19,7 +19,6 @@ from drystone.solvers.program import ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
-    FORCE_TOLERANCE,
     checked_mechanism,
     moving_blocks,
     undone,

@@ -23,6 +23,7 @@ from drystone.base.ragged import BATCH, Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.triangulate import triangulate
+from drystone.view.section import NEAR
 
 _INTERFACE_OVERLAP = 0.1
 """Share of a block's size by which two blocks may reach through their common plane (warped faces,
@@ -282,9 +283,6 @@ def _depth_at(flat: Floats, depth: Floats, at: Floats) -> Floats:
     return value
 
 
-_TOUCHING = 1e-3
-"""Share of a block's size by which blocks may reach through a plane between them; chosen, for
-drawing only."""
 _NEARLY_CONVEX = 0.05
 """Share of its size by which a block may stick out of the planes of its own faces and be drawn as
 if convex (warped faces); chosen."""
@@ -399,5 +397,5 @@ def separated_by_faces(
         gap = np.where(better, distance[best], gap)
         facing = np.where(np.abs(facing) > 1e-9, np.sign(facing), 0.0)
         sign = np.where(better, side * facing, sign)
-    apart = gap >= -_TOUCHING * np.minimum(bodies.size[first], bodies.size[second])
+    apart = gap >= -NEAR * np.minimum(bodies.size[first], bodies.size[second])
     return apart, np.where(apart, sign, 0.0)

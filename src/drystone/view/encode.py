@@ -51,6 +51,7 @@ from drystone.answer.question import asked_line
 from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.ragged import Ragged
+from drystone.checks import FORCE_TOLERANCE
 from drystone.contacts import Contacts
 from drystone.geometry.halfedge import sharp_edges
 from drystone.geometry.kern import kern
@@ -58,7 +59,6 @@ from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
 from drystone.joints import forces_around
 from drystone.results.stage import VIRTUAL
-from drystone.stability.proofs import FORCE_TOLERANCE
 from drystone.view.exploded import ways_apart
 from drystone.view.palette import (
     FORCE_RAMP,

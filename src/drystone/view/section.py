@@ -13,9 +13,10 @@ from drystone.base.errors import InputError
 from drystone.geometry.polyhedron import Faces, rings
 
 AXES = "xyz"
-_NEAR = 1e-3
+NEAR = 1e-3
 """By the size of a block: forces, marks and joints so near the plane lie in it, and are drawn. A
-thrust line in the middle of an arch is there up to the accuracy of the forces. Chosen."""
+thrust line in the middle of an arch is there up to the accuracy of the forces. Blocks that reach
+so far through a plane between them are on either side of it. Chosen."""
 _WRITE = "write an axis, such as x, or an axis and a coordinate in metres, such as x=1.2"
 
 
@@ -117,7 +118,7 @@ def seen_behind(layers: list[Layer], plane: Plane, block_size: float) -> list[La
 
 def behind(layer: Layer, plane: Plane, block_size: float) -> Layer:
     """The part of a layer that a section leaves; ``block_size`` [m] tells what is in the plane."""
-    plane = Plane(plane.normal, plane.offset + _NEAR * block_size)
+    plane = Plane(plane.normal, plane.offset + NEAR * block_size)
     height = plane.heights(layer.position)
     if layer.kind is LayerKind.POLYGONS:
         return _polygons_behind(layer, height)

@@ -277,7 +277,7 @@ def until_closed(live: Live) -> None:
 def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
     live: Live, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(helper, "POLL_INTERVAL", 1e-6)
+    monkeypatch.setattr(helper, "POLL_S", 1e-6)
     calls = ToolCalls(live.desk.folder, 1e-9)
     body = json.dumps({"model": {"file": "out.json"}}).encode()
     try:
