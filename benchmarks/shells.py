@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.sample_shells import SAMPLES, sample_shell
 from benchmarks.tables import TABLES, write_table
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, Verdict
 from drystone.detection import DetectionOptions, find_contacts
@@ -21,7 +22,6 @@ from drystone.geometry.surface import edge_defects
 from drystone.limits import LimitOptions, limit_friction, limit_tilt
 from drystone.model import Model
 from drystone.shells import (
-    SAMPLES,
     Edge,
     Ground,
     Layout,
@@ -32,7 +32,6 @@ from drystone.shells import (
     build_shell,
     patch_from_function,
     rectangular_plan,
-    sample_shell,
     shape_volume,
 )
 from drystone.stability import check

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.sample_shells import sample_shell
 from drystone import Contacts, find_contacts
 from drystone.shells import (
     Ground,
@@ -15,7 +16,6 @@ from drystone.shells import (
     dome,
     find_form,
     rectangular_plan,
-    sample_shell,
 )
 
 SHELLS = {

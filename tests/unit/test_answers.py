@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import drystone
+from benchmarks.sample_shells import sample_shell
 from drystone import LoadCase, Model, design, limits, seismic, sequence, shells, studies
 from drystone.answer import Answer, Role, Scene, Sentence, Statement
 from drystone.answer.chart import Chart
@@ -84,7 +85,7 @@ def answers() -> Iterator[Answer]:
     yield design.shape(tower(2), still)
     yield design.Changed.by_hand(stack, drystone.check(stack), "nothing")
     yield design.cut_until_free(box((1.0, 1.0, 2.0)), options=design.CutOptions(blocks=2))
-    shell = shells.sample_shell("barrel")
+    shell = sample_shell("barrel")
     yield shell
     eye, layout = shells.dome(3.0, 2.0), shells.Layout(courses=2, blocks=4)
     yield design.make_buildable(eye, layout, shells.ShellBody(thickness=0.5))

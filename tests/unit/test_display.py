@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import drystone
+from benchmarks.sample_shells import sample_shell
 from drystone import (
     InputError,
     LoadCase,
@@ -178,7 +179,7 @@ def values(folder: Path) -> Iterator[object]:
     few = design.CutOptions(blocks=2)
     yield from (few, design.cut_until_free(box((1.0, 1.0, 2.0)), options=few))
     yield from (sequence.LocalWorkers(2), sequence.DaskWorkers("tcp://127.0.0.1:8786"))
-    shell = shells.sample_shell("barrel")
+    shell = sample_shell("barrel")
     yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell))
     yield shells.cross_vault()
     yield shells.find_form(shells.rectangular_plan(6.0, 8.0), height=2.0)

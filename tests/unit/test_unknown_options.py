@@ -37,7 +37,7 @@ BESIDE: dict[str, tuple[Any, ...]] = {
     "thrust_bounds": (0,),
 }
 """What a function is given by position behind a model."""
-SEVERAL = {"check_many", "dataset", "settle_many"}
+SEVERAL = {"check_many", "dataset"}
 """Functions of several models."""
 OTHERWISE = {
     "interact": "each keyword is an argument of the function that it is given",

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.sample_shells import SAMPLES, sample_shell
 from drystone import CheckOptions, LoadCase, Model, Verdict, check, find_contacts
 from drystone.detection import DetectionOptions
 from drystone.geometry.solid import solid_angles
@@ -12,7 +13,6 @@ from drystone.geometry.surface import edge_defects
 from drystone.geometry.triangulate import triangulate
 from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (
-    SAMPLES,
     Edge,
     Ground,
     Layout,
@@ -22,7 +22,6 @@ from drystone.shells import (
     build_shell,
     patch_from_function,
     rectangular_plan,
-    sample_shell,
     shape_volume,
 )
 from drystone.shells.materialise import cell_faces

@@ -19,7 +19,7 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.settling import settle, settle_many
+from drystone.settlement.settling import settle
 
 __all__ = [
     "UNDECIDED",
@@ -40,7 +40,6 @@ __all__ = [
     "push",
     "reduce_friction",
     "settle",
-    "settle_many",
     "support_forces",
     "support_response",
 ]

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from os import PathLike
 from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import first_of, rounded_up
-from drystone.base.errors import InputError, quoted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.ragged import linked
 from drystone.base.settings import checked_call
@@ -159,7 +156,10 @@ def settle(
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
-    return _settled(chosen, clock, (model, moving), executor, progress)
+    found = _carried(model, moving, chosen, clock, executor, progress)
+    falls = found.outcome is Outcome.FALLS
+    more = with_what_touches(model, found.displacement) if falls else None
+    return found if more is None else _carried(more, moving, chosen, clock, executor, progress)
 
 
 def settle_for_verdict(
@@ -337,79 +337,6 @@ def _paths(
             )
             paths = path, second
     return paths
-
-
-@checked_call
-def settle_many(
-    models: Iterable[Given],
-    *,
-    options: SettlementOptions | None = None,
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-    stop: Stop | None = None,
-    time_limit_s: float = float("inf"),
-    **how: Unpack[How],
-) -> tuple[Settlement, ...]:
-    """:func:`settle` of many models, one after the other or by the workers of an executor.
-
-    Parameters
-    ----------
-    models
-        As :func:`settle` takes them, in order.
-    options
-        Of every settlement.
-
-    Raises
-    ------
-    InputError
-        As for :func:`settle`, or ``models`` is a single model.
-
-    Examples
-    --------
-    >>> import drystone
-    >>> from drystone.models import wedge
-    >>> from drystone.settlement import settle_many
-    >>> block = drystone.Model.of(wedge("b"), friction=0.84)
-    >>> tilts = [drystone.LoadCase.tilt(block.assembly, (1.0, 0.0, 0.0), at) for at in (40, 70)]
-    >>> [one.outcome.value for one in settle_many([block.with_load(tilt) for tilt in tilts])]
-    ['comes to rest', 'falls']
-    """
-    single = isinstance(models, str | bytes | PathLike | Assembly | Model)
-    if single or not isinstance(models, Iterable):
-        said = f"the models are {quoted(models)}"
-        raise InputError(said, remedy="give a list of models, such as [model]")
-    chosen = SettlementOptions.of(options)
-    clock = Clock(time_limit_s, stop)
-    ready = [_ready(one, how) for one in models]
-    found: list[Settlement] = []
-    with WorkerPool(executor) as pool:
-        for one in pool.answers(partial(_settled, chosen, clock), ready):
-            found.append(one)
-            if progress is not None:
-                progress("models", len(found), len(ready))
-    return tuple(found)
-
-
-def _ready(given: Given, how: How) -> tuple[Model, Floats | None]:
-    """A model without the motion of its supports, and that motion."""
-    model = supported_model(given, **how)
-    model.require_dry("settlement", _UNKNOWN, yielding=True)
-    return model.with_load(replace(model.load, motion=None)), support_motion(model, None)
-
-
-def _settled(
-    chosen: SettlementOptions,
-    clock: Clock,
-    given: tuple[Model, Floats | None],
-    executor: Workers | None = None,
-    progress: Progress | None = None,
-) -> Settlement:
-    """Where the blocks end; what falls is followed again with the edges and corners that touch."""
-    model, motion = given
-    found = _carried(model, motion, chosen, clock, executor, progress)
-    falls = found.outcome is Outcome.FALLS
-    more = with_what_touches(model, found.displacement) if falls else None
-    return found if more is None else _carried(more, motion, chosen, clock, executor, progress)
 
 
 def _nothing_free(model: Model, moving: Floats | None, chosen: SettlementOptions) -> Settlement:

@@ -15,7 +15,7 @@ from drystone.shells.materialise import shape_volume
 from drystone.shells.meshfit import MeshFit, patch_from_mesh, several_supports, vaults_from_mesh
 from drystone.shells.patch import Edge, Patch, Seam, Shape, Side
 from drystone.shells.planarise import PlanarReport, planarise
-from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
+from drystone.shells.shell_by_name import shell_by_name
 from drystone.shells.shell_families import (
     barrel_vault,
     cross_vault,
@@ -38,7 +38,6 @@ from drystone.shells.sources import (
 )
 
 __all__ = [
-    "SAMPLES",
     "Edge",
     "FlatFace",
     "FormFound",
@@ -72,7 +71,6 @@ __all__ = [
     "planarise",
     "read_surface",
     "rectangular_plan",
-    "sample_shell",
     "schedule",
     "several_supports",
     "shape_volume",

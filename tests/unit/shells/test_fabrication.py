@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.sample_shells import sample_shell
 from drystone import InputError, read, write
 from drystone.shells import (
     Layout,
@@ -15,7 +16,6 @@ from drystone.shells import (
     dome,
     flat_faces,
     own_frame,
-    sample_shell,
     schedule,
     write_blocks,
     write_unrolled,

@@ -15,7 +15,7 @@ from drystone.models import box, bridge, concave, cube_curve, h_model, random_pa
 from drystone.models.solids import prism
 from drystone.results import Sensitivity
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.settlement.settling import settle_for_verdict, settle_many
+from drystone.settlement.settling import settle_for_verdict
 from drystone.stability import try_rest
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -60,7 +60,6 @@ def test_springs_that_move_a_plug_far_are_replaced_by_stiffer_ones(
     assert check(model).stable
     settled = settle(model)
     assert settled.outcome is Outcome.RESTS
-    assert settle_many([model])[0].outcome is Outcome.RESTS
     assert settled.path.overlap < SettlementOptions().overlap
 
 
