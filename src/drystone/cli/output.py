@@ -6,7 +6,6 @@ import json
 import math
 import os
 import sys
-import textwrap
 from collections.abc import Sequence
 from typing import Any, TextIO
 
@@ -65,22 +64,24 @@ class Screen:
 
         shown = [[clean(cell) for cell in row] for row in rows[:listed]]
         columns = [[name, *cells] for name, *cells in zip(head, *shown, strict=True)]
-        words = [max(map(cell_len, " ".join(one).split()), default=0) for one in columns]
-        room = self._console.width - sum(words) - 2 * len(words)
-        narrow = room < 0
-        made = Table(box=None, pad_edge=not narrow, padding=(0, 1, 0, 0) if narrow else (0, 1))
-        lines = [max(map(cell_len, one)) for one in columns]
-        if sum(lines) - sum(words) > room:  # headings give way first
-            lines = [max(map(cell_len, one[1:]), default=0) for one in columns]
-        more = [max(line - word, 0) for line, word in zip(lines, words, strict=True)]
-        for i in sorted(range(len(more)), key=more.__getitem__):  # then the longest sentence
-            more[i] = max(min(more[i], room), 0)
-            room -= more[i]
-        for one, word, further in zip(head, words, more, strict=True):
-            made.add_column(
-                Text(textwrap.fill(one, 1, break_long_words=False) if narrow else one),
-                overflow="fold", width=None if narrow else word + further,
-            )  # fmt: skip
+
+        def longest(texts: Sequence[str]) -> int:
+            return max(map(cell_len, texts), default=0)
+
+        bare = [longest(" ".join(cells).split()) for _, *cells in columns]
+        words = [longest(" ".join(one).split()) for one in columns]
+        gap = 1 if sum(words) + 2 * len(words) > self._console.width else 2
+        # headings are broken first, then folded, then the longest sentence
+        wide = bare if sum(words) + gap * len(words) > self._console.width else words
+        room = self._console.width - sum(wide) - gap * len(wide)
+        fits = room >= 0
+        for goal in (words, [longest(one[1:]) for one in columns], [*map(longest, columns)]):
+            for i in sorted(range(len(goal)), key=lambda i: goal[i] - wide[i]):
+                more = max(min(goal[i] - wide[i], room), 0)
+                wide[i], room = wide[i] + more, room - more
+        made = Table(box=None, pad_edge=gap == 2, padding=(0, 1) if gap == 2 else (0, 1, 0, 0))
+        for one, width in zip(head, wide, strict=True):
+            made.add_column(Text(one), overflow="fold", width=width if fits else None)
         for row in shown:
             made.add_row(*map(Text, row))
         if rows:

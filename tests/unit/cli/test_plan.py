@@ -118,6 +118,12 @@ def test_words_stay_whole_in_the_tables_of_a_narrow_terminal(tmp_path, capsys, m
     table = capsys.readouterr().out.split("most loaded:")[1].split("reactions:")[0]
     words = {"springer-left", "voussoir-00", "interface", "tangential", "friction"}
     assert words <= set(table.split())
+    few = tmp_path / "few.json"  # eight columns: headings are broken before names
+    io.write(arch(0.15, 11), few)
+    main(["settle", str(few), "--friction", "0.7", "--move", "springer-right:0.01,0,0"])
+    table = capsys.readouterr().out.split("joints:\n")[1]
+    assert max(map(len, table.split("few.json")[0].splitlines())) <= 80
+    assert {"springer-left", "springer-right", "voussoir-08"} <= set(table.split())
 
 
 def test_a_person_reads_the_counts_of_a_sweep(stack, capsys):
