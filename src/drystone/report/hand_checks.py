@@ -8,11 +8,12 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, lengths
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.display import OneLine
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import normal_force_by_strength
+from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
 from drystone.loads.applied import common_acceleration
@@ -132,17 +133,17 @@ def least_strength(result: Result) -> tuple[float, int]:
 
 @dataclass(frozen=True)
 class CrownThrust(OneLine):
-    """Thrust at the crown by moments of one half about its springing, and from the joints.
+    """Thrust at the crown by moments of one half of an arch about its springing, and from joints.
 
     Attributes
     ----------
     load : [N]
-        What acts on the half along gravity.
+        What acts on the half of the arch, and on what it bears there, along gravity.
     arm : [m]
         Of that load about the springing, horizontally.
     moment : [N m]
-        Of everything else that acts on the half about the springing, the shear at the crown with
-        it.
+        Of everything else that acts on the half about the springing: the shear at the crown, and
+        backing that leans on it.
     rise : [m]
         From the reaction at the springing to the centre of pressure at the crown.
     by_hand, by_joints : [N]
@@ -161,7 +162,7 @@ class CrownThrust(OneLine):
     def table(self) -> Table:
         """The calculation, a row for each quantity."""
         told = [
-            ("load on one half, V", self.load, "N"),
+            ("load on one half of the arch, V", self.load, "N"),
             ("its arm about the springing, a", self.arm, "m"),
             ("moment of other forces about the springing, M", self.moment, "N m"),
             ("rise of the thrust, f", self.rise, "m"),
@@ -177,57 +178,102 @@ class CrownThrust(OneLine):
 
 
 def crown_thrusts(result: Result) -> list[CrownThrust]:
-    """The thrust at the crown of each arch, or of a vault on two sides.
+    """The thrust at the crown of each arch.
 
-    An arch is what hangs together between supports. Its crown is the joint with the largest normal
-    force of those that are steeper than 45 degrees, in the uppermost tenth of the structure. A
-    vertical plane through it parts the arch. All joints across it carry the thrust.
+    An arch is made of free blocks over an opening that hang together: nothing bears a part of what
+    looks down of them. Its crown is the highest of the joints between them that press most, of
+    those steeper than 45 degrees in its uppermost tenth. Its springings are the joints to what lies
+    below them. A vertical plane through the crown parts the arch and all that it bears over the
+    opening; all joints across it carry the thrust.
     """
     joints, assembly = result.contacts.joints, result.assembly
     normal = result.joints()["normal"]
-    free = ~(assembly.fixed[joints.block_a] | assembly.fixed[joints.block_b])
-    height = float(np.ptp(assembly.bounds[..., 2]))
-    high = joints.centroid[:, 2] > assembly.bounds[:, 1, 2].max() - 0.1 * height
+    over = _over_openings(result)
+    both = over[joints.block_a] & over[joints.block_b] & ~joints.ties
+    arch = _joined(result, both)
     steep = np.abs(joints.frame[:, 0, 2]) < np.sqrt(0.5)
-    carries = steep & high & free & ~joints.ties & (normal > 1e-3 * normal.max(initial=0.0))
-    pairs = joints.block_a[free], joints.block_b[free]
-    hangs = coo_array((np.ones(len(pairs[0])), pairs), shape=(len(assembly),) * 2)
-    _, part = connected_components(hangs, directed=False)
+    carries = steep & both & (normal > 1e-3 * normal.max(initial=0.0))
     found = []
-    for one in np.unique(part[joints.block_a[carries]]):
-        mine = np.flatnonzero(carries & (part[joints.block_a] == one))
-        top = int(mine[np.argmax(normal[mine])])
-        thrust = _thrust_at(result, top, part == one, 0.05 * height)
+    for one in np.unique(arch[joints.block_a[carries]]):
+        mine, level = both & (arch[joints.block_a] == one), joints.centroid[:, 2]
+        tall = float(np.ptp(assembly.bounds[arch == one, :, 2]))
+        mine = carries & mine & (level > level[mine].max() - 0.1 * tall)
+        mine &= normal >= 0.5 * normal[mine].max(initial=0.0)
+        if not mine.any():
+            continue
+        crown = mine & (level > level[mine].max() - 1e-6 * tall)
+        top = int(np.argmax(np.where(crown, normal, -1.0)))
+        thrust = _thrust_at(result, top, over & (arch == one))
         found += [] if thrust is None else [thrust]
     return found
 
 
-def _thrust_at(result: Result, top: int, part: Bools, least_rise: float) -> CrownThrust | None:
-    """That of a part (n,) at a joint; ``None`` where the part is no arch there."""
+def _over_openings(result: Result) -> Bools:
+    """Which free blocks (n,) have a part that looks down and touches nothing."""
+    assembly, contacts = result.assembly, result.contacts
+    down = np.array([
+        np.maximum([-area_vector(block.vertices[list(loop)])[2] for loop in block.faces], 0.0).sum()
+        for block in assembly.blocks
+    ])  # fmt: skip
+    covered = np.zeros(len(assembly))
+    level = np.where(contacts.ties, 0.0, contacts.area * contacts.frame[:, 0, 2])
+    np.add.at(covered, contacts.block_b, np.maximum(level, 0.0))
+    np.add.at(covered, contacts.block_a, np.maximum(-level, 0.0))
+    return ~assembly.fixed & (down - covered > 1e-3 * down)
+
+
+def _joined(result: Result, through: Bools) -> Ints:
+    """The part (n,) of each block, of those that hang together through some joints (j,)."""
+    joints, count = result.contacts.joints, len(result.assembly)
+    pairs = joints.block_a[through], joints.block_b[through]
+    graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count))
+    part: Ints = connected_components(graph, directed=False)[1]
+    return part
+
+
+def _below(result: Result, arch: Bools) -> Bools:
+    """The supports, and the blocks (n,) on which an arch rests, directly or not."""
+    joints = result.contacts.joints
+    rises = joints.frame[:, 0, 2]
+    upper = np.where(rises > 0.0, joints.block_b, joints.block_a)
+    lower = np.where(rises > 0.0, joints.block_a, joints.block_b)
+    rests = (np.abs(rises) > 1e-3) & ~joints.ties
+    bears = result.assembly.fixed.copy()
+    while (more := rests & (arch | bears)[upper] & ~(arch | bears)[lower]).any():
+        bears[lower[more]] = True
+    return bears
+
+
+def _thrust_at(result: Result, top: int, arch: Bools) -> CrownThrust | None:
+    """That of an arch (n,) at a joint; ``None`` where it is none there."""
     joints, assembly, contacts = result.contacts.joints, result.assembly, result.contacts
     way = joints.frame[top, 0] * np.array([1.0, 1.0, 0.0])
     way /= np.linalg.norm(way)
-    beyond = (assembly.centroid - joints.centroid[top]) @ way > 0.0
-    half = ~assembly.fixed & ~beyond & part
-    # forces of corners on the half: of the blocks beyond, and of the supports
+    low = min(float((assembly.blocks[i].vertices @ way).min()) for i in np.flatnonzero(arch))
+    bears = _below(result, arch)
+    hangs = _joined(result, ~(bears[joints.block_a] | bears[joints.block_b]))
+    mine = ~bears & (hangs == hangs[joints.block_a[top]])
+    at, crown_at = assembly.centroid @ way, float(joints.centroid[top] @ way)
+    half, rest = mine & (at >= low) & (at <= crown_at), mine & (at > crown_at)
+    # forces of corners on the half: of the blocks beyond, and of what it stands on
     a, b = (one[contacts.interface] for one in (contacts.block_a, contacts.block_b))
     onto = half[b].astype(float) - half[a]
     other = np.where(half[b], a, b)
     given = onto[:, None] * result.world_force()
-    cut, foot = ((onto != 0.0) & one for one in (~assembly.fixed[other], assembly.fixed[other]))
-    if not (cut.any() and foot.any()):
+    cut, foot = ((onto != 0.0) & one[other] for one in (rest, bears))
+    if not (cut.any() and foot.any() and ((rest[a] & bears[b]) | (rest[b] & bears[a])).any()):
         return None
     crown, springing = (_middle(contacts.point[one], given[one]) for one in (cut, foot))
     rise = float(crown[2] - springing[2])
     wrench, arms = result.load.wrench[half], assembly.centroid[half] - springing
     load, by_joints = float(-wrench[:, 2].sum()), float(-(given[cut] @ way).sum())
-    if rise <= least_rise or load <= 0.0 or by_joints <= 0.0:
+    if rise <= 0.05 * np.ptp(assembly.bounds[arch, :, 2]) or load <= 0.0 or by_joints <= 0.0:
         return None
     arm = float(-wrench[:, 2] @ (arms @ way)) / load
     if arm <= 0.0:  # an arch leans on its springing from the side of the crown
         return None
     every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0)
-    every = every + np.cross(contacts.point - springing, given)[cut | foot].sum(axis=0)
+    every = every + np.cross(contacts.point - springing, given).sum(axis=0)
     total = float(every @ np.cross(way, [0.0, 0.0, 1.0]))
     moment = by_joints * rise - load * arm - total
     beside = " and ".join(f"'{assembly.names[i]}'" for i in joints[top].blocks)

@@ -319,4 +319,10 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
     yield balance(result)
     whole = as_one_block(result)
     yield from () if whole is None else (whole,)
-    yield from (one.table() for one in crown_thrusts(result))
+    thrusts = crown_thrusts(result)
+    yield from (one.table() for one in thrusts)
+    if not thrusts:
+        yield (
+            "No thrust at a crown: no arch was recognised, of blocks over an opening that press on "
+            "each other between two springings."
+        )

@@ -167,6 +167,32 @@ def test_each_span_has_its_thrust_and_a_wall_has_none() -> None:
     assert crown_thrusts(pushed) == []
 
 
+@pytest.mark.parametrize(
+    ("spans", "height", "backing"),
+    [(1, 0.0, 0.0), (1, 3.0, 0.0), (1, 3.0, 0.6), (2, 0.0, 0.0), (2, 3.0, 0.0)],
+)
+def test_the_crown_is_that_of_the_ring_whatever_it_stands_on(
+    spans: int, height: float, backing: float
+) -> None:
+    """Ten of twenty voussoirs of R = 5 m, t = 0.5 m over 2 asin(0.8) weigh 57.23 kN by hand."""
+    bridge = segmental_bridge(8.0, 2.0, 0.5, 20, spans=spans, height=height, backing=backing)
+    result = drystone.check(bridge, friction=0.7)
+    found = crown_thrusts(result)
+    voussoir = 0.5 * np.sin(2.0 * np.arcsin(0.8) / 20.0) * (5.5**2 - 5.0**2)
+    starts = [f"span-{i + 1}-" for i in range(spans)] if spans > 1 else [""]
+    assert [one.joint for one in found] == [
+        f"'{x}voussoir-09' and '{x}voussoir-10'" for x in starts
+    ]
+    pushes = abs(result.reactions()["force"][0, 0])
+    for one in found:
+        assert one.load == pytest.approx(10.0 * voussoir * 2400.0 * 9.81, rel=1e-9)
+        assert 2.0 < one.rise < 2.5
+        assert one.by_hand == pytest.approx(one.by_joints, rel=1e-6)
+        assert one.by_joints == pytest.approx(pushes, rel=1e-6)
+    told = html_of(document_of([drystone.check(tower(3))], TitleBlock()))
+    assert "No thrust at a crown: no arch was recognised" in told
+
+
 def test_a_report_on_what_falls_has_the_mechanism_and_why(tmp_path: Path) -> None:
     answers = assess(tower(2), friction=0.3, seismic=(0.4, 0.0))
     assert answers[0].title.startswith("Falls")
