@@ -10,15 +10,17 @@ from scipy.sparse.csgraph import connected_components
 
 from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.base.units import quantity
-from drystone.checks import normal_force_by_strength
+from drystone.checks import mechanism_defects, normal_force_by_strength
 from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
 from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.results import Result
+from drystone.stability.proofs import MECHANISM_TOLERANCE, moving_blocks
 from drystone.supports import laid_ground
 
 
@@ -131,6 +133,44 @@ def least_strength(result: Result) -> tuple[float, int]:
     return float(stress[at]), at
 
 
+def mechanism_table(result: Result) -> Table | None:
+    """How what falls begins to move, and the work of the loads, a row for each block.
+
+    ``None`` where no motion is known. The fastest corner moves by the size of a block.
+    """
+    motion, assembly = result.mechanism, result.assembly
+    if motion is None:
+        return None
+    moving = list(moving_blocks(assembly, motion))
+    seen = np.where(np.abs(motion) > 1e-6 * np.abs(motion).max(), motion, 0.0)[moving]
+    columns = {
+        "block": [assembly.names[i] for i in moving],
+        "moves": seen[:, :3],
+        "turns": np.degrees(seen[:, 3:]),
+        "work_of_loads": (result.load.wrench * motion).sum(axis=1)[moving],
+    }
+    title = "motion of what falls, of centroids and about them; its size has no meaning"
+    return Table(title, columns, {"moves": "m", "turns": "deg", "work_of_loads": "N m"})
+
+
+def fall_words(result: Result) -> str:
+    """What proves that it falls: a mechanism with its work, or the steps by which it moved."""
+    motion = result.mechanism
+    if motion is None:
+        return result.message
+    closing, work = mechanism_defects(result.model, motion)
+    moving = list(moving_blocks(result.assembly, motion))
+    done = quantity(float((result.load.wrench * motion)[moving].sum()), "N m")
+    count = counted(len(moving), "block")
+    if closing <= MECHANISM_TOLERANCE and work > 0.0:
+        return (
+            f"{result.message}; mechanism of {count}: the loads do work of {done}, more than all "
+            f"joints can take up by {100.0 * work:.3g} % of the sum of its absolute parts; "
+            f"largest closing of a joint {closing:.1e} of the speed"
+        )
+    return f"{result.message}; {count} move as listed, and the loads do work of {done} on the way"
+
+
 @dataclass(frozen=True)
 class CrownThrust(OneLine):
     """Thrust at the crown by moments of one half of an arch about its springing, and from joints.
@@ -227,8 +267,8 @@ def _joined(result: Result, through: Bools) -> Ints:
     joints, count = result.contacts.joints, len(result.assembly)
     pairs = joints.block_a[through], joints.block_b[through]
     graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count))
-    part: Ints = connected_components(graph, directed=False)[1]
-    return part
+    _, part = connected_components(graph, directed=False)
+    return np.asarray(part, dtype=np.intp)
 
 
 def _below(result: Result, arch: Bools) -> Bools:
@@ -240,7 +280,7 @@ def _below(result: Result, arch: Bools) -> Bools:
     rests = (np.abs(rises) > 1e-3) & ~joints.ties
     bears = result.assembly.fixed.copy()
     while (more := rests & (arch | bears)[upper] & ~(arch | bears)[lower]).any():
-        bears[lower[more]] = True
+        bears |= np.bincount(lower[more], minlength=len(bears)) > 0
     return bears
 
 

@@ -208,14 +208,17 @@ class _Paper:
 
 
 def _figure(picture: Picture, caption: Any) -> Any:
-    """A picture over its caption, as small as 0.6 of its size if it fits at the foot of a page."""
+    """A picture over its caption, as small as 0.9 of its size if it fits at the foot of a page.
+
+    Its letters of 8 points then have 7.
+    """
     from reportlab.platypus import Flowable, Image
 
     class Figure(Flowable):  # type: ignore[misc]  # it has no types
         def wrap(self, width: float, height: float) -> tuple[float, float]:
             self.below = caption.wrap(width, height)[1] + caption.getSpaceAfter()
             full = width * picture.size[1] / picture.size[0]
-            self.high = full * min(max((height - self.below) / full, 0.6), 1.0)
+            self.high = full * min(max((height - self.below) / full, 0.9), 1.0)
             self.wide = self.high * picture.size[0] / picture.size[1]
             self.margin = 0.5 * (width - self.wide)
             return width, self.high + self.below

@@ -22,7 +22,9 @@ from drystone.report.hand_checks import (
     as_one_block,
     balance,
     crown_thrusts,
+    fall_words,
     least_strength,
+    mechanism_table,
     weights,
 )
 from drystone.report.joint_plans import joint_plan
@@ -59,7 +61,7 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     model = first.model.model if isinstance(first.model, StagedModel) else first.model
     asked = first.asked
     version = " ".join(one for one in ("drystone", asked.version, asked.commit) if one)
-    forces = _forces(first)
+    forces = _governing(answers)
     sections = [
         Section("Summary", (*_summary(answers, model), _signatures(about))),
         Section("What was asked", (_asked(first),)),
@@ -76,15 +78,25 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     return Document(f"Stability of {name}", entries, version, _numbered(sections))
 
 
-def _forces(first: Answer) -> Result | None:
-    """The state whose joints are told: of a limit the last one that stands."""
-    match first:
+def _governing(answers: Sequence[Answer]) -> Result | None:
+    """The state whose joints are told: the worst that has other loads than the first, or that."""
+    known = [one for one in map(_forces, worst_first(answers)) if one is not None]
+    first = _forces(answers[0])
+    others = [one for one in known if first is None or one.load.name != first.load.name]
+    return next(iter([*others, *known]), None)
+
+
+def _forces(answer: Answer) -> Result | None:
+    """Its state with forces: of a limit the last that stands, of combinations the governing one."""
+    match answer:
         case Result():
-            found: Result | None = first
+            found: Result | None = answer
         case Limit():
-            found = first.best.standing
+            found = answer.best.standing
         case TrainEnvelope():
-            found = first.standing
+            found = answer.standing
+        case Combinations():
+            found = answer.governing
         case _:
             found = None
     return None if found is None or found.force is None else found
@@ -256,16 +268,26 @@ def _answer(answer: Answer) -> Iterator[Part]:
         yield Heading(told)
         sides = zip(limit.states, limit.layers().stages, strict=True)
         yield {stage.headline: _proof(state) for (state, _, _), stage in sides}
-    elif isinstance(answer, Result) and answer.residuals is not None:
+        yield from _mechanism(limit.states[-1][0])
+    elif isinstance(answer, Result) and (answer.residuals is not None or answer.falls):
         yield Heading(told)
-        yield {"residuals": _proof(answer)}
+        yield {"residuals" if answer.residuals is not None else "fall": _proof(answer)}
+        yield from _mechanism(answer)
 
 
 def _proof(state: Result) -> str:
-    """The verdict on a state, and its residuals."""
+    """The verdict on a state, and its residuals; of one that falls, what its mechanism proves."""
     told = [f"{one.name} {abs(getattr(state.residuals, one.name)):.1e}"
             for one in fields(state.residuals)] if state.residuals is not None else []  # fmt: skip
+    told += [fall_words(state)] if state.falls else []
     return ", ".join([state.verdict.value, *told])
+
+
+def _mechanism(state: Result) -> Iterator[Part]:
+    """The blocks that move in a state that falls."""
+    table = mechanism_table(state) if state.falls else None
+    if table is not None:
+        yield table
 
 
 def worst_told(result: Result, count: int) -> Iterator[Part]:
@@ -294,8 +316,7 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
 
 def _checks(result: Result, model: Model) -> Iterator[Part]:
     table = result.joints()
-    if result.model is not model:
-        yield f"In the state under {result.load.name}."
+    yield f"In the state under {result.load.name}."
     yield from worst_told(result, _PLANS)
     needed, at = least_strength(result)
     if needed > 0.0:

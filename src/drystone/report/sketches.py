@@ -131,8 +131,9 @@ def signs_picture() -> Picture:
 
 
 def _drawn(scene: Scene, stage: int = 0) -> Any:
-    undated = tuple(replace(one, facts={}) for one in scene.stages)
-    shown = replace(scene, stages=undated, facts={}, made="")
+    """A stage without its words, which stand below and beside it on the page."""
+    bare = tuple(replace(one, headline="", message="", facts={}) for one in scene.stages)
+    shown = replace(scene, stages=bare, facts={}, made="")
     return draw(shown, (_WIDTH, 4.5), stage=stage, toward=_eye(scene, scene.stages[stage]))
 
 

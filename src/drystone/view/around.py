@@ -71,7 +71,7 @@ def draw_gravity(figure: Figure, sheet: Sheet) -> None:
         arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.5}, annotation_clip=False,
     )  # fmt: skip
     figure.text(
-        tip[0], tip[1] - 0.05 / height, "gravity", ha="center", va="top", fontsize=7, color=colour
+        tip[0], tip[1] - 0.05 / height, "gravity", ha="center", va="top", fontsize=8, color=colour
     )
 
 
@@ -156,6 +156,9 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             heads += [] if layer.single else [(-x, y) for x, y in reversed(heads)]
             look = {"linewidth": 0.72 * layer.width, "marker": heads, "markersize": 13.0}
         handles.append(Line2D([], [], color=colour, label=text, **look))
+    half = max(20, int(7.5 * figure.get_figwidth()) - 13)  # letters of a column of two
+    for one in handles:
+        one.set_label(textwrap.fill(one.get_label(), half))
     for columns in (4, 3, 2, 1):
         legend = figure.legend(
             handles=handles, loc="lower left", bbox_to_anchor=(0.012, 0.0), ncols=columns,
@@ -192,7 +195,7 @@ def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         top = sheet.scene.top(layer.key)
         more = "\N{GREATER-THAN OR EQUAL TO} " if layer.largest > 1.001 * top else ""
         told = [_amount(x * top, layer.unit) for x in (0.0, 0.5, 1.0)]
-        bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=7)
+        bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=8)
         bar.get_xticklabels()[-1].set_horizontalalignment("right")  # else it may leave the page
         bar.set_yticks([])
         ink = sheet.colours["edge"]

@@ -30,7 +30,7 @@ STATE_LABEL = {
 STATE_COLOUR = {
     "light": {
         State.FREE: "#d9d5cb",
-        State.SUPPORT: "#7f8a99",
+        State.SUPPORT: "#566070",
         State.FALLING: "#cc79a7",
         State.HELD: "#e69f00",
         State.PROPPED: "#d55e00",
