@@ -24,6 +24,7 @@ from drystone.geometry.polyhedron import (
     loop_edges,
     rings,
     stack_faces,
+    used_vertices,
 )
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.solid import winding_number
@@ -91,9 +92,8 @@ def _closed(
     loops: list[Loop], vertices: Floats, beside: Floats, thickness: float
 ) -> tuple[Body, str]:
     """One connected surface as a closed body, and how."""
-    used = sorted({i for loop in loops for i in loop})
-    place = {old: new for new, old in enumerate(used)}
-    points, loops = vertices[used], [tuple(place[i] for i in loop) for loop in loops]
+    used, loops = used_vertices(loops)
+    points = vertices[used]
     border = _border(loops)
     if not border:
         return (points, loops), "a closed part kept"
@@ -434,15 +434,9 @@ def split_components(assembly: Assembly) -> Assembly:
 
 def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ...]) -> Block:
     """A block of some faces of another, with only the vertices that they use."""
-    used = sorted({i for loop in loops for i in loop})
-    place = {old: new for new, old in enumerate(used)}
-    return replace_block(
-        block,
-        vertices=block.vertices[used],
-        faces=tuple(tuple(place[i] for i in loop) for loop in loops),
-        name=name,
-        repairs=repairs,
-    )
+    used, own = used_vertices(loops)
+    points = block.vertices[used]
+    return replace_block(block, vertices=points, faces=tuple(own), name=name, repairs=repairs)
 
 
 __all__ = ["mended_block", "mended_blocks", "split_components", "support_from_surface"]

@@ -160,13 +160,11 @@ class Layer(OneLine):
             raise InputError(
                 f"layer '{self.key}': arrows and lines have a vector, polygons and markers none"
             )
-        if self.vector is not None and self.vector.shape != self.position.shape:
-            raise InputError(f"layer '{self.key}': position and vector differ in shape")
-        if self.value is not None and len(self.value) != len(self.position):
-            raise InputError(f"layer '{self.key}': position and value differ in length")
-        for name, owner in (("interface", self.interface), ("block", self.block)):
-            if owner is not None and len(owner) != self.count:
-                raise InputError(f"layer '{self.key}': {name} has not {self.count} entries")
+        points = dict.fromkeys(("vector", "value"), len(self.position))
+        for name, count in {**points, "interface": self.count, "block": self.count}.items():
+            given = getattr(self, name)
+            if given is not None and len(given) != count:
+                raise InputError(f"layer '{self.key}': {name} has not {count} entries")
 
     @property
     def count(self) -> int:

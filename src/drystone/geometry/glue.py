@@ -18,7 +18,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.halfedge import merge_coplanar
 from drystone.geometry.planar import half_plane, overlay, parts_of, rings_of, valid
 from drystone.geometry.polygon import area_vector, area_vectors
-from drystone.geometry.polyhedron import Loop, Piece, loop_edges
+from drystone.geometry.polyhedron import Loop, Piece, loop_edges, used_vertices
 from drystone.geometry.soup import split_solids
 from drystone.geometry.surface import edge_defects
 
@@ -124,9 +124,8 @@ def _lid(faces: Sequence[Loop]) -> Loop | None:
 
 def _used(corner: Floats, faces: Sequence[Loop]) -> Piece:
     """The body without vertices that no face has."""
-    used = sorted({i for face in faces for i in face})
-    new = dict(zip(used, range(len(used)), strict=True))
-    return corner[used], [tuple(new[i] for i in face) for face in faces]
+    used, loops = used_vertices(faces)
+    return corner[used], loops
 
 
 _TOUCH = 1e-8

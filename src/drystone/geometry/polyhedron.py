@@ -7,7 +7,7 @@ depend on where the loop starts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -211,6 +211,20 @@ def box_corners(low: Floats, high: Floats) -> Floats:
     """Vertices (8, 3) of an axis-aligned box with faces :data:`BOX`."""
     upper = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], dtype=bool)
     return np.where(np.concatenate([upper, upper | (False, False, True)]), high, low)
+
+
+def used_vertices(faces: Iterable[Sequence[int]]) -> tuple[list[int], list[Loop]]:
+    """The vertices that faces have, ascending, and the faces with the numbers of these.
+
+    Examples
+    --------
+    >>> used_vertices([(7, 2, 5), (5, 2, 9)])
+    ([2, 5, 7, 9], [(2, 0, 1), (1, 0, 3)])
+    """
+    faces = list(faces)
+    used = sorted({i for face in faces for i in face})
+    new = {old: i for i, old in enumerate(used)}
+    return used, [tuple(new[i] for i in face) for face in faces]
 
 
 def loop_edges(loop: Sequence[int]) -> list[Edge]:

@@ -10,7 +10,7 @@ from functools import lru_cache
 from drystone.base.arrays import Floats
 from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
-from drystone.geometry.polyhedron import Edge, Fan, Loop, loop_edges
+from drystone.geometry.polyhedron import Edge, Fan, Loop, loop_edges, used_vertices
 
 SHARED_FACES = 64
 """Longest face list in the cache, and number of lists in it. Chosen: some MB at most. Copies of one
@@ -80,11 +80,10 @@ def _integers(faces: Iterable[Sequence[int]]) -> tuple[Loop, ...]:
 
 def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
     _check_loops(faces, count)
-    used = sorted({i for loop in faces for i in loop})
+    used, loops = used_vertices(faces)
     notes: list[str] = []
     if len(used) < count:
-        new = {old: i for i, old in enumerate(used)}
-        faces = tuple(tuple(new[i] for i in loop) for loop in faces)
+        faces = tuple(loops)
         unused = counted(count - len(used), "unused vertex", "unused vertices")
         notes.append(f"{unused} dropped")
     open_edges, crowded, consistent = edge_defects(faces)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 import json
-import math
 from pathlib import Path
 from typing import Any
 
+from drystone.answer import plain
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
@@ -131,28 +130,11 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "crushing_factor": result.crushing_factor,
         "sensitive_to": [one.name.lower() for one in result.sensitive_to],
         "stopped": result.stopped,
-        "options": _plain(result.options),
+        "options": plain(result.options),
         "solver": result.solver,
         "iterations": result.iterations,
         "time_s": dict(result.time_s),
     }
-
-
-def _plain(value: Any) -> Any:
-    """Options as JSON values: a frozen dataclass becomes an object, an enum its value."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, enum.Enum):
-        return _plain(value.value)
-    if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if value is None or isinstance(value, str | bool | int | float):
-        return value
-    return repr(value)
 
 
 def _dumps(value: Any, path: Path) -> str:

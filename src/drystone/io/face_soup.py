@@ -15,7 +15,7 @@ from drystone.base.display import first_of
 from drystone.base.errors import FormatError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.halfedge import merge_coplanar
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.polyhedron import Loop, used_vertices
 from drystone.geometry.soup import split_solids, without_slivers
 from drystone.geometry.surface import edge_defects
 from drystone.io.draft import DraftBlock
@@ -140,8 +140,8 @@ def _shapes(
     for found, soup in zip(solids, soups, strict=True):
         for number, solid in enumerate(found):
             name = soup.name if len(found) == 1 else f"{soup.name}-{number}"
-            points, faces = _own_vertices(vertices, [loops[i] for i in solid])
-            made.append(DraftBlock(name, points, faces, soup.where))
+            used, faces = used_vertices(loops[i] for i in solid)
+            made.append(DraftBlock(name, vertices[used], faces, soup.where))
             own.append(faces)
     closed = [i for i, faces in enumerate(own) if edge_defects(faces) == ([], [], True)]
     polygons = merge_coplanar(
@@ -182,16 +182,10 @@ def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:
         return placed, bool(np.linalg.det(matrix[:3, :3]) < 0.0)
 
 
-def _own_vertices(vertices: Floats, loops: Sequence[Loop]) -> tuple[Floats, list[Loop]]:
-    """Only the vertices that the loops use, in their order."""
-    used = sorted({corner for loop in loops for corner in loop})
-    position = {corner: i for i, corner in enumerate(used)}
-    return vertices[used], [tuple(position[corner] for corner in loop) for loop in loops]
-
-
 def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> DraftBlock:
     """A shape with only the vertices that its faces use, in their order."""
-    return DraftBlock(name, *_own_vertices(vertices, loops), where)
+    used, own = used_vertices(loops)
+    return DraftBlock(name, vertices[used], own, where)
 
 
 def named_apart(shapes: Sequence[DraftBlock]) -> tuple[list[DraftBlock], list[str]]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_text
+from drystone.geometry.polyhedron import used_vertices
 from drystone.io.draft import Contents, Draft, DraftBlock
 
 _IGNORED = frozenset(
@@ -177,21 +178,14 @@ def _shapes(
 ) -> tuple[list[DraftBlock], list[str]]:
     shapes, notes = [], []
     for number, block in enumerate(blocks):
-        order = list(dict.fromkeys(i for face in block.faces for i in face))
-        position = {vertex: i for i, vertex in enumerate(sorted(order))}
+        used, loops = used_vertices(block.faces)
         name = block.object
         if name is None:
             name = path.stem if len(blocks) == 1 else f"block-{number}"
             if len(blocks) > 1:
                 notes.append(f"the block at line {block.line} has no name: '{name}'")
-        shapes.append(
-            DraftBlock(
-                name,
-                [vertices[i] for i in position],
-                [[position[i] for i in face] for face in block.faces],
-                where=f"line {block.line}",
-            )
-        )
+        points = [vertices[i] for i in used]
+        shapes.append(DraftBlock(name, points, loops, where=f"line {block.line}"))
     return shapes, notes
 
 

@@ -187,18 +187,14 @@ def _binary(body: bytes, header: _Header) -> dict[str, Table]:
 
     tables: dict[str, Table] = {}
     for element in header.elements:
-        if not any(column.length for column in element.properties):
+        if element.properties and not any(column.length for column in element.properties):
             dtype = np.dtype([(c.name, header.order + c.type) for c in element.properties])
             size = dtype.itemsize * element.count
             if size > len(body) - at:
                 raise IndexError
-            rows = np.frombuffer(body, dtype, element.count, at) if dtype.itemsize else None
-            tables[element.name] = (
-                {} if rows is None else {name: rows[name] for name in dtype.names or ()}
-            )
+            rows = np.frombuffer(body, dtype, element.count, at)
+            tables[element.name] = {column.name: rows[column.name] for column in element.properties}
             at += size
             continue
-        if element.count > len(body) - at:
-            raise IndexError
         tables[element.name] = _rows(element, taken)
     return tables

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from heapq import heappop, heappush
+from itertools import product
 
 import numpy as np
 
@@ -212,7 +213,6 @@ def stool(
     require(2.0 * leg < side and seat < height, "the legs do not fit", "make them thinner")
     under = height - seat
     inner = side - leg
-    near, far = (0.0, leg), (inner, side)
     cross = [
         (leg, 0), (inner, 0), (inner, leg), (side, leg), (side, inner), (inner, inner),
         (inner, side), (leg, side), (leg, inner), (0, inner), (0, leg), (leg, leg),
@@ -227,11 +227,11 @@ def stool(
         *(np.array([(x, y, z) for x, z in portal]) for y in (0.0, side)),
         *(np.array([(x, y, z) for y, z in portal]) for x in (0.0, side)),
     ]
-    for xs in (near, far):
-        for ys in (near, far):
-            loops.append(rectangle(2, 0.0, xs, ys))
-            loops.append(rectangle(0, leg if xs is near else inner, ys, (0.0, under)))
-            loops.append(rectangle(1, leg if ys is near else inner, xs, (0.0, under)))
+    sides = ((leg, (0.0, leg)), (inner, (inner, side)))
+    for (x, xs), (y, ys) in product(sides, repeat=2):
+        loops.append(rectangle(2, 0.0, xs, ys))
+        loops.append(rectangle(0, x, ys, (0.0, under)))
+        loops.append(rectangle(1, y, xs, (0.0, under)))
     floor = box((2.0 * side, 2.0 * side, leg), (-0.5 * side, -0.5 * side, -leg), "floor")
     return Assembly((floor, welded(loops, "stool")), np.array([True, False]))
 

@@ -261,18 +261,19 @@ def studies() -> list[Study]:
                 build = partial(models.wedge, kind)
                 dem, cra, rbe = published
                 found.append(Study(f"type-{kind}", name, build, axis, friction, dem, cra, rbe))
-    for mu, dem, cra in ((0.84, 40, 40), (0.10, 5, 5)):
-        build = partial(models.concave, "short")
-        found.append(
-            Study("concave-short", "y", build, Y, mu, dem, cra, None, 1.5, published_axis="x")
-        )
-    for mu, dem, cra in ((0.84, 56, 54), (0.10, 10, 9)):
-        build = partial(models.concave, "long")
-        # published as "xy", but the figures are those of the tilt about y: the plank slides out at
-        # tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and hooked d behind it
-        found.append(
-            Study("concave-long", "y", build, Y, mu, dem, cra, None, 1.5, published_axis="xy")
-        )
+    # the long one is published as "xy", but the figures are those of the tilt about y: the plank
+    # slides out at tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and hooked d
+    # behind it
+    planks: tuple[tuple[Literal["short", "long"], str, float, float, float], ...] = (
+        ("short", "x", 0.84, 40, 40),
+        ("short", "x", 0.10, 5, 5),
+        ("long", "xy", 0.84, 56, 54),
+        ("long", "xy", 0.10, 10, 9),
+    )
+    for plank, told, mu, dem, cra in planks:
+        build = partial(models.concave, plank)
+        name = f"concave-{plank}"
+        found.append(Study(name, "y", build, Y, mu, dem, cra, None, 1.5, published_axis=told))
     for name, axis, dem, cra, rbe, sofistik in (
         ("y", Y, 8, 8, 8, 8),
         ("-y", (0.0, -1.0, 0.0), 53, 53, 53, 53),

@@ -60,7 +60,8 @@ def schedule(shell: Shell) -> Table:
     >>> row["block"], row["joints"], row["bevels"][:10]
     ('c01-b01', 6, '81.000000 ')
     """
-    blocks = [shell.assembly.blocks[i] for i in shell.voussoirs]
+    assembly = shell.assembly
+    blocks = [assembly.blocks[i] for i in shell.voussoirs]
     extent, bevels, corners = [], [], []
     for i, body in zip(shell.voussoirs.tolist(), blocks, strict=True):
         axes, origin = block_frame(shell, i)
@@ -69,11 +70,11 @@ def schedule(shell: Shell) -> Table:
         bevels.append(bevel)
         corners.append(corner)
     columns = {
-        "block": [body.name for body in blocks],
+        "block": [assembly.names[i] for i in shell.voussoirs],
         **{key: [b.metadata[key] for b in blocks] for key in ("role", "course", "position")},
-        "volume": [body.volume for body in blocks],
-        "mass": [body.mass for body in blocks],
-        "centre": shell.assembly.centroid[shell.voussoirs],
+        "volume": assembly.volume[shell.voussoirs],
+        "mass": assembly.mass[shell.voussoirs],
+        "centre": assembly.centroid[shell.voussoirs],
         "extent": np.array(extent),
         "joints": [len(each) for each in bevels],
         "bevels": [_in_a_row(each) for each in bevels],

@@ -17,7 +17,7 @@ from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry import polygon
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polyhedron import loop_edges
+from drystone.geometry.polyhedron import loop_edges, used_vertices
 from drystone.geometry.triangulate import triangulate, warp_and_view
 from drystone.shells.patch import Patch, Shape, curvatures, numbers
 from drystone.shells.pattern import Tessellation
@@ -238,10 +238,8 @@ def make_blocks(
     caps = _solid_caps(pins, [cap for low, high, _ in every for cap in (low, high)])
     for k, (name, data) in enumerate(zip(mesh.names, metadata, strict=True)):
         faces = [*caps[2 * k], *caps[2 * k + 1], *every[k][2]]
-        used = sorted({i for face in faces for i in face})
-        local = {old: i for i, old in enumerate(used)}
-        loops = tuple(tuple(local[i] for i in face) for face in faces)
-        block = Block(pins.point[used], loops, name, density, data)
+        used, loops = used_vertices(faces)
+        block = Block(pins.point[used], tuple(loops), name, density, data)
         if block.repairs:
             raise InputError(
                 "is turned inside out",

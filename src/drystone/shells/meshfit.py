@@ -26,7 +26,7 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.coincidence import first_coincident
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
-from drystone.geometry.polyhedron import edges_of, loop_edges, rings
+from drystone.geometry.polyhedron import edges_of, loop_edges, rings, used_vertices
 from drystone.shells.patch import Edge, Patch, Seam, Shape, Side, arc_lengths, check_patch
 from drystone.shells.sources import patch_from_grid
 from drystone.shells.spine import Spine, SpineNode, at_lengths, spine_of
@@ -465,9 +465,8 @@ def welded(
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     first = first_coincident(points, SAME * size)
     loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
-    loops = [loop for loop in loops if len(loop) > 2]
-    used = sorted({i for loop in loops for i in loop})
-    new = {old: i for i, old in enumerate(used)}
+    used, made = used_vertices(loop for loop in loops if len(loop) > 2)
+    new = dict(zip(used, range(len(used)), strict=True))
     named = None
     if corners is not None:
         unknown = [c for c in corners if not 0 <= int(c) < len(points) or first[c] not in new]
@@ -477,7 +476,7 @@ def welded(
             remedy = f"give different numbers of vertices, from 0 to {len(points) - 1}"
             raise InputError(wrong[0], where=f"corners of mesh '{name}'", remedy=remedy)
         named = [new[int(first[c])] for c in corners]
-    return points[used], [[new[i] for i in loop] for loop in loops], named
+    return points[used], [list(loop) for loop in made], named
 
 
 def border_of(loops: list[list[int]], name: str) -> list[int]:

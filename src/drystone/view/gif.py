@@ -47,9 +47,8 @@ def save_film(subject: Answer | Scene, path: PathLike) -> None:
     if len(stages) < 2:
         raise InputError("one stage is no film", where="film", remedy="write a figure, --png")
     figures = [_frame(scene, i) for i in stages]
-    boxes = [one.axes[0].dataLim for one in figures]
-    low = np.min([one.min for one in boxes], axis=0)
-    high = np.max([one.max for one in boxes], axis=0)
+    boxes = np.array([one.axes[0].dataLim.get_points() for one in figures])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
     (left, down), (right, up) = low - 0.03 * (high - low), high + 0.03 * (high - low)
     for one in figures:
         one.axes[0].set(adjustable="box", xlim=(left, right), ylim=(down, up))
