@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import suppress
 from functools import partial
 from operator import itemgetter
 from typing import NamedTuple
@@ -178,11 +177,6 @@ class VerdictSearch:
             return self._closed(span, width, beyond)
         except Stopped:
             return self.so_far(start, beyond)
-
-    def walk(self, start: float, end: float, step: float) -> None:
-        """Try the start and values after it, by growing steps, to the first that does not stand."""
-        with suppress(Stopped):
-            self._walk(start, end, step, False)
 
     def so_far(self, start: float, beyond: Bracket | None = None) -> FoundBracket:
         """The result of the values tried so far, in order from the start."""

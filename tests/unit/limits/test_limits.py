@@ -633,7 +633,7 @@ def test_a_search_of_a_large_model_that_is_stopped_says_what_it_knows() -> None:
 
     found = limit_tilt(model, progress=progress, stop=lambda: "limit of equilibrium" in seen)
     assert found.stopped == "it was interrupted"
-    assert found.title == "Stands up to 9.45 degrees about x at least"
+    assert found.title == "Stands up to 0.45 degrees about x at least"
     assert found.rest is not None
     assert found.falls is None
     nothing = limit_tilt(tower(2), stop=lambda: True)
