@@ -229,8 +229,8 @@ class Bench:
         return names_of(self.model, sorted(some)) if some else ""
 
     def joint_name(self, interface: int) -> str:
-        """A joint as text: lower, upper or inner, and the other block."""
-        return joint_name(self.local, self.own, interface)
+        """A joint as text: lower, upper or inner, its block, and the other block."""
+        return joint_name(self.local, self.own, interface, whole=True)
 
     def fail(self, kind: str, what: str, *nearest: Surgery) -> None:
         """Note a kind of mend that does not hold the region, and how close it came.

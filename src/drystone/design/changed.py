@@ -68,6 +68,12 @@ class Kept(OneLine):
     def _summary(self) -> str:
         return f"'{self.description}', cost {self.cost:.3g}"
 
+    @property
+    def whose(self) -> str:
+        """The blocks of its region, unless the description names one of them."""
+        told = any(f"'{name}'" in self.description for name in self.blocks)
+        return "" if told else named(self.blocks)
+
 
 def table_of(changes: Sequence[Kept]) -> Table:
     """A row for each change that was kept."""
@@ -149,7 +155,8 @@ class Changed(Answer):
         at_margin = self.stands or result.model is self.model
         word = result.verdict.upper() if at_margin else "STANDS, not at the margin"
         word += ", changed" if self.words else ""
-        told = dict.fromkeys(one for one in (self.title, *self.log) if one)
+        steps = any(step.description in one for one in self.log for step in self.changes)
+        told = dict.fromkeys(one for one in (*([] if steps else [self.title]), *self.log) if one)
         return [Sentence(word, role), *map(Sentence, told)]
 
     def tables(self) -> Sequence[Table]:

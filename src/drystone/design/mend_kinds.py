@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.base.errors import InputError, counted
 from drystone.design.bench import Bench, Held, Tried
 from drystone.design.block_surgery import merge_blocks, thicken_blocks
@@ -87,8 +87,15 @@ def _prop(asked: KnownNeeds) -> Proposals:
     yield Tries([change], "the best props do not keep the margin", told=told)
 
 
+_TOLD = 4
+"""Props of a mend that are told. Chosen: 26 filled a screen and covered the picture."""
+
+
 def _prop_words(model: Model, seats: Sequence[PropSeat], forces: Floats, points: Floats) -> str:
-    """Props with their forces [N] and places [m] as text; equal forces are told once."""
+    """Props with their forces [N] and places [m] as text; equal forces are told once.
+
+    Of many the largest: the mended model has a block for each.
+    """
     each = [force_words(force) for force in forces]
     where = []
     for seat, force, point in zip(seats, forces, points, strict=True):
@@ -96,7 +103,12 @@ def _prop_words(model: Model, seats: Sequence[PropSeat], forces: Floats, points:
         where.append(f"{side} {names_of(model, [seat.block])} at {place(point)}")
     if len(seats) > 1 and len(set(each)) == 1:
         return f"{len(seats)} props: each of {each[0]}, {', '.join(where)}"
-    some = ", ".join(f"{force} {at}" for force, at in zip(each, where, strict=True))
+    told = [f"{force} {at}" for force, at in zip(each, where, strict=True)]
+    if len(told) > _TOLD:
+        order = np.argsort(-lengths(forces), kind="stable")
+        told = [told[i] for i in order[: _TOLD - 1]]
+        told.append(f"and {len(seats) - len(told)} with less")
+    some = ", ".join(told)
     return f"a prop of {some}" if len(seats) == 1 else f"{len(seats)} props: {some}"
 
 
@@ -348,7 +360,8 @@ def _merge(asked: KnownNeeds) -> Proposals:
         ends = (a, b) if fixed[a] or not fixed[b] else (b, a)
         own = [k for k, pair in enumerate(pairs) if {*pair} == {a, b}]
         held = strengths.get(frozenset(bench.interfaces[own].tolist()), 0.0)
-        enough = f" ({glue_words(bench.local, own, held)} is enough)" if held > 0.0 else ""
+        glue = glue_words(bench.local, own, held, whole=False)
+        enough = f" ({glue} is enough)" if held > 0.0 else ""
         words = f"{names_of(bench.local, [a, b])} made one block{enough}"
         changes.append(Change.single("merge", partial(make, ends), words, held, joints=len(own)))
     why = "it falls with any two of its blocks made one"

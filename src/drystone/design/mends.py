@@ -12,7 +12,7 @@ import numpy as np
 from drystone.answer import Answer, Role, Scene, Sentence
 from drystone.answer.chart import Chart
 from drystone.answer.widening import side_by_side
-from drystone.base.display import named
+from drystone.base.display import named, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -92,7 +92,8 @@ def mend(
                 best = max(found.mends, key=lambda one: chosen.margin.meets(one.result))
                 model, kept = best.model, best.change
                 steps.append(kept)
-                log.append(f"{named(kept.blocks)}: {kept.description} (cost {kept.cost:.3g})")
+                whose = f"{kept.whose}: " if kept.whose else ""
+                log.append(f"{whose}{kept.description} (cost {kept.cost:.3g})")
                 result = chosen.margin.holds(model, clock.late)
             elif passed and passed_at < len(steps):  # what was mended since may hold them
                 passed, passed_at = {}, len(steps)
@@ -133,6 +134,9 @@ def _left(result: Result, case: str) -> str:
 _DRAWN = 5_000
 """Blocks of all mends on a page, which is then 5 MB. Chosen; further mends are listed only."""
 
+
+_LONG = 160
+"""Characters of a mend above its picture. Chosen: two lines."""
 
 _FEW_NEEDS = DiagnosisOptions(large=False)
 """What large regions need is found by their mends, the first of which is then told soon."""
@@ -234,13 +238,14 @@ class Mends(Answer):
         return [one for one in said if one.text]
 
     def _listed(self) -> list[str]:
-        """A line for each mend; where several regions fall it names that of each."""
+        """A line for each mend; where several regions fall and it has no name, that of each."""
         several = len({one.change.blocks for one in self.mends}) > 1
-        return [
-            f"mend {number}{f', of {named(one.change.blocks)}' if several else ''}: "
-            f"{one.change.description} (cost {one.change.cost:.3g})"
-            for number, one in enumerate(self.mends, 1)
-        ]
+        lines = []
+        for number, one in enumerate(self.mends, 1):
+            kept = one.change
+            of = f", of {kept.whose}" if several and kept.whose else ""
+            lines.append(f"mend {number}{of}: {kept.description} (cost {kept.cost:.3g})")
+        return lines
 
     def failures(self) -> list[str]:
         """A line for each combination that was tried without success."""
@@ -269,9 +274,7 @@ class Mends(Answer):
         stages = [scene.stages[0]]
         for text, one in zip(listed, few, strict=False):
             stage = one.layers().stages[0]
-            stages.append(
-                replace(stage, label=f"mend {len(stages)}", headline=text[0].upper() + text[1:])
-            )
+            stages.append(replace(stage, label=f"mend {len(stages)}", headline=_headline(text)))
         models = [self.diagnosis.model, *(one.result.model for one in few)]
         names = ["", *(f" (mend {i})" for i in range(1, len(few) + 1))]
         assembly, contacts, together = side_by_side(models, stages, names)
@@ -297,6 +300,11 @@ class Mends(Answer):
             "mending": self.message,
             "case": self.case,
         }
+
+
+def _headline(text: str) -> str:
+    """A mend above its picture, which a long one would cover; it is listed beside it in full."""
+    return shortened(text[0].upper() + text[1:], _LONG)
 
 
 @checked_call

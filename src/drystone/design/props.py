@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.arrays import SAME, Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts
@@ -411,7 +411,8 @@ def _needed(
     for seat in [one.seat for one in held]:
         fewer = [one.seat for one in held if one.seat is not seat]
         held = (_forces(model, fewer, stop) if fewer else []) or held
-    return held
+    least = SAME * max(one.size for one in held)
+    return [one for one in held if one.size > least]
 
 
 def with_props(model: Model, some: Sequence[PropSeat]) -> Model:

@@ -65,10 +65,15 @@ def towards(way: Floats) -> str:
     return axes[0] if axes else place(plan).removesuffix(" m")
 
 
-def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
-    """Glue in some joints as text, with its strength [N] rounded up."""
+def glue_words(
+    model: Model, interfaces: Sequence[int], strength: float, *, whole: bool = True
+) -> str:
+    """Glue in some joints as text, with its strength [N] rounded up.
+
+    Without ``whole`` blocks are not named: the sentence has their names already.
+    """
     ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
-    where = f" between {names_of(model, ends.pop())}" if len(ends) == 1 else ""
+    where = f" between {names_of(model, ends.pop()) if whole else 'them'}" if len(ends) == 1 else ""
     carried = f"a pull, and a shear, of {newtons(rounded_up(strength, 3))}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
@@ -107,17 +112,22 @@ def listed(parts: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
-    """A joint of some blocks as text: lower, upper, upright or inner, and the other block."""
+def joint_name(model: Model, blocks: Sequence[int], interface: int, *, whole: bool = False) -> str:
+    """A joint of some blocks as text: lower, upper, upright or inner, and the other block.
+
+    ``whole``: with the name of its own block, where the sentence does not have it already.
+    """
     contacts = model.contacts
     a, b = int(contacts.block_a[interface]), int(contacts.block_b[interface])
     if a in blocks and b in blocks:
         return f"the joint of {names_of(model, [a, b])}"
     own, other = (a, b) if a in blocks else (b, a)
+    of = f" of {names_of(model, [own])}" if whole else ""
     if abs(contacts.frame[interface, 0, 2]) < _UPRIGHT:
-        return f"the joint with {names_of(model, [other])}"
+        return f"the joint{of} with {names_of(model, [other])}"
     above = contacts.centroid[interface][2] > model.assembly.centroid[own][2]
-    return f"the {'upper' if above else 'lower'} joint, with {names_of(model, [other])},"
+    which = f"the {'upper' if above else 'lower'} joint"
+    return f"{which}{of}, with {names_of(model, [other])},"
 
 
 NOTHING = "it stands: nothing is missing"

@@ -125,7 +125,8 @@ class Loads:
             total = base
         elif whole is None and cases and not own_weight:
             total = cases[0]
-            notes.append(f"the load case '{total.name}' of the file is used")
+            if len(cases) > 1 or not _is_weight(assembly, total):
+                notes.append(f"the load case '{total.name}' of the file is used")
         else:
             total = LoadCase.of(assembly, whole)
             if cases and not _is_weight(assembly, cases[0]):

@@ -250,6 +250,13 @@ def _label(face: FlatFace) -> str:
     return f"{face.block} | {face.neighbour or 'free'}"
 
 
+_ON_A_SCREEN = (
+    "@media screen { svg { width: 100vw; height: auto; background: white } "
+    "polygon { vector-effect: non-scaling-stroke; stroke-width: 1px } }"
+)
+"""A browser shows the whole width: of 9 m of paper it showed an empty corner."""
+
+
 def _svg(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
     every = np.concatenate([corner for _, corner in placed])
     width, height = np.ceil(every.max(axis=0)) + 20.0
@@ -257,6 +264,7 @@ def _svg(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}mm" height="{height:.0f}mm" '
         f'viewBox="-10 -10 {width:.0f} {height:.0f}">',
+        f"<style>{_ON_A_SCREEN}</style>",
         f'<g fill="none" stroke="black" stroke-width="{0.05 * size:.2f}">',
     ]
     for _, corner in placed:

@@ -33,7 +33,8 @@ def panel(chart: Chart) -> str:
         )
     told = "".join(f"<p>{html.escape(one)}</p>" for one in chart.caption.split("\n") if one)
     told = re.sub(r"--[a-z]+ \d+", r"<code>\g<0></code>", told)  # an option is not broken
-    return f"    <fieldset><legend>{html.escape(chart.title)}</legend>{drawn}{told}</fieldset>"
+    head = f"<legend>{html.escape(chart.title)}</legend>"
+    return f'    <fieldset class="chart">{head}{drawn}{told}</fieldset>'
 
 
 def _place(chart: Chart, x: Floats, y: Floats) -> tuple[Floats, Floats]:

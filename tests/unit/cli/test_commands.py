@@ -432,3 +432,10 @@ def test_of_many_blocks_that_need_help_the_first_are_named(tmp_path: Path, capsy
         told = capsys.readouterr().out
         assert "voussoir-02 and 3 more" in told.replace("'", "")
         assert "friction of 0.37 in all its joints" in told
+
+
+def test_that_a_file_weighs_what_it_weighs_is_not_told(tmp_path: Path, capsys: Capsys) -> None:
+    path = str(tmp_path / "tower.json")
+    io.write(Model.of(tower(2)), path)
+    assert main(["check", path]) == 0
+    assert "the load case" not in capsys.readouterr().out

@@ -46,8 +46,8 @@ def test_a_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(falle
     assert {"support", "prop", "wedge", "let-in"} <= {one.change.kind for one in found}
     changes = [one.change for one in found]
     joints = [one.description for one in changes if one.kind in ("turn", "wedge", "let-in")]
-    assert any(text.startswith("the lower joint, with 'block-8'") for text in joints)
-    assert any(text.startswith("the upper joint, with 'lid'") for text in joints)
+    for joint in ("the lower joint of 'block-10', with 'block-8'", "the upper joint of 'block-10'"):
+        assert any(text.startswith(joint) for text in joints)
     assert [one.cost for one in changes] == sorted(one.cost for one in changes)
 
 
@@ -344,8 +344,9 @@ def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended() -> No
     assert [step.blocks for step in made.changes] == [("left",)]
     assert not made.stands
     assert [text.partition(":")[0] for text in made.log] == [
-        "left", "no mend of the list holds right", "it still falls"
+        made.log[0], "no mend of the list holds right", "it still falls"
     ]  # fmt: skip
+    assert made.log[0].startswith("glue between 'base' and 'left' that carries ")
     assert made.log[-1] == "it still falls: right"
 
 
@@ -558,3 +559,27 @@ def test_what_stands_without_the_margin_is_not_headed_as_falling(tmp_path: Path)
     kept = MendOptions(margin=DesignMargin(friction=0.3), kinds=("friction",), keep="*")
     made = mend(leaning, options=kept)
     assert made.sentences()[0].text == "STANDS, not at the margin"
+
+
+def test_a_mend_names_each_block_once() -> None:
+    found = find_mends(h_model(), friction=0.4, options=MendOptions(kinds=("let-in", "merge")))
+    let_in, _, merged, _ = (one.text for one in found.sentences()[1:5])
+    assert let_in.startswith("mend 1: the joint of 'block' with 'left' let in by ")
+    assert (merged.count("'block'"), merged.count("'left'")) == (1, 1)
+    made = mend(h_model(), friction=0.4, options=MendOptions(kinds=("let-in",)))
+    told = [one.text for one in made.sentences()]
+    assert sum("let in by" in text for text in told) == 1
+
+
+def test_of_many_props_the_largest_are_told_and_each_one_pushes() -> None:
+    blocks = [box((0.25, 0.3, 0.3), (0.0, 0.4 * k, 0.0), f"pier-{k}") for k in range(6)]
+    long = [1.0 + 0.05 * k for k in range(6)]
+    blocks += [box((x, 0.3, 0.18), (0.0, 0.4 * k, 0.3), f"tread-{k}") for k, x in enumerate(long)]
+    beam = box((0.1, 2.3, 0.02), (0.6, 0.0, 0.48), "beam")  # one region
+    model = Model.of(Assembly((*blocks, beam)).with_fixed(list(range(6))), friction=0.6)
+    (found,) = find_mends(model, options=MendOptions(kinds=("prop",))).mends
+    assert found.change.description.startswith(f"{found.change.added} props: ")
+    assert found.change.description.endswith(f", and {found.change.added - 3} with less")
+    forces = [row["force"] for row in found.result.reactions() if "prop" in row["support"]]
+    assert len(forces) == found.change.added
+    assert min(np.linalg.norm(one) for one in forces) > 0.0

@@ -120,6 +120,10 @@ def test_unrolled_faces_as_svg(tmp_path):
     root = ET.parse(tmp_path / "joints.svg").getroot()
     name = "{http://www.w3.org/2000/svg}"
     assert len(root.findall(f".//{name}polygon")) == 12
+    assert root.attrib["width"].endswith("mm")  # to print and to cut; a screen is smaller
+    style = root.find(f"{name}style")
+    assert style is not None
+    assert "@media screen { svg { width: 100vw; height: auto;" in style.text
     labels = {text.text for text in root.findall(f".//{name}text")}
     assert "c03-b02 | c03-b03" in labels
     assert "c03-b03 | c03-b02" in labels

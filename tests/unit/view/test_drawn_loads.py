@@ -156,3 +156,13 @@ def test_equal_loads_without_weights_are_loads_and_no_acceleration() -> None:
     told = drystone.check(assembly, friction=0.6, load=load).loads()
     assert list(told["block"]) == ["block-1", "block-2"]
     assert np.allclose(told["force"], (0.0, 0.0, -500.0))
+
+
+def test_what_stands_has_joints_that_press_on_an_edge_and_a_limit_has_hinges() -> None:
+    model = drystone.Model.of(arch(0.12), friction=0.7)
+    (stage,) = drystone.check(model).layers().stages
+    told = [one.label for one in stage.layers if one.key == "hinges"]
+    assert told == ["presses on one edge"]
+    limit = drystone.limit_tilt(model, "y").layers().stages[0]
+    (mark,) = (one for one in limit.layers if one.key == "hinges")
+    assert mark.label.startswith("hinge: ")
