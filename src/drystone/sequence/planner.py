@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -222,11 +223,10 @@ class _Planner:
             if not bound.can_leave(block, placed):
                 return ""
         blocks = self.model.assembly.free.tolist()
-        if not in_turn(self.evaluator, blocks, bound.rules.team, self.clock).works:
-            return ""
-        return (
-            "hands that each hold their block until the next one is in place need no prop: --turns"
-        )
+        # a look first: a vault of 97 blocks falls after 0.05 s of looks, and 0.5 s of checks
+        look = partial(in_turn, self.evaluator, blocks, bound.rules.team, self.clock)
+        said = "hands that hold each block until the next is in place need no prop: --turns"
+        return said if look(quick=True).works and look().works else ""
 
     def search(self, complete: StageAnswer, bound: BoundRules) -> Trimmed:
         """The order with the least help that is found.

@@ -194,7 +194,8 @@ class Turns(Answer):
     def layers(self) -> Scene:
         """A stage for each block, and the complete structure if it was reached."""
         assembly = self.model.assembly
-        *early, last = self._stages()
+        apart = self.robots if len({one.base for one in self.robots}) > 1 else ()
+        *early, last = self._stages(apart)
         told = self.sentences()[-1].text
         stages = [
             *early,
@@ -202,23 +203,21 @@ class Turns(Answer):
         ]
         number = np.zeros(len(assembly), dtype=np.intp)
         number[[one.block for one in self.turns]] = np.arange(1, len(self.turns) + 1)
-        apart = self.robots if len({one.base for one in self.robots}) > 1 else ()
         return Scene(
             assembly, self.model.contacts, tuple(with_reach(assembly, apart, stages)),
             f"drystone plan: {self.title}", {**self.asked.facts(), "Turns": self.title},
             number, still=-1, opens=-1, preset="stages" if len(stages) > 1 else "solid",
         )  # fmt: skip
 
-    def _stages(self) -> Iterator[SceneStage]:
-        assembly, arms = self.model.assembly, {one.name: one for one in self.robots}
-        apart = len({one.base for one in self.robots}) > 1
+    def _stages(self, apart: Sequence[Robot]) -> Iterator[SceneStage]:
+        assembly, arms = self.model.assembly, {one.name: one for one in apart}
         state = np.where(assembly.fixed, State.SUPPORT, State.ABSENT)
         for i, one in enumerate(self.turns):
             state[state == State.HELD] = State.FREE
             state[one.block] = State.HELD
             label = f"step {i + 1} of {len(assembly.free)}: {one.name}"
             stage = stage_of(self.structure, label, "", state.copy(), one.answer, True)
-            arm = {one.block: arms[one.robot]} if apart else {}
+            arm = {one.block: arms[one.robot]} if arms else {}
             yield with_arms(assembly, arm, [one.block], stage)
         if self.complete is not None:
             state[state == State.HELD] = State.FREE
@@ -289,10 +288,15 @@ def in_turn(
     team: Sequence[Robot],
     clock: Clock,
     progress: Progress | None = None,
+    *,
+    quick: bool = False,
 ) -> Turns:
-    """Turns of a team that places blocks in this order, up to the first that fails."""
+    """Turns of a team that places blocks in this order, up to the first that fails.
+
+    A ``quick`` look finds less of what stands, and ends at what may fall without a proof.
+    """
     structure, turns = evaluator.model, list[Turn]()
-    stages = [Stage(mask_of(blocks[: i + 1]), 1 << block) for i, block in enumerate(blocks)]
+    stages = [Stage(mask_of(blocks[: i + 1]), 1 << block, quick) for i, block in enumerate(blocks)]
     stages.append(Stage(structure.everything))
     complete = None
     with suppress(Stopped):
@@ -300,7 +304,7 @@ def in_turn(
             if turns and clock.late():
                 break
             ahead = stages[i + 1 : i + evaluator.batch]
-            answer = evaluator.answers([stage], ahead=ahead, forces=True)[0]
+            answer = evaluator.answers([stage], ahead=ahead, forces=not quick)[0]
             if i == len(blocks):
                 complete = answer
                 continue
