@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drystone.answer import Answer, Layer, LayerKind, Role, Scene, Sentence, State
+from drystone.answer import Answer, Layer, LayerKind, Question, Role, Scene, Sentence, State
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, Bools, Floats
 from drystone.base.display import OneLine, named
@@ -148,6 +148,11 @@ class Changed(Answer):
         """What was changed."""
         return self.words or self.message
 
+    @cached_property
+    def asked(self) -> Question:
+        """What was asked, of the file of the structure before."""
+        return replace(super().asked, file=self.before.origin.file or self.model.origin.file)
+
     def sentences(self) -> Sequence[Sentence]:
         """The verdict on the changed structure, what was changed, and how it came about."""
         result = self.result
@@ -197,9 +202,7 @@ class Changed(Answer):
         added &= stage.state != State.FALLING
         state = np.where(added, State.ADDED, stage.state)
         stage = replace(stage, state=state, layers=tuple(layers))
-        facts = {**result.asked.facts(), "Changed": self.words}
-        if before.origin.file:
-            facts["File"] = replace(result.asked, file=before.origin.file).facts()["File"]
+        facts = {**self.asked.facts(), "Changed": self.words}
         shown = {name: text for name, text in facts.items() if text}
         return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", shown)
 

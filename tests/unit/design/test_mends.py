@@ -571,6 +571,15 @@ def test_a_mend_names_each_block_once() -> None:
     assert sum("let in by" in text for text in told) == 1
 
 
+def test_a_mended_model_is_told_with_the_file_that_it_was_made_of(tmp_path: Path) -> None:
+    path = tmp_path / "h.json"
+    drystone.write(Model.of(h_model(), friction=0.4), path)
+    made = mend(path, options=MendOptions(kinds=("wedge",)))
+    assert made.stands
+    assert made.asked.file == str(path)
+    assert "h.json" in made.layers().facts["File"]
+
+
 def test_of_many_props_the_largest_are_told_and_each_one_pushes() -> None:
     blocks = [box((0.25, 0.3, 0.3), (0.0, 0.4 * k, 0.0), f"pier-{k}") for k in range(6)]
     long = [1.0 + 0.05 * k for k in range(6)]
