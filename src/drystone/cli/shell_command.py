@@ -127,7 +127,7 @@ def shell(
     told = None
     if buildable:
         layout = pattern.layout(base.width, COURSES)
-        body = pattern.body(wanted.thickness)
+        body = pattern.body(wanted.sizes.get("thickness"))
         told = find_buildable(
             base.shape, layout, body, pattern, reading.given, waiting, time_limit, search.workers
         )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.offered import Option
-from drystone.cli.surfaces import Surface, SurfaceRequest, refuse_unused, surface_of
+from drystone.cli.offered import Analysis, Of, Option
+from drystone.cli.surfaces import SIZES, Surface, SurfaceRequest, refuse_unused, surface_of
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -41,8 +41,17 @@ def _wedges(text: str) -> tuple[float, ...]:
 class ShellPattern:
     """How a surface is divided, and what its blocks are like."""
 
-    courses: Annotated[int | None, Option("Number of courses (12; legs have fewer).")] = None
-    course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None
+    blocks: Annotated[
+        Analysis,
+        Of(
+            "drystone.shells.shell_by_name",
+            ("courses", "blocks", "width", "joggle", "ground", "joints", "straight"),
+            shown=("courses", "blocks", "width"),
+        ),
+    ]
+    course_height: Annotated[
+        float | None, Option("Of the courses, in m, in place of their number.", expert=True)
+    ] = None
     partial: Annotated[
         int | None,
         Option(
@@ -51,11 +60,6 @@ class ShellPattern:
             expert=True,
         ),
     ] = 0
-    blocks: Annotated[int | None, Option("Blocks in each course.")] = None
-    width: Annotated[
-        float | None,
-        Option("Or their width in m (an eighth of the span, a quarter for three vaults)."),
-    ] = None
     wedge: Annotated[
         tuple[float, ...] | None,
         Option(
@@ -65,63 +69,44 @@ class ShellPattern:
             expert=True,
         ),
     ] = None
-    joggle: Annotated[
-        float,
-        Option(
-            "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
-        ),
-    ] = 0.0
-    ground: Annotated[
-        str,
-        Option(
-            "What is fixed: the springers themselves, or blocks added under them (springers).",
-            kind=kinds.one_of(("springers", "blocks")),
-            expert=True,
-        ),
-    ] = "springers"
-    joints: Annotated[
-        str,
-        Option(
-            "Make each joint plane, or keep a warped one as two triangles (plane).",
-            kind=kinds.one_of(("plane", "faceted")),
-            expert=True,
-        ),
-    ] = "plane"
-    straight: Annotated[bool, Option("Make the inner face of every block planar.", expert=True)] = (
-        False
-    )
 
     @property
     def any_courses(self) -> bool:
         """Whether neither the number nor the height of courses is given."""
-        return self.courses is None and self.course_height is None
+        return "courses" not in self.blocks.given and self.course_height is None
 
     @property
     def any_width(self) -> bool:
         """Whether neither the number nor the width of blocks is given."""
-        return self.blocks is None and self.width is None
+        return not {"blocks", "width"} & {*self.blocks.given}
+
+    @property
+    def straight(self) -> bool:
+        """Whether inner faces are planar."""
+        return self.blocks.given.get("straight", False)
 
     def refuse_two_ways(self) -> None:
         """Raise InputError where two options say the same thing."""
-        for one, other, names in (
-            (self.courses, self.course_height, "--courses and --course-height"),
-            (self.blocks, self.width, "--blocks and --width"),
+        given = {*self.blocks.given, *(() if self.course_height is None else ("height",))}
+        for two, names in (
+            ({"courses", "height"}, "--courses and --course-height"),
+            ({"blocks", "width"}, "--blocks and --width"),
         ):
-            if one is not None and other is not None:
+            if two <= given:
                 raise InputError("say the same thing", where=names, remedy="give one of them")
 
     def layout(self, width: float, courses: int) -> Layout:
         """The division, with the width of blocks [m] and the courses where none are given."""
         from drystone.shells import Layout
 
-        wedge = self.wedge
+        wedge, given = self.wedge, self.blocks.given
         shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
         return Layout(
-            courses=courses if self.any_courses else self.courses,
+            courses=courses if self.any_courses else given.get("courses"),
             height=self.course_height,
             partial=self.partial,
-            blocks=self.blocks,
-            width=width if self.any_width else self.width,
+            blocks=given.get("blocks"),
+            width=width if self.any_width else given.get("width"),
             wedge=0.0 if wedge is None and not self.straight else shift,
         )
 
@@ -129,12 +114,13 @@ class ShellPattern:
         """What blocks of a thickness [m] are like."""
         from drystone.shells import Ground, Intrados, JointForm, ShellBody
 
+        given = self.blocks.given
         return ShellBody(
             thickness=thickness,
-            joggle_deg=self.joggle,
+            joggle_deg=given.get("joggle", 0.0),
             intrados=Intrados.STRAIGHT if self.straight else Intrados.OFFSET,
-            joints=JointForm(self.joints),
-            ground=Ground(self.ground),
+            joints=given.get("joints", JointForm.PLANE),
+            ground=given.get("ground", Ground.SPRINGERS),
         )
 
 
@@ -145,7 +131,7 @@ def shell_on(
     from drystone.shells import build_shell
 
     layout = pattern.layout(base.width, base.courses)
-    body = pattern.body(wanted.thickness)
+    body = pattern.body(wanted.sizes.get("thickness"))
     return build_shell(base.shape, layout, body, progress=progress)
 
 
@@ -159,13 +145,13 @@ def with_values(
     InputError
         A value is of an option that this surface does not have, or two say the same thing.
     """
+    own = {name: value for name, value in values.items() if name in SIZES}
+    others = {name: value for name, value in values.items() if name not in (*SIZES, "wedge")}
+    size, blocks = wanted.size, pattern.blocks
+    surface = replace(wanted, size=replace(size, given={**size.given, **own}))
+    division = replace(pattern, blocks=replace(blocks, given={**blocks.given, **others}))
     if "wedge" in values:
-        values = {**values, "wedge": (values["wedge"],)}
-    own = {one.name for one in fields(wanted)}
-    surface = replace(wanted, **{name: value for name, value in values.items() if name in own})
-    division = replace(
-        pattern, **{name: value for name, value in values.items() if name not in own}
-    )
+        division = replace(division, wedge=(values["wedge"],))
     refuse_unused(surface)
     division.refuse_two_ways()
     return surface, division

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
 from drystone.base.errors import InputError
 from drystone.cli import kinds
-from drystone.cli.offered import MODEL, Argument, Option
+from drystone.cli.offered import MODEL, Analysis, Argument, Of, Option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +24,8 @@ _FOOT = 0.02
 size of the mesh, chosen."""
 
 
+SIZES = ("span", "length", "rise", "thickness", "eye", "keystone")
+"""Keywords of a shell by name that its surface has."""
 _USED = {
     "barrel": {"--span", "--length", "--rise"},
     "cross": {"--span"},
@@ -55,46 +58,6 @@ class SurfaceRequest:
             "found; or an open mesh file.",
         ),
     ]
-    span: Annotated[
-        float | None, Option("Span or diameter in m (6).", MODEL, kind=kinds.POSITIVE)
-    ] = None
-    length: Annotated[
-        float | None,
-        Option(
-            "Length of a barrel, depth of a free-edge plan, in m.",
-            MODEL,
-            kind=kinds.POSITIVE,
-            expert=True,
-        ),
-    ] = None
-    rise: Annotated[
-        float | None,
-        Option(
-            "Rise of a barrel or tri-dome, height of a form found, in m.",
-            MODEL,
-            kind=kinds.POSITIVE,
-        ),
-    ] = None
-    thickness: Annotated[
-        float | None,
-        Option(
-            "Thickness in m, half on each side of the surface (0.075 of the span of a barrel, "
-            "else the size by 30).",
-            MODEL,
-        ),
-    ] = None
-    eye: Annotated[
-        float | None,
-        Option(
-            "Diameter of the opening at the crown, in m (1).",
-            MODEL,
-            kind=kinds.POSITIVE,
-            expert=True,
-        ),
-    ] = None
-    keystone: Annotated[bool, Option("Close the opening with one block.", MODEL, expert=True)] = (
-        False
-    )
     supports: Annotated[
         str | None,
         Option(
@@ -123,6 +86,20 @@ class SurfaceRequest:
         Literal["z", "y"] | None,
         Option("Axis that points up in a mesh file (z).", MODEL, expert=True),
     ] = None
+    size: Annotated[
+        Analysis,
+        Of(
+            "drystone.shells.shell_by_name",
+            SIZES,
+            shown=("span", "rise", "thickness"),
+            group=MODEL,
+        ),
+    ] = None  # type: ignore[assignment]  # made by the command
+
+    @property
+    def sizes(self) -> Mapping[str, Any]:
+        """The size that was given, by keywords of :func:`drystone.shells.shell_by_name`."""
+        return {} if self.size is None else self.size.given
 
 
 @dataclass(frozen=True)
@@ -154,7 +131,6 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
         A surface that is not known, or an option that it does not have.
     """
     from drystone.shells.shell_by_name import (
-        EYE,
         SPAN,
         SURFACES,
         shape_by_name,
@@ -171,34 +147,17 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     refuse_unused(wanted)
     if kind is None:
         return _from_mesh(wanted)
-    span = SPAN if wanted.span is None else wanted.span
-    shape, notes = shape_by_name(
-        kind,
-        span=span,
-        length=wanted.length,
-        rise=wanted.rise,
-        eye=EYE if wanted.eye is None else wanted.eye,
-        keystone=wanted.keystone,
-        thickness=wanted.thickness,
-    )
+    span = wanted.sizes.get("span", SPAN)
+    shape, notes = shape_by_name(kind, **wanted.sizes)
     return Surface(shape, usual_width(kind, span), usual_courses(kind), notes)
 
 
 def refuse_unused(wanted: SurfaceRequest) -> None:
     """Raise InputError where an option is given that the surface does not have."""
     kind = wanted.surface if wanted.surface in _USED else None
-    for option, value in (
-        ("--span", wanted.span),
-        ("--length", wanted.length),
-        ("--rise", wanted.rise),
-        ("--eye", wanted.eye),
-    ):
-        _refuse(option, value is not None, kind)
-    _refuse("--keystone", wanted.keystone, kind)
-    _refuse("--supports", wanted.supports is not None, kind)
-    _refuse("--corners", wanted.corners is not None, kind)
-    _refuse("--units", wanted.units is not None, kind)
-    _refuse("--up", wanted.up is not None, kind)
+    own = {name: getattr(wanted, name) for name in ("supports", "corners", "units", "up")}
+    for name, value in {**wanted.sizes, **own}.items():
+        _refuse(f"--{name}", name != "thickness" and value not in (None, False), kind)
 
 
 def _refuse(option: str, given: bool, kind: str | None) -> None:
@@ -241,7 +200,7 @@ def _sized(made: Surface, wanted: SurfaceRequest, unit: str | None) -> Surface:
     from drystone.shells.shell_by_name import COURSES
 
     extent = max(patch.size for patch in made.shape.patches)
-    thick = made.shape.default_thickness if wanted.thickness is None else wanted.thickness
+    thick = wanted.sizes.get("thickness", made.shape.default_thickness)
     weight = ShellBody().density * shape_volume(made.shape, thick)
     what = f"the surface is {extent:.3g} m across, and a shell {thick:.3g} m thick on it weighs"
     doubt = doubtful_size(what, extent, extent / COURSES, weight, unit)

@@ -113,21 +113,36 @@ def shell_by_name(
     ----------
     surface
         barrel, cross, pavilion, dome, free-edge, three-vaults or tri-dome.
-    span, length, rise, eye, keystone
-        See ``shape_by_name`` of the same module.
+    span : [m] > 0
+        Span or diameter.
+    length : [m] > 0
+        Of a barrel, or depth of a free-edge plan.
+    rise : [m] > 0
+        Of a barrel or a tri-dome, or height of a form that is found.
     thickness : [m]
+        Half of it is on each side of the surface; when left out it is 0.075 of the span of a
+        barrel, else 1/30 of the size.
+    eye : [m] > 0
+        Diameter of the opening at the crown.
+    keystone
+        Close the opening with one block.
     courses
-        As usual for the surface when left out.
+        Number of courses (12; legs have fewer).
     blocks
-        In each course; or their ``width`` [m], the usual one of the shape when left out.
+        Blocks in each course.
+    width : [m]
+        Of the blocks, in place of their number; when left out it is an eighth of the span, a
+        quarter for three vaults.
     wedge
         See :class:`drystone.shells.Layout`. When left out 0, or what planar inner faces need.
     joggle : [degrees]
-        See :class:`drystone.shells.ShellBody`.
-    joints, ground
-        See :class:`drystone.shells.ShellBody`; a named surface has fixed springers.
+        Slope of hooks in bed joints, 10 to 25 or -25 to -10, 0 for none.
+    joints
+        Make each joint plane, or keep a warped one as two triangles, faceted.
     straight
-        Make the inner faces planar.
+        Make the inner face of every block planar.
+    ground
+        What is fixed: the springers themselves, or blocks added under them.
 
     Raises
     ------
