@@ -416,11 +416,10 @@ class Model(Card):
     def subset(self, blocks: Blocks) -> Model:
         """The model of some of the blocks, in the given order, with the contacts among them."""
         chosen = self.assembly.indices(blocks)
-        motion = None if self.load.motion is None else self.load.motion[chosen]
         return Model(
             self.assembly.subset(chosen.tolist()),
             self.contacts.of_blocks(chosen, len(self.assembly)),
-            replace(self.load, wrench=self.load.wrench[chosen], motion=motion),
+            self.load.of_blocks(chosen),
             None if self.report is None else self.report.of_blocks(chosen),
             notes=self.notes,
             unjoined=among(self.unjoined, chosen),

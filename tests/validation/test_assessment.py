@@ -51,6 +51,16 @@ def shaken(alpha: float, _: Path) -> bool:
     return pushed(THICK, alpha, 0.0, at((1e3 + alpha * 20e3, 0.0, -20e3), 0.3, 3.0))
 
 
+def carrying(words: str) -> Stands:
+    """A pier 1 m thick and 3 m high with something on it."""
+
+    def stands(alpha: float, _: Path) -> bool:
+        pier = standing(box((1.0, 1.0, 3.0), name="pier"), friction=0.9)
+        return check(pier, load=words, seismic=alpha).stable
+
+    return stands
+
+
 def tied(alpha: float, _: Path) -> bool:
     return pushed(THICK, alpha, 0.0, at((-15e3, 0.0, 0.0), 0.0, 2.8))
 
@@ -125,11 +135,21 @@ def displacement_capacity(secant: float, factor: float, confidence: float, eta: 
 
 RETURN = (1.6 * 0.2 + 0.48 * 1.0) / (2.08 * 1.5)
 HELD = WEIGHT * 0.2 + 20e3 * 0.1 - 1e3 * 3.0
+PIER = 3.0 * UNIT
+TANK = 3000.0 * G
 BACK = 2000.0 * G * 3.0 * 0.5  # moment that the weight holds, per metre
 ROWS: dict[str, tuple[float, Stands]] = {
     "wall of three courses": (0.5 / 3.0, courses),
     "wall with a roof": (HELD / (WEIGHT * 1.5), roofed),
     "wall with a roof that is shaken": (HELD / (WEIGHT * 1.5 + 20e3 * 3.0), shaken),
+    "pier under fill": (
+        0.5 * (PIER + 40e3) / (PIER * 1.5 + 40e3 * 4.0),
+        carrying("fill:cover=2m,weight=20kN/m3"),
+    ),
+    "pier with a mass": (
+        0.5 * (PIER + TANK) / (PIER * 1.5 + TANK * 3.2),
+        carrying("pier:3000kg@0.5,0.5,3.2"),
+    ),
     "wall with a tie": ((WEIGHT * 0.2 + 15e3 * 2.8) / (WEIGHT * 1.5), tied),
     "square pier about its corner": (math.sqrt(0.5) / 2.0, corner),
     "facade and return wall, L": (2.0 * RETURN, returned(0.0)),

@@ -17,7 +17,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.surface import worth_drawing
 from drystone.loads import LoadCase
-from drystone.loads.applied import applied_loads
+from drystone.loads.applied import AppliedLoads, applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 
@@ -126,7 +126,7 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
             )
         )  # fmt: skip
     layers += _surface_layer(assembly, load)
-    return (*layers, *_body_layer(assembly, load, applied.acceleration))
+    return (*layers, *_body_layer(assembly, load, applied))
 
 
 def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
@@ -177,19 +177,23 @@ def _turns(assembly: Assembly, block: Ints, moment: Floats) -> tuple[Floats, Flo
     return start, end - start
 
 
-def _body_layer(assembly: Assembly, load: LoadCase, acceleration: Floats) -> tuple[Layer, ...]:
+def _body_layer(assembly: Assembly, load: LoadCase, applied: AppliedLoads) -> tuple[Layer, ...]:
     up, _ = directions(assembly, load)
+    acceleration = applied.acceleration
     free = np.flatnonzero(~assembly.fixed)
     mass = assembly.mass[free]
     across = acceleration - (acceleration @ up) * up
     size = float(np.linalg.norm(across))
     if size <= 1e-9 * float(np.linalg.norm(acceleration)):
         return ()
+    force, centre = applied.earthquake, applied.centre
+    if not force.any():
+        force, centre = mass.sum() * across, mass @ assembly.centroid[free] / mass.sum()
     return (
         Layer(
             "acceleration", f"acceleration of all masses, {size / STANDARD_GRAVITY:.3g} g",
-            LayerKind.ARROWS, "load", (mass @ assembly.centroid[free] / mass.sum())[None],
-            (mass.sum() * across)[None], single=True, width=4.0, group="acceleration",
+            LayerKind.ARROWS, "load", centre[None], force[None], single=True, width=4.0,
+            group="acceleration",
         ),
     )  # fmt: skip
 

@@ -21,6 +21,7 @@ from drystone.joint_capacity import DRY
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
+from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.supports import bounds_above_ground
 from drystone.ties import strengths, ties_told
@@ -54,6 +55,9 @@ class Question(OneLine):
         Name of the load.
     acceleration : [m/s2]
         That most of the masses have under the load.
+    earthquake
+        Its force [N] on blocks and the masses that they carry, the point at which it acts [m], and
+        the weights [N] that it shakes, by kind.
     loads
         Of each block with other loads: the force [N], the point at which it acts [m], the moment
         [N m] about this point, and the motion [m, rad] of a support. See
@@ -90,6 +94,7 @@ class Question(OneLine):
     load: str = ""
     acceleration: tuple[float, ...] = ()
     loads: tuple[Mapping[str, Any], ...] = ()
+    earthquake: Mapping[str, Any] = field(default_factory=dict)
     joint_capacity: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     joint_stress: Mapping[str, float] = field(default_factory=dict)
     ties: Mapping[str, float] = field(default_factory=dict)
@@ -138,7 +143,7 @@ class Question(OneLine):
         free = ~assembly.fixed
         density = np.array([block.density for block in assembly.blocks])
         low, high = bounds_above_ground(assembly)
-        common, others = ((), ()) if load is None else _loads(assembly, load)
+        common, others, shaken = ((), (), {}) if load is None else _loads(assembly, load)
         rubs = contacts.select(~contacts.ties)
         capacity, stress = {}, {}
         if rubs.capacity is not None:
@@ -156,6 +161,7 @@ class Question(OneLine):
             load="" if load is None else load.name,
             acceleration=common,
             loads=others,
+            earthquake=shaken,
             joint_capacity={
                 name: ends
                 for name, ends in capacity.items()
@@ -190,6 +196,7 @@ class Question(OneLine):
             + (f" ({self.mortar})" if self.mortar else ""),
             "Ties": ties_told(self.ties),
             "Load": self.load,
+            "Earthquake": self.earthquake.get("told", ""),
             "Options": _pairs(self.options),
             "Notes": "; ".join(self.notes),
         }
@@ -272,8 +279,8 @@ def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
 
 def _loads(
     assembly: Assembly, load: LoadCase
-) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...]]:
-    """The acceleration that most masses have, and the other loads of each block."""
+) -> tuple[tuple[float, ...], tuple[Mapping[str, Any], ...], Mapping[str, Any]]:
+    """The acceleration that most masses have, the other loads of each block, and an earthquake."""
     applied = applied_loads(assembly, load)
     told: dict[int, dict[str, Any]] = {
         i: {"at": at, "force": force, "moment": moment}
@@ -290,7 +297,11 @@ def _loads(
             told.setdefault(i, {"at": assembly.centroid[i].tolist()})
             told[i]["motion"] = load.motion[i].tolist()
     rows = tuple({"block": assembly.names[i], **told[i]} for i in sorted(told))
-    return tuple(applied.acceleration.tolist()), rows
+    known, shaken = Shaken.of(assembly, load), {}
+    if known is not None:
+        shaken = {"at": applied.centre.tolist(), "force": applied.earthquake.tolist(),
+                  "weights": dict(known.weights), "told": known.words}  # fmt: skip
+    return tuple(applied.acceleration.tolist()), rows, shaken
 
 
 def _ends(values: Floats | None) -> tuple[float, float] | None:

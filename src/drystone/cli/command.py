@@ -331,6 +331,7 @@ class AnalysisCommand(Command):
                 more[name] = subject.case_of(more[name], model)
                 notes += more[name].notes
         found = asked.of(waiting, model, **more)
+        notes += [one for one in found.asked.notes if one not in notes]
         return Told(found, notes=notes, files=partial(wanted.of, found))
 
 

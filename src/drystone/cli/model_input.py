@@ -47,7 +47,7 @@ HOW = partial(
     },
     group=MODEL,
     groups={
-        LOADS: ("gravity", "load", "case", "seismic"),
+        LOADS: ("gravity", "load", "case", "seismic", "shaken"),
         CONTACTS: (
             "joint_capacity",
             "strength",
@@ -168,7 +168,7 @@ class Subject:
         """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``."""
         from drystone.io.load_options import grown
 
-        return grown(text, model, self.how.get("gravity"))
+        return grown(text, model, self.how.get("gravity"), self.how.get("shaken", False))
 
     def _read(self, how: dict[str, Any], waiting: Waiting) -> Model:
         from drystone import io  # the commands start fast: work is imported when there is some

@@ -230,7 +230,8 @@ def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     shift = before.centroid[kept] - assembly.centroid[: len(kept)]
     wrench[: len(kept), :3] += extra
     wrench[: len(kept), 3:] = model.load.wrench[kept, 3:] + cross(shift, extra)
-    return replace(model.load, wrench=wrench)
+    masses = tuple(one.of_blocks(kept, len(assembly), shift) for one in model.load.masses)
+    return replace(model.load, wrench=wrench, masses=masses)
 
 
 def acceleration_of(model: Model) -> Floats:

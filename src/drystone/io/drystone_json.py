@@ -20,6 +20,7 @@ from drystone.io.jsontext import Field
 from drystone.io.load_options import load_of_parts
 from drystone.joint_capacity import DRY, JointCapacity
 from drystone.loads import LoadCase
+from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import SurfaceLoad
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
@@ -29,7 +30,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "blocks", "contacts", "ends", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench", "motion", "acceleration", "surface", "parts")
+LOAD = ("name", "wrench", "motion", "acceleration", "shake", "masses", "surface", "parts")
 ARRAYS = {
     "force": 3,
     "force_with_props": 3,
@@ -175,16 +176,30 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
     name = field.get("name", "load").text()
     if field.has("parts"):
-        for key in ("wrench", "motion", "acceleration", "surface"):
+        for key in LOAD[1:-1]:
             if field.has(key):
                 raise field.error(f"has both a {key} and parts", "leave one out")
         return load_of_parts(field["parts"], assembly, name)
     n = len(assembly)
     motion = field["motion"].floats(n, 6) if field.has("motion") else None
-    acceleration = field["acceleration"].floats(3) if field.has("acceleration") else np.zeros(3)
+    acceleration, shake = (
+        field[key].floats(3) if field.has(key) else np.zeros(3) for key in ("acceleration", "shake")
+    )
     surface = _surface(field["surface"], n) if field.has("surface") else None
+    masses = tuple(_masses(one, n) for one in field.get("masses", []).elements())
     wrench = field["wrench"].floats(n, 6)
-    return LoadCase(wrench, name, motion=motion, acceleration=acceleration, surface=surface)
+    return LoadCase(
+        wrench, name, motion=motion, acceleration=acceleration, surface=surface, masses=masses,
+        shake=shake,
+    )  # fmt: skip
+
+
+def _masses(field: Field, n: int) -> CarriedMass:
+    field.only(("kind", "mass", "moment", "gravity", "shake"))
+    gravity, shake = (field[key].floats(3) for key in ("gravity", "shake"))
+    return CarriedMass(
+        field["kind"].text(), field["mass"].floats(n), field["moment"].floats(n, 3), gravity, shake
+    )
 
 
 def _surface(field: Field, n: int) -> SurfaceLoad:

@@ -95,6 +95,13 @@ def _load_content(load: LoadCase) -> dict[str, Any]:
         content["motion"] = load.motion.tolist()
     if load.acceleration.any():
         content["acceleration"] = load.acceleration.tolist()
+    if load.shake.any():
+        content["shake"] = load.shake.tolist()
+    if load.masses:
+        content["masses"] = [
+            {name: plain.tolist() if name != "kind" else plain for name, plain in vars(one).items()}
+            for one in load.masses
+        ]
     if load.surface is not None:
         content["surface"] = {key: values.tolist() for key, values in vars(load.surface).items()}
     return content

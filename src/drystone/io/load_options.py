@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from drystone.base.arrays import texts
 from drystone.base.errors import InputError, quoted
 from drystone.io.jsontext import Field, parse
 from drystone.loads import Earth, Fill, LoadCase
+from drystone.loads.earthquake import Shaken, with_shaken_weights
 from drystone.loads.load_words import (
     chosen_case,
     combined,
@@ -37,6 +38,8 @@ class Loads:
         Words, parts as in our JSON, or several of both, which are added; else the whole load.
     case
     seismic
+    shaken
+        Whether downward forces are weights of masses.
 
     Raises
     ------
@@ -48,12 +51,19 @@ class Loads:
     load: Any = None
     case: str | Sequence[str] = ()
     seismic: Any = None
+    shaken: bool = False
+
+    @classmethod
+    def of(cls, how: Mapping[str, Any]) -> Loads:
+        """Those among the arguments of :func:`drystone.read`."""
+        known = {one.name for one in fields(cls)}
+        return cls(**{name: value for name, value in how.items() if name in known})
 
     @property
     def given(self) -> bool:
         """Whether one of them is given."""
         one = any(each is not None for each in (self.gravity, self.load, self.seismic))
-        return one or len(self.case) > 0
+        return one or self.shaken or len(self.case) > 0
 
     def __post_init__(self) -> None:
         if len(self.case) and self.acceleration is not None:
@@ -138,16 +148,21 @@ class Loads:
                     "--case adds up cases of the file"
                 )
         gravity = whole if self.gravity is not None else None
+        if self.shaken:
+            total = with_shaken_weights(assembly, total)
         if self._added:
-            total = total + added(self._added, assembly, gravity)
+            total = total + added(self._added, assembly, gravity, self.shaken)
         if self.seismic is not None:
             text = ",".join(str(one) for one in np.atleast_1d(self.seismic).tolist())
             total = total + seismic_of_words(text, assembly)
-        return total, [*notes, *total.notes]
+        told = Shaken.of(assembly, total)
+        return total, [*notes, *total.notes, *([] if told is None else [told.words])]
 
 
-def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
+def added(given: Any, assembly: Assembly, gravity: Any = None, shaken: bool = False) -> LoadCase:
     """The sum of loads in words, and of parts as in our JSON, which may be a text too.
+
+    Their downward forces are weights of masses where they are ``shaken``.
 
     Raises
     ------
@@ -164,6 +179,7 @@ def added(given: Any, assembly: Assembly, gravity: Any = None) -> LoadCase:
         else load_of_parts(Field([_part(one)], "", Path("load")), assembly, "load")
         for one in each
     ]
+    cases = [with_shaken_weights(assembly, one) for one in cases] if shaken else cases
     return LoadCase.combine([(1.0, one) for one in cases], " + ".join(one.name for one in cases))
 
 
@@ -172,8 +188,10 @@ def _part(given: str | Mapping[str, Any]) -> Any:
     return parse(given.encode(), Path("load")).value if isinstance(given, str) else given
 
 
-def grown(given: Any, model: Model, gravity: Any = None) -> LoadCase:
+def grown(given: Any, model: Model, gravity: Any = None, shaken: bool = False) -> LoadCase:
     """A load that grows: of the file by its name, in words, or parts as in our JSON.
+
+    Its downward forces are weights of masses where they are ``shaken``.
 
     Raises
     ------
@@ -182,8 +200,9 @@ def grown(given: Any, model: Model, gravity: Any = None) -> LoadCase:
     """
     along = Loads(gravity).acceleration
     if isinstance(given, str) and not given.startswith("{"):
-        return chosen_case(given, model.assembly, model.cases, along)
-    return added(given, model.assembly, along)
+        case = chosen_case(given, model.assembly, model.cases, along)
+        return with_shaken_weights(model.assembly, case) if shaken else case
+    return added(given, model.assembly, along, shaken)
 
 
 def _is_weight(assembly: Assembly, case: LoadCase) -> bool:

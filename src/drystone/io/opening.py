@@ -53,6 +53,7 @@ class How(FileOptions, total=False):
     load: Load | None
     case: str | Sequence[str]
     seismic: str | float | Sequence[float] | None
+    shaken: bool
     joint_capacity: str | None
     strength: str | None
     tie: str | Sequence[str]
@@ -87,6 +88,7 @@ def read(
     load: Load | None = None,
     case: str | Sequence[str] = (),
     seismic: str | float | Sequence[float] | None = None,
+    shaken: bool = False,
     joint_capacity: str | None = None,
     strength: str | None = None,
     tie: str | Sequence[str] = (),
@@ -144,7 +146,9 @@ def read(
         A load case of the file in place of the weight, such as ``1.35*dead``. Several are added up
         (the first one).
     seismic
-        Horizontal forces as shares of the weight, along x and y.
+        Horizontal forces as shares of the weight, along x and y: of blocks, fill and masses in kg.
+    shaken
+        Other loads that press down are weights of masses too, as of a roof: earthquakes shake them.
     joint_capacity
         What joints carry beyond friction, ``tension=0.1MPa,cohesion=0.2MPa`` or ``shear`` in Pa or
         N, ``moment`` in Nm; ``compression=5MPa`` for joints that crush; with ``ductile`` at the end
@@ -243,14 +247,14 @@ def read(
     contents = read_file(path, supports=layer, skip_defects=skip_defects, **of_file)
     model = _model_of(
         contents,
-        Loads(gravity, load, case, seismic),
+        Loads(gravity, load, case, seismic, shaken),
         tolerances(detection, gap, angle, edges),
         asked,
         progress,
     )
     given = {
         **of_file, **asked, "up": None if up == "z" else up, "gravity": gravity, "case": case,
-        "seismic": seismic, "gap": gap, "angle": angle, "edges": edges,
+        "seismic": seismic, "shaken": shaken, "gap": gap, "angle": angle, "edges": edges,
         "skip_defects": skip_defects, **({} if detection is None else differing(detection)),
     }  # fmt: skip
     told = {name: _told(one) for name, one in given.items() if name != "max_size" and _says(one)}
@@ -329,7 +333,8 @@ def _on_ground(
             where="supports",
             remedy="search contacts too: --find-contacts (search=True in Python)",
         )
-    loads = tuple(_with_one_more(case) for case in contents.loads)
+    every = np.arange(len(contents.assembly))
+    loads = tuple(case.of_blocks(every, len(laid)) for case in contents.loads)
     return replace(contents, assembly=laid, loads=loads), rest
 
 
@@ -401,13 +406,9 @@ def _part_of(contents: Contents, how: How) -> tuple[Contents, list[str]]:
         contents,
         assembly=assembly.subset(kept.tolist()),
         contacts=None if contacts is None else contacts.of_blocks(kept, len(assembly)),
-        loads=tuple(
-            replace(one, wrench=one.wrench[kept],
-                    motion=None if one.motion is None else one.motion[kept])
-            for one in contents.loads
-        ),
+        loads=tuple(one.of_blocks(kept) for one in contents.loads),
         results=(),
-    ), notes  # fmt: skip
+    ), notes
 
 
 def kept_of(
@@ -480,13 +481,6 @@ def _cracked(model: Model, how: How) -> Model:
     return replace(left, report=None, unjoined=(), notes=(*model.notes, note))
 
 
-def _with_one_more(case: LoadCase) -> LoadCase:
-    """The load case of an assembly with one more block, on which nothing acts."""
-    none = np.zeros((1, 6))
-    motion = None if case.motion is None else np.concatenate([case.motion, none])
-    return replace(case, wrench=np.concatenate([case.wrench, none]), motion=motion)
-
-
 @checked_call
 def as_model(given: Given, **how: Unpack[How]) -> Model:
     """The model for an analysis, made from an assembly or a file if necessary.
@@ -506,7 +500,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     """
     if is_paths(given):
         return read(given, **how)
-    loads = Loads(how.get("gravity"), how.get("load"), how.get("case", ()), how.get("seismic"))
+    loads = Loads.of(how)
     if not isinstance(given, Model):
         _refuse(how, _OF_FILES, "an assembly")
         found = tolerances(how.get("detection"), how.get("gap"), how.get("angle"), how.get("edges"))

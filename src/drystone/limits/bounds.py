@@ -135,7 +135,7 @@ def load_factor_bound(
 
     Checked states stand on both sides. Without a width it is a share of the limit.
     """
-    solution = _largest(family.model, family.live, cone, stop)
+    solution = _largest(family.model, LoadCase(family.acting), cone, stop)
     factor = solution.factor
     scale = factor if 0.0 < factor < upper else upper
     chosen = share * scale if width is None else width
@@ -167,8 +167,8 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
     """The tilt [degrees] up to which forces balance the loads, least of those about x and y.
 
     One conic program for each of the four ways to tilt. Loads that are not all vertical, as those
-    of fill, do not turn: of them it is the angle of the weight of blocks with the largest push
-    along x and y that forces balance beside the loads.
+    of fill, do not turn: of them it is the angle of the weight, of blocks and what they carry, with
+    the largest push along x and y that forces balance beside the loads.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
         down = -float(common_acceleration(model.assembly, load)[2])
         if down <= 0.0:
             return None
-        load = LoadCase.gravity(model.assembly, down)
+        load = LoadCase.gravity(model.assembly, down) + load.weight_of_masses
     for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
         way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
         factor = largest(scaled_wrench(statics, way), stop).factor

@@ -30,6 +30,7 @@ from drystone.geometry.frames import axis_words, rotation_about, unit
 from drystone.io.capacity_words import with_strength
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
+from drystone.loads.earthquake import Shaken
 from drystone.model import FlushEnds, Model
 from drystone.results import Result, Samples, Verdict
 from drystone.settlement import Outcome
@@ -327,13 +328,13 @@ class Tilt(OneLine):
         phrase = f"{{}} degrees {axis_words(self.axis)}"
         told = ""
         if self._pushed:
-            told = "loads beside weight, such as of fill, keep their direction while it turns"
+            told = "forces, and pressure of fill and earth, keep their direction while it turns"
         return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"), remark=told)
 
     @property
     def _pushed(self) -> bool:
         """Whether anything beside an acceleration of all masses acts."""
-        assembly, load = self.model.assembly, self.model.load
+        assembly, load = self.model.assembly, self.model.load.beside_masses
         rest = load.wrench.copy()
         rest[:, :3] -= assembly.mass[:, None] * common_acceleration(assembly, load)
         least = 1e-9 * float(np.abs(load.wrench).max(initial=0.0))
@@ -394,10 +395,17 @@ class LoadFactor(OneLine):
         parts = [one.removesuffix(name).rstrip(" *") for one in load.name.split(" + ")
                  if one.endswith(name)]  # fmt: skip
         known = [1.0 if not one else float(one) if NUMBER.fullmatch(one) else 0.0 for one in parts]
-        along = float((load.wrench * self.live.wrench).sum() / (self.live.wrench**2).sum())
+        along = float((load.wrench * self.acting).sum() / (self.acting**2).sum())
         acting = sum(known) if sum(known) <= along * (1.0 + 1e-9) else 0.0
         asked, replaces = f"{load.name}, and {name} times a factor", ("acceleration", "loads")
-        return Quantity("load factor", replaces=replaces, acting=acting, load=asked)
+        told = Shaken.of(self.model.assembly, load + self.live) if self.live.shake.any() else None
+        return Quantity("load factor", replaces=replaces, acting=acting, load=asked,
+                        remark="" if told is None else told.words)  # fmt: skip
+
+    @cached_property
+    def acting(self) -> Floats:
+        """Wrenches (n, 6) of the live load at a factor of one."""
+        return self.live.beside(self.model.load)
 
     def __call__(self, value: float) -> Model:
         """The model at a factor."""

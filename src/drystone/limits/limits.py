@@ -8,6 +8,7 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Unpack
 
@@ -177,10 +178,14 @@ def limit_load(
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
     chosen = means.options
     model = supported_model(given, **how)
-    words = isinstance(live, str)
-    case = grown(live, model, how.get("gravity")) if words else LoadCase.of(model.assembly, live)
+    if isinstance(live, str):
+        case = grown(live, model, how.get("gravity"), how.get("shaken", False))
+    else:
+        case = LoadCase.of(model.assembly, live)
+        if not isinstance(live, LoadCase):  # of all masses, those that blocks carry too
+            case = replace(case, shake=case.acceleration)
     family = LoadFactor(model, case)
-    if not case.wrench[model.assembly.free].any():
+    if not family.acting[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")
     last = number(upper, "the largest factor")
     if last <= 0.0:

@@ -31,6 +31,9 @@ class AppliedLoads(OneLine):
         closely. The centroid where there is no force.
     force : (a, 3) [N]
     moment : (a, 3) [N m], about the point
+    earthquake, centre : (3,) [N], [m]
+        The force of an earthquake on all masses, and where it acts, without a torque. On the masses
+        that blocks carry it is not among the others.
     """
 
     acceleration: Floats
@@ -38,18 +41,21 @@ class AppliedLoads(OneLine):
     point: Floats
     force: Floats
     moment: Floats
+    earthquake: Floats
+    centre: Floats
 
     def _summary(self) -> str:
         along = ", ".join(f"{x:.4g}" for x in self.acceleration + 0.0)
         return f"[{along}] m/s2, {counted(len(self.block), 'loaded block')}"
 
     def table(self, names: tuple[str, ...]) -> Table:
-        """One row per loaded block; ``names`` are those of all blocks."""
+        """A row of an earthquake, and one per loaded block; ``names`` are those of all blocks."""
+        shaken = int(self.earthquake.any())
         columns = {
-            "block": [names[i] for i in self.block],
-            "point": self.point,
-            "force": self.force,
-            "moment": self.moment,
+            "block": [*["earthquake"] * shaken, *(names[i] for i in self.block)],
+            "point": np.vstack([*[self.centre] * shaken, self.point]),
+            "force": np.vstack([*[self.earthquake] * shaken, self.force]),
+            "moment": np.vstack([*[np.zeros(3)] * shaken, self.moment]),
         }
         return Table("loads", columns, {"point": "m", "force": "N", "moment": "N m"})
 
@@ -72,6 +78,8 @@ def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
     common = common_acceleration(assembly, load)
     rest = load.wrench.copy()
     rest[:, :3] -= assembly.mass[:, None] * common
+    for one in load.masses:
+        rest -= one.pushed(one.shake)
     rest[assembly.fixed] = 0.0
     least = ROUNDING * float(np.abs(load.wrench[:, :3]).max(initial=0.0))
     rest[:, :3][np.abs(rest[:, :3]).max(axis=1) <= least] = 0.0
@@ -84,7 +92,21 @@ def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
     along = np.where(lengths(along)[:, None] > least * assembly.size[block, None], along, 0.0)
     left = np.where(lengths(force)[:, None] > 0.0, along, moment)
     point = _entered(assembly, block, assembly.centroid[block] + arm, force)
-    return AppliedLoads(common, block, point, force, left)
+    return AppliedLoads(common, block, point, force, left, *_earthquake(assembly, load))
+
+
+def _earthquake(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
+    """Its force (3,) [N] on free blocks and their masses, and its place (3,) [m]."""
+    free = assembly.free
+    along = load.shake / max(float(np.linalg.norm(load.shake)), 1e-300)
+    parts = [(assembly.mass[free] * (load.shake @ along), assembly.centroid[free])]
+    parts += [
+        (one.mass[free] * (one.shake @ along), one.place(assembly)[free]) for one in load.masses
+    ]
+    pushed = float(sum(size.sum() for size, _ in parts))
+    if pushed == 0.0:
+        return np.zeros(3), np.zeros(3)
+    return pushed * along, np.asarray(sum(size @ place for size, place in parts) / pushed)
 
 
 def _entered(assembly: Assembly, block: Ints, point: Floats, force: Floats) -> Floats:

@@ -10,10 +10,11 @@ from typing import Any, SupportsFloat
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.arrays import Floats, Ints, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
+from drystone.loads.masses import CarriedMass
 from drystone.loads.placing import (
     SurfaceLoad,
     free_block,
@@ -50,6 +51,10 @@ class LoadCase(OneLine):
         The tractions on faces among the wrenches, for pictures.
     fills
         The fill among the wrenches, through which a train presses.
+    masses
+        What blocks carry, its forces among the wrenches.
+    shake : (3,) [m/s2]
+        Of an earthquake: of the blocks, of these masses, and of those of all cases that are added.
 
     Examples
     --------
@@ -68,15 +73,20 @@ class LoadCase(OneLine):
     acceleration: Floats = field(default_factory=lambda: np.zeros(3))
     surface: SurfaceLoad | None = None
     fills: tuple[Any, ...] = ()
+    masses: tuple[CarriedMass, ...] = ()
+    shake: Floats = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        given = frozen_floats(self.acceleration, (3,), "acceleration")
-        object.__setattr__(self, "acceleration", given)
+        for name in ("acceleration", "shake"):
+            object.__setattr__(self, name, frozen_floats(getattr(self, name), (3,), name))
         object.__setattr__(self, "wrench", frozen_floats(self.wrench, (None, 6), "wrench"))
         if self.motion is not None:
             given = frozen_floats(self.motion, (len(self.wrench), 6), "motion")
             object.__setattr__(self, "motion", given if given.any() else None)
         object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "masses", tuple(self.masses))
+        if any(len(one.mass) != len(self.wrench) for one in self.masses):
+            raise InputError("carried masses and wrenches are of different assemblies")
 
     def _summary(self) -> str:
         total = ", ".join(f"{x:.4g}" for x in self.wrench[:, :3].sum(axis=0) + 0.0)
@@ -166,6 +176,9 @@ class LoadCase(OneLine):
     ) -> LoadCase:
         """Horizontal forces in proportion to the weight, without the weight itself.
 
+        Those of blocks; with the load cases to which it is added, also those of the masses that
+        blocks carry there: fill, and masses in kg. Forces are no masses.
+
         Parameters
         ----------
         assembly
@@ -177,7 +190,7 @@ class LoadCase(OneLine):
         with np.errstate(over="ignore"):  # what overflows is refused below
             level = number(g, "g") * np.array([x, y, 0.0])
         name = f"seismic {x:g}, {y:g}"
-        return cls(wrench_of_masses(assembly, level), name, acceleration=level)
+        return cls(wrench_of_masses(assembly, level), name, acceleration=level, shake=level)
 
     @classmethod
     def point_load(
@@ -281,10 +294,13 @@ class LoadCase(OneLine):
         if carried < 0.0:
             raise InputError(f"mass is {carried}", remedy="give kg of zero or more")
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
-            force = carried * number(g, "g") * unit(direction, "gravity direction")
-        load = cls.point_load(assembly, block, force, at)
+            down = number(g, "g") * unit(direction, "gravity direction")
+            load = cls.point_load(assembly, block, carried * down, at)
         place = load.name.partition(" N on ")[2]
-        return cls(load.wrench, f"{carried:g} kg on {place}", load.notes)
+        i = assembly.indices([block])
+        point = assembly.centroid[i] if at is None else np.array([at], dtype=np.float64)
+        made = CarriedMass.at(assembly, "mass", i, np.array([carried]), point, down)
+        return cls(load.wrench, f"{carried:g} kg on {place}", load.notes, masses=(made,))
 
     @classmethod
     def settlement(cls, assembly: Assembly, block: int | str, motion: Any) -> LoadCase:
@@ -315,14 +331,54 @@ class LoadCase(OneLine):
         return cls(np.zeros_like(moved), "settlement", (), moved)
 
     def turned(self, rotation: Floats) -> LoadCase:
-        """The same loads in the axes of a model that was turned by a matrix (3, 3)."""
-        wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
-        surface = self.surface
-        if surface is not None:
-            surface = surface.turned(rotation)
+        """The same loads in the axes of a model that was turned by a matrix (3, 3).
+
+        Forces and moments keep their direction in space. Masses turn with their blocks: their
+        forces act where they are then.
+        """
+        masses = tuple(one.turned(rotation) for one in self.masses)
+        wrench = (self.beside_masses.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
         return replace(
-            self, wrench=wrench, acceleration=self.acceleration @ rotation, surface=surface
+            self,
+            wrench=sum((one.wrench for one in masses), wrench),
+            acceleration=self.acceleration @ rotation,
+            surface=None if self.surface is None else self.surface.turned(rotation),
+            masses=masses,
+            shake=self.shake @ rotation,
         )
+
+    @property
+    def beside_masses(self) -> LoadCase:
+        """The same without the masses that blocks carry, and their forces."""
+        wrench = self.wrench - sum((x.wrench for x in self.masses), np.zeros_like(self.wrench))
+        return replace(self, wrench=wrench, masses=())
+
+    @property
+    def weight_of_masses(self) -> LoadCase:
+        """Of what blocks carry, alone."""
+        masses = tuple(replace(one, shake=np.zeros(3)) for one in self.masses)
+        wrench = sum((one.wrench for one in masses), np.zeros_like(self.wrench))
+        return LoadCase(wrench, "carried masses", masses=masses)
+
+    def of_blocks(self, chosen: Ints, count: int | None = None) -> LoadCase:
+        """The loads of some blocks of an assembly, which are the first of ``count``."""
+        every = len(chosen) if count is None else count
+        wrench, motion = np.zeros((every, 6)), None
+        wrench[: len(chosen)] = self.wrench[chosen]
+        if self.motion is not None:
+            motion = np.zeros((every, 6))
+            motion[: len(chosen)] = self.motion[chosen]
+        surface = None if self.surface is None else self.surface.of_blocks(chosen, every)
+        masses = tuple(one.of_blocks(chosen, every) for one in self.masses)
+        return replace(self, wrench=wrench, motion=motion, surface=surface, masses=masses)
+
+    def beside(self, other: LoadCase) -> Floats:
+        """Wrenches (n, 6) by which the sum with another case is more than the other.
+
+        Its own, and those of the earthquake of each on the masses of the other.
+        """
+        more = sum((one.pushed(self.shake) for one in other.masses), self.wrench)
+        return np.asarray(sum((one.pushed(other.shake) for one in self.masses), more))
 
     @classmethod
     def combine(
@@ -355,14 +411,17 @@ class LoadCase(OneLine):
     @classmethod
     def _of_all(cls, cases: Sequence[LoadCase]) -> LoadCase:
         """The sum of some load cases."""
-        wrench, names, notes, motion, acceleration, surface = zip(
-            *((x.wrench, x.name, x.notes, x.motion, x.acceleration, x.surface) for x in cases),
+        wrench, names, notes, motion, acceleration, surface, shake = zip(
+            *(
+                (x.wrench, x.name, x.notes, x.motion, x.acceleration, x.surface, x.shake)
+                for x in cases
+            ),
             strict=True,
         )
         if len({one.shape for one in wrench}) > 1:
             raise InputError("load cases of different assemblies cannot be added")
         surfaces = [one for one in surface if one is not None]
-        return cls(
+        total = cls(
             _added(wrench),
             name_of_sum(names),
             tuple(dict.fromkeys(chain.from_iterable(notes))),
@@ -370,7 +429,16 @@ class LoadCase(OneLine):
             _added(acceleration),
             SurfaceLoad.of_all(surfaces) if surfaces else None,
             tuple(chain.from_iterable(x.fills for x in cases)),
+            shake=_added(shake),
         )
+        return total._with_masses_of(cases)
+
+    def _with_masses_of(self, cases: Sequence[LoadCase]) -> LoadCase:
+        """The sum of some cases with their masses, each shaken by the earthquakes of the others."""
+        others = [(mass, self.shake - case.shake) for case in cases for mass in case.masses]
+        wrench = sum((mass.pushed(more) for mass, more in others if more.any()), self.wrench)
+        masses = tuple(mass.shaken(more) for mass, more in others)
+        return replace(self, wrench=wrench, masses=masses)
 
     def __mul__(self, factor: float) -> LoadCase:
         if isinstance(factor, str) or np.ndim(factor) or not isinstance(factor, SupportsFloat):
@@ -381,8 +449,10 @@ class LoadCase(OneLine):
             moved = None if self.motion is None else self.motion * by
             surface = None if self.surface is None else self.surface.by(by)
             wrench, known = self.wrench * by, self.acceleration * by
+            masses = tuple(one.by(by) for one in self.masses)
+            shake = self.shake * by
         return LoadCase(wrench, f"{by:g} {name}", self.notes, moved, known, surface,
-                        self.fills if by == 1.0 else ())  # fmt: skip
+                        self.fills if by == 1.0 else (), masses, shake)  # fmt: skip
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

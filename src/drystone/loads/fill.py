@@ -20,7 +20,8 @@ from drystone.base.errors import InputError, meant
 from drystone.base.settings import Options
 from drystone.base.units import quantity
 from drystone.geometry.frames import AXES
-from drystone.loads.case import STANDARD_GRAVITY, LoadCase
+from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
+from drystone.loads.masses import CarriedMass
 from drystone.loads.seen_strips import SeenStrips, Spots, Traction
 from drystone.supports import select
 
@@ -49,7 +50,9 @@ class Fill(Options):
 
     Notes
     -----
-    The vertical pressure at depth h is ``weight * h``, on each horizontal area. The horizontal one
+    An earthquake shakes its weight: the column on each block moves with it, and its force acts in
+    the middle of the column. The vertical pressure at depth h is ``weight * h``, on each
+    horizontal area. The horizontal one
     is ``k`` times that, on each vertical area. Fill lies on what is seen from above.
 
     Examples
@@ -130,7 +133,10 @@ class Fill(Options):
         top = Tops.of(assembly, self)
         name = f"fill to {self._level} with K {self.k:.3g}"
         surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
-        return LoadCase(top.pressed(1.0, self.k), name, self.notes, surface=surface, fills=(self,))
+        return LoadCase(
+            top.pressed(1.0, self.k), name, self.notes,
+            surface=surface, fills=(self,), masses=(top.mass,),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,6 +216,23 @@ class Tops:
     def resisting(self) -> Floats:
         """Wrenches (n, 6) of all that the fill resists beyond its pressure by ``k``."""
         return self.pressed(0.0, max(self.fill.passive - self.fill.k, 0.0))
+
+    @property
+    def mass(self) -> CarriedMass:
+        """Of the fill: its columns lie on the blocks under them, each at its own place."""
+        down = self.pressed(1.0, 0.0)
+
+        def traction(at: Spots) -> Floats:
+            deep = np.maximum(self.level(at.t) - at.r, 0.0)
+            line = self.fill.weight * deep
+            return np.column_stack([line, 0.5 * deep * line, 0.0 * line])
+
+        # by a push along x the torque about y has the heights of the tops, that along y the half
+        # depths
+        along = self.strips.wrenches(self.assembly, traction)
+        place = np.column_stack([down[:, 4], -down[:, 3], along[:, 4] + along[:, 1]])
+        by, gravity = 1.0 / STANDARD_GRAVITY, STANDARD_GRAVITY * np.array(DOWN)
+        return CarriedMass("fill", -by * down[:, 2], by * place, gravity)
 
     def pressure(self, vertical: float, horizontal: float) -> Traction:
         """Shares of the pressure of the weight, down and inwards."""

@@ -164,6 +164,17 @@ class SurfaceLoad(OneLine):
         wrench = (self.wrench.reshape(-1, 2, 3) @ rotation).reshape(-1, 6)
         return replace(self, traction=self.traction @ rotation, wrench=wrench)
 
+    def of_blocks(self, chosen: Ints, count: int) -> SurfaceLoad:
+        """Those of some blocks, which are the first of ``count``."""
+        position = np.full(len(self.wrench), -1, dtype=np.intp)
+        position[chosen] = np.arange(len(chosen))
+        wrench = np.zeros((count, 6))
+        wrench[: len(chosen)] = self.wrench[chosen]
+        kept = position[self.block] >= 0
+        return SurfaceLoad(
+            position[self.block[kept]], self.point[kept], self.traction[kept], wrench
+        )
+
     @classmethod
     def of_triangles(
         cls, block: int, force: Floats, triangle: Floats, wrench: Floats

@@ -15,6 +15,7 @@ from drystone.joints import HINGED, worst_joints
 from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
 from drystone.loads.applied import applied_loads
+from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.report import sketches
 from drystone.report.document import Document, Heading, Part, Picture, Section, TitleBlock
@@ -231,8 +232,10 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
     applied = applied_loads(model.assembly, model.load)
     along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
     yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
-    if len(applied.block):
-        yield applied.table(model.assembly.names)
+    yield from _shaken(model)
+    table = applied.table(model.assembly.names)
+    if len(table):
+        yield table
     else:
         yield "The model has no other load on a free block; a limit names those that it adds."
     yield sketches.loads_picture(model)
@@ -251,6 +254,13 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
         }  # fmt: skip
         if len(first.places):
             yield first.axles()
+
+
+def _shaken(model: Model) -> Iterator[str]:
+    """What an earthquake shakes, where there is one."""
+    known = Shaken.of(model.assembly, model.load)
+    if known is not None:
+        yield f"{known.words[:1].upper()}{known.words[1:]}."
 
 
 def _answer(answer: Answer) -> Iterator[Part]:

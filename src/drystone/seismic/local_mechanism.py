@@ -34,6 +34,7 @@ from drystone.limits import limit_load
 from drystone.loads import LoadCase
 from drystone.loads.applied import applied_loads
 from drystone.loads.case import STANDARD_GRAVITY
+from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.seismic.spectrum import (
     LimitState,
@@ -56,7 +57,6 @@ class _Asked:
     direction: str = ""
     part: str = ""
     line: str = ""
-    shaken: bool = False
     site: str = ""
 
 
@@ -163,6 +163,9 @@ class LocalMechanism(Answer):
         moving = counted(int(np.count_nonzero(self._moving)), "block moves", "blocks move")
         said = [Sentence(self.title, Role.GOOD if good else Role.BAD)]
         said.append(Sentence(f"{moving}; {self.how}"))
+        quake = LoadCase.seismic(self.model.assembly, 1.0)
+        shaken = Shaken.of(self.model.assembly, self.model.load + quake, self._moving)
+        said += [Sentence(shaken.words, Role.REMARK)] if shaken else []
         said += [Sentence(one, Role.REMARK) for one in self.remarks]
         if self.site is not None and self.site.confidence == 1.0:
             full = "FC = 1: full knowledge of the building is taken (confidence in the site file)"
@@ -259,14 +262,13 @@ class LocalMechanism(Answer):
 
     def _earthquake(self) -> tuple[Layer, ...]:
         """The force of the earthquake on what moves, as one arrow that ends in its middle."""
-        assembly, alpha = self.model.assembly, self.oscillator.multiplier
-        mass = np.where(self._moving, assembly.mass, 0.0)
+        alpha = self.oscillator.multiplier
+        place, weight, *_ = _masses(self.model, np.flatnonzero(self._moving))
         along = np.array(self.options.direction.split(","), dtype=float)
-        force, middle = alpha * STANDARD_GRAVITY * mass.sum() * along, mass @ assembly.centroid
+        force, middle = alpha * weight.sum() * along, weight @ place / weight.sum()
         return (
             Layer("acceleration", f"earthquake, {alpha:.4g} g", LayerKind.ARROWS, "load",
-                  middle[None] / mass.sum(), force[None], single=True, width=4.0,
-                  group="acceleration"),
+                  middle[None], force[None], single=True, width=4.0, group="acceleration"),
         )  # fmt: skip
 
     def _hinges(self) -> tuple[Layer, ...]:
@@ -319,7 +321,6 @@ def local_mechanism(
     direction: Floats | Sequence[float] | str = "x",
     part: str | Sequence[str] = (),
     line: Sequence[float] | None = None,
-    shaken: bool = False,
     site: str | SeismicDemand | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -344,8 +345,6 @@ def local_mechanism(
     line : (6,) [m]
         Two points of the line about which the part turns; when left out, the line across the
         direction through the lowest edge of the part on the side to which it falls.
-    shaken
-        Whether vertical loads, as of a roof, have masses that are shaken with the part.
     site
         TOML file with a spectrum and the factors q and FC, such as ``code``, ``ag``, ``soil``.
 
@@ -382,11 +381,10 @@ def local_mechanism(
         direction=", ".join(f"{x:.4g}" for x in along + 0.0),
         part=part if isinstance(part, str) else ", ".join(part),
         line=", ".join(f"{x:g}" for x in (() if line is None else line)),
-        shaken=shaken,
         site=told,
     )
     if part:
-        turning, motion = _turning(model, along, part, line, shaken)
+        turning, motion = _turning(model, along, part, line)
         found = turning.oscillator()
         moved, load = turning.curve()
         told = "a rigid part that turns about a line; its joints neither slide, pull nor crush"
@@ -400,7 +398,7 @@ def local_mechanism(
     if line is not None:
         raise InputError("is for a part", where="line", remedy="name its blocks: --part")
     late: dict[str, Any] = {"progress": progress, "stop": clock.late}
-    return replace(_found(model, along, shaken, site, late), options=asked)
+    return replace(_found(model, along, site, late), options=asked)
 
 
 def _above_ground(model: Model, turning: Turning, site: SeismicDemand | None) -> tuple[str, ...]:
@@ -442,13 +440,13 @@ def _verified(rows: Sequence[tuple[Any, ...]]) -> Table:
 def _found(
     model: Model,
     along: Floats,
-    shaken: bool,
     site: SeismicDemand | None,
     late: dict[str, Any],
 ) -> LocalMechanism:
     """The mechanism of all blocks."""
     assembly = model.assembly
-    live, place, weight, block = _shaken(model, along, np.arange(len(assembly)), shaken)
+    live = replace(LoadCase.seismic(assembly, *along[:2]), name="earthquake of 1 g")
+    place, weight, block, _ = _masses(model, np.arange(len(assembly)))
     limit = limit_load(model, live, upper=100.0, **late)
     best = limit.best
     if best.stands is None or best.falling is None or best.falling.mechanism is None:
@@ -497,24 +495,20 @@ def _bodies(model: Model, motion: Floats) -> Ints:
     return linked(contacts.block_a[whole], contacts.block_b[whole], len(assembly))
 
 
-def _shaken(
-    model: Model, along: Floats, part: Ints, loads: bool
-) -> tuple[LoadCase, Floats, Floats, Ints]:
-    """Forces of an earthquake of 1 g; places (p, 3), weights (p,) and blocks of the masses."""
+def _masses(model: Model, part: Ints) -> tuple[Floats, Floats, Ints, list[str]]:
+    """Places (p, 3), weights (p,), blocks and names of masses: of blocks, then what they carry."""
     assembly = model.assembly
     part = part[~assembly.fixed[part]]
-    place, weight, block = assembly.centroid[part], STANDARD_GRAVITY * assembly.mass[part], part
-    if loads:
-        applied = applied_loads(assembly, model.load)
-        down = np.isin(applied.block, part) & (applied.force[:, 2] < 0.0)
-        place = np.vstack([place, applied.point[down]])
-        weight = np.concatenate([weight, -applied.force[down, 2]])
-        block = np.concatenate([block, applied.block[down]])
-    wrench = np.zeros((len(assembly), 6))
-    force = weight[:, None] * along
-    np.add.at(wrench[:, :3], block, force)
-    np.add.at(wrench[:, 3:], block, np.cross(place - assembly.centroid[block], force))
-    return LoadCase(wrench, "earthquake of 1 g"), place, weight, block
+    place, mass, block = [assembly.centroid[part]], [assembly.mass[part]], [part]
+    names = [assembly.names[i] for i in part]
+    for one in model.load.masses:
+        here = part[one.mass[part] != 0.0]
+        place.append(one.place(assembly)[here])
+        mass.append(one.mass[here])
+        block.append(here)
+        names += [f"{one.kind} on {assembly.names[i]}" for i in here]
+    weight = STANDARD_GRAVITY * np.concatenate(mass)
+    return np.vstack(place), weight, np.concatenate(block), names
 
 
 def _turning(
@@ -522,7 +516,6 @@ def _turning(
     along: Floats,
     part: str | Sequence[str],
     line: Sequence[float] | None,
-    shaken: bool,
 ) -> tuple[Turning, Floats]:
     """A part that turns about a line, and its virtual motion (n, 6)."""
     assembly = model.assembly
@@ -534,10 +527,10 @@ def _turning(
     if not len(chosen):
         raise InputError("has no free block", where="part", remedy="name blocks that can move")
     origin, axis = _lowest_edge(assembly, chosen, along) if line is None else _line(line, along)
-    applied = applied_loads(assembly, model.load)
+    applied = applied_loads(assembly, model.load.beside_masses)
     mine = np.isin(applied.block, chosen)
     couple = applied.moment[mine].sum(axis=0)
-    _, at, weight, block = _shaken(model, along, chosen, shaken)
+    at, weight, _, names = _masses(model, chosen)
     own, others = weight[: len(chosen)], weight[len(chosen) :]  # the part is one body
     masses = np.vstack([own @ at[: len(chosen)] / own.sum(), at[len(chosen) :]])
     weight = np.concatenate([[own.sum()], others])
@@ -545,15 +538,17 @@ def _turning(
     motion[chosen, :3] = np.cross(axis, assembly.centroid[chosen] - origin)
     motion[chosen, 3:] = axis
     pulls = _pulls(model, chosen, motion)
-    place = [masses[:1], applied.point[mine], *(x[None] for _, x, _ in pulls)]
+    place = [masses, applied.point[mine], *(x[None] for _, x, _ in pulls)]
+    carried = [one.wrench[chosen[one.mass[chosen] != 0.0], :3] for one in model.load.masses]
     mass = assembly.mass[chosen].sum()
-    force = [mass * applied.acceleration[None], applied.force[mine], *(x[None] for *_, x in pulls)]
+    force = [mass * applied.acceleration[None], *carried, applied.force[mine],
+             *(x[None] for *_, x in pulls)]  # fmt: skip
     loads = [f"load on {assembly.names[i]}" for i in applied.block[mine]]
-    name = ("own weight", *loads, *(f"tie {one}" for one, *_ in pulls))
-    shaken_names = ("own weight", *(f"load on {assembly.names[i]}" for i in block[len(chosen) :]))
+    shaken = ("own weight", *names[len(chosen) :])
+    name = (*shaken, *loads, *(f"tie {one}" for one, *_ in pulls))
     turning = Turning(
-        origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken_names,
-        masses, weight,
+        origin, axis, along, name, np.vstack(place), np.vstack(force), couple, shaken, masses,
+        weight,
     )  # fmt: skip
     return turning, motion
 
@@ -605,5 +600,5 @@ OFFERED = Offered(
     local_mechanism,
     "arch.json --part 'voussoir-*'",
     ("direction", "part", "site"),
-    names=("direction", "part", "line", "shaken", "site", "time_limit_s"),
+    names=("direction", "part", "line", "site", "time_limit_s"),
 )

@@ -14,7 +14,7 @@ Limits of struts, ropes and centring are compared with the forces of the state t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -329,13 +329,12 @@ def with_items(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
         bodies.append(_bar(*joint.ends, THICK * float(assembly.size[block]), f"scaffold-{k:03d}"))
         pairs.append((under, block))
         joints.append(joint)
-    wrench = np.concatenate([model.load.wrench, np.zeros((len(bodies), 6))])
     whole = Model(
         Assembly(
             (*assembly.blocks, *bodies), np.append(assembly.fixed, np.ones(len(bodies), dtype=bool))
         ),
         joined_contacts(model.contacts, _interfaces(pairs, joints)),
-        replace(model.load, wrench=wrench),
+        model.load.of_blocks(np.arange(len(model)), len(model) + len(bodies)),
         notes=model.notes,
         ends=model.ends,
     )

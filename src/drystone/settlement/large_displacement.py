@@ -18,6 +18,7 @@ from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
+from drystone.loads.earthquake import Shaken
 from drystone.mechanics.bodies import Bodies, build_bodies, numbered_axes, numbered_forces
 from drystone.mechanics.corners import CARRIER, Carrier
 from drystone.mechanics.drive import DrivenState, Driver
@@ -103,18 +104,21 @@ def push(
         case = LoadCase.of(model.assembly, live)
     else:
         case = _of_masses(model, live)
-    free = model.assembly.free
-    if not np.any(case.wrench[free, :3]):
+    free, wrench = model.assembly.free, case.beside(model.load)
+    if not np.any(wrench[free, :3]):
         raise InputError(
             "the load that grows has no force on a free block", remedy="push a free block"
         )
     if to is not None and not 0.0 < to < np.inf:
         raise InputError(f"to is {to:g}", remedy="give a length in m above zero")
+    shaken = Shaken.of(model.assembly, model.load + case) if case.shake.any() else None
+    if shaken is not None:
+        model = replace(model, notes=(*model.notes, shaken.words))
 
     def run(_: Model, bodies: Bodies, driver: Driver, tell: Tell) -> tuple[Ended, float, float]:
-        wrench = case.wrench[free]
+        acting = wrench[free]
         grown = np.concatenate(
-            [wrench[:, :3], wrench[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
+            [acting[:, :3], acting[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
             axis=1,
         )
         grown /= bodies.force_unit
@@ -300,7 +304,8 @@ def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:
     if size == 0.0:
         raise InputError("the load that grows is zero", remedy="give a direction such as (1, 0, 0)")
     load = LoadCase.gravity(model.assembly, STANDARD_GRAVITY * size, given)
-    return LoadCase(load.wrench, f"{', '.join(f'{x:g}' for x in given)} of the weight")
+    name = f"{', '.join(f'{x:g}' for x in given)} of the weight"
+    return LoadCase(load.wrench, name, shake=load.acceleration)
 
 
 def _said(found: LargeDisplacement, driver: Driver) -> str:

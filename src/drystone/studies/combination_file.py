@@ -19,6 +19,7 @@ from drystone.io.opening import kept_of
 from drystone.loads import LoadCase
 from drystone.loads.applied import common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
+from drystone.loads.earthquake import with_shaken_weights
 from drystone.loads.load_words import chosen_case
 from drystone.model import Model
 
@@ -138,8 +139,9 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
         each action: ``kind``; ``load``: ``gravity`` (9.81 along -z), ``model`` (the whole load of
         the model, with ``gravity``, ``load`` and ``seismic`` of reading), a case of its file (that
         of the same name when left out), ``seismic:KX,KY``, ``BLOCK:WHAT``, or a list of these;
-        ``blocks``, to which gravity is restricted; ``psi`` or ``category`` of variable actions;
-        ``factors``: unfavourable and favourable; ``group``; ``reversible``.
+        ``shaken``: its downward forces are weights of masses, which earthquakes shake as they do
+        fill and masses in kg; ``blocks``, to which gravity is restricted; ``psi`` or ``category``
+        of variable actions; ``factors``: unfavourable and favourable; ``group``; ``reversible``.
     model
 
     Raises
@@ -323,7 +325,9 @@ def _factors(one: Field) -> tuple[float, float]:
 
 
 def _action(name: str, one: Field, model: Model, standard: Field) -> Action:
-    one.only(("kind", "load", "blocks", "psi", "category", "factors", "group", "reversible"))
+    one.only(
+        ("kind", "load", "shaken", "blocks", "psi", "category", "factors", "group", "reversible")
+    )
     kind = one["kind"]
     if kind.text() not in _KINDS:
         raise kind.error(f"is '{kind.text()}'", f"give {', '.join(_KINDS)}")
@@ -380,6 +384,8 @@ def _parts(name: str, one: Field, model: Model) -> list[LoadCase]:
     given = one.get("load", name)
     each = list(given.elements()) if isinstance(given.value, list) else [given]
     parts = [_acting(word, one, model) for word in each]
+    if one.get("shaken", False).boolean():
+        parts = [with_shaken_weights(model.assembly, part) for part in parts]
     if one.has("blocks") and "gravity" not in [word.text() for word in each]:
         raise one["blocks"].error("restricts gravity only", 'write load = "gravity"')
     if not parts:

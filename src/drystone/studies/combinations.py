@@ -20,6 +20,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits import LimitOptions, limit_friction, limit_shrink
+from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
@@ -118,6 +119,9 @@ class Combinations(Answer):
         by = one.situation
         divided = f"friction is divided by {by.friction:g}, strength of joints by {by.strength:g}"
         said.append(Sentence(divided))
+        quakes = (one.load for one in self.each if one.load.shake.any())
+        shaken = [Shaken.of(self.governing.assembly, load) for load in quakes]
+        said += [Sentence(one, Role.REMARK) for one in dict.fromkeys(x.words for x in shaken if x)]
         if self.stopped:
             said.append(Sentence(f"not finished: {self.stopped}", Role.REMARK))
         return said

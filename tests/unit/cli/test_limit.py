@@ -181,7 +181,7 @@ def test_check_takes_loads_and_an_earthquake(model: str, capsys: Capsys) -> None
     assert code == 0
     force = told["most_loaded"][0]
     assert force["normal"] == pytest.approx(2500.0 * 9.81)
-    assert force["tangential"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
+    assert force["tangential"] == pytest.approx(2500.0 * 9.81 * 0.1 * np.sqrt(2.0))
     assert answer(capsys, "check", model, "--seismic", "0.7,0")[0] == 1
 
 
