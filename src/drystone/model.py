@@ -311,14 +311,24 @@ class Model(Card):
         notes: tuple[str, ...] = ()
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
-        report = found.report
-        notes += tuple(inexact_lines(assembly.names, report.inexact))
-        notes += tuple(resampled_lines(report.resampled))
-        notes += tuple(overlap_lines(assembly.names, report.overlaps_left))
-        model = cls(
-            assembly, contacts, LoadCase.of(assembly, load), report, notes, unjoined=report.unjoined
-        )
+        model = cls(assembly, contacts, LoadCase.of(assembly, load), notes=notes)
+        model = model.with_report(found.report)
         return model if chosen is None else model.with_supports(chosen, up)
+
+    def with_report(self, report: ContactReport) -> Model:
+        """The same model with what the search that found its contacts says of them."""
+        said = (
+            *inexact_lines(self.assembly.names, report.inexact),
+            *resampled_lines(report.resampled),
+            *overlap_lines(self.assembly.names, report.overlaps_left),
+        )
+        notes = (*self.notes, *said)
+        return replace(self, report=report, unjoined=report.unjoined, notes=notes)
+
+    @property
+    def detection(self) -> DetectionOptions | None:
+        """The tolerances with which the contacts were searched; ``None`` where they were given."""
+        return None if self.report is None else self.report.options
 
     def with_load(self, load: Any) -> Model:
         """The same model under another load; see :class:`Model`."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +23,9 @@ from drystone import (
     limits,
     models,
     plan,
+    read,
     solve_rbe,
+    write,
 )
 from drystone.detection import DetectionOptions
 from drystone.geometry.frames import rotation_about
@@ -63,12 +67,17 @@ def test_a_leaning_slab_with_a_flat_foot_stands_by_its_upper_edge(degrees: float
     assert not solve_rbe(leaning(degrees), friction=0.9).falls
 
 
-@pytest.mark.parametrize(("friction", "falls"), [(0.6, False), (0.05, True)])
-def test_no_proof_of_falling_rests_on_an_edge_that_is_near(friction: float, falls: bool) -> None:
-    """A slab whose upper edge is 4 mm from a wall; slippery feet slide away from it anyway."""
+def slab_near_a_wall() -> Assembly:
+    """Its upper edge is 4 mm from the wall."""
     block = slab(70.0)
     wall = wall_beside(block.transformed(translation=(0.004, 0.0, 0.0)))
-    found = check(Assembly((FLOOR, wall, block)).with_fixed([0, 1]), friction=friction)
+    return Assembly((FLOOR, wall, block)).with_fixed([0, 1])
+
+
+@pytest.mark.parametrize(("friction", "falls"), [(0.6, False), (0.05, True)])
+def test_no_proof_of_falling_rests_on_an_edge_that_is_near(friction: float, falls: bool) -> None:
+    """Slippery feet slide away from it anyway."""
+    found = check(slab_near_a_wall(), friction=friction)
     assert found.verdict is (Verdict.UNSTABLE if falls else Verdict.UNDECIDED)
     assert ("'wall' and 'slab' are 4 mm apart" in found.message) is not falls
     assert plan(found.model).complete.verdict is found.verdict
@@ -294,6 +303,27 @@ def test_a_subset_knows_the_edges_that_touch() -> None:
     assert some.report.pair_count == again.pair_count == 2
     assert some.report.isolated == again.isolated
     assert model.without(["slab"]).report is not None
+
+
+@pytest.mark.parametrize("format", ["drystone", "compas-assembly", "compas-dem"])
+@pytest.mark.parametrize(
+    "made", [slab_near_a_wall, partial(leaning, 60.0), partial(card_house, 2), tripod]
+)
+def test_what_is_read_again_has_the_same_verdict(
+    made: Callable[[], Assembly], format: str, tmp_path: Path
+) -> None:
+    """Written before the check, which may find edges, and with its result."""
+    model = Model.of(made(), friction=0.6)
+    found = check(model)
+    for written in (model, found):
+        write(written, tmp_path / "again.json", format=format)
+        again = read(tmp_path / "again.json")
+        assert again.detection == DetectionOptions()
+        assert check(again).verdict is found.verdict
+    write(replace(model, report=None), tmp_path / "given.json", format=format)
+    given = read(tmp_path / "given.json")  # contacts that nobody searched are all there are
+    assert given.detection is None
+    assert check(given).stable is (made is tripod)  # whose hub touches nothing else
 
 
 def test_limits_and_plans_count_the_edges_that_touch() -> None:

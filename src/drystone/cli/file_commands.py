@@ -88,7 +88,7 @@ def convert(
         waiting.stage("detect", "finding contacts")
         made = with_ties(Model.of(read.assembly, friction=friction, anyway=True), read.ties)
         notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
-        read = replace(read, contacts=made.contacts, results=())
+        read = replace(read, contacts=made.contacts, results=(), detection=made.detection)
         if joint_allowance is not None:
             from drystone import design
 

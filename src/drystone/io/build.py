@@ -119,7 +119,10 @@ def build(
     contacts, loads, results = (
         draft.finish(assembly, scale_of(unit)) if draft.finish else (None, (), ())
     )
-    return Contents(assembly, contacts, loads, results, built.notes, draft.ties, unit, draft.ends)
+    return Contents(
+        assembly, contacts, loads, results, built.notes, draft.ties, unit, draft.ends,
+        draft.detection,
+    )  # fmt: skip
 
 
 def try_blocks(

@@ -26,6 +26,9 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result
 
+SEARCH = "drystone_detection"
+"""The attribute of a graph that says with which tolerances its contacts were searched."""
+
 
 def data_of(field: Field) -> Field:
     """The data of an object, with or without the wrapper of its type."""

@@ -17,10 +17,12 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
+from drystone.detection import DetectionOptions
 from drystone.io import compas_contacts
-from drystone.io.compas_contacts import data_of
+from drystone.io.compas_contacts import SEARCH, data_of
 from drystone.io.compas_problem import with_problems
 from drystone.io.draft import Draft, DraftBlock
+from drystone.io.drystone_json import detection_of
 from drystone.io.face_soup import moved
 from drystone.io.jsontext import Field
 
@@ -140,7 +142,7 @@ def _graph(graph: Field) -> Draft:
         fixed = shape.fixed or node.get("is_support", default).boolean()
         shapes.append(replace(shape, fixed=fixed))
     finish = compas_contacts.reader(graph, ("interfaces", "interface"), list(graph["node"].value))
-    return Draft(tuple(shapes), finish=finish)
+    return Draft(tuple(shapes), finish=finish, detection=_searched(graph))
 
 
 def _model(data: Field) -> tuple[Draft, list[str]]:
@@ -178,7 +180,14 @@ def _model(data: Field) -> tuple[Draft, list[str]]:
         )
         nodes.append(key)
     finish = compas_contacts.reader(graph, ("contacts",), nodes)
-    return Draft(tuple(shapes), finish=finish), nodes
+    return Draft(tuple(shapes), finish=finish, detection=_searched(graph)), nodes
+
+
+def _searched(graph: Field) -> DetectionOptions | None:
+    """The tolerances with which contacts were searched, where this package wrote them."""
+    attributes = graph.get("attributes", {})
+    known = isinstance(attributes.value, dict) and attributes.has(SEARCH)
+    return detection_of(attributes[SEARCH]) if known else None
 
 
 def _by_guid(elements: Field) -> Field:

@@ -18,7 +18,9 @@ from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
+from drystone.io.compas_contacts import SEARCH
 from drystone.io.draft import Contents
+from drystone.io.drystone_json_write import detection_content
 from drystone.results import Result
 
 _NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
@@ -49,7 +51,7 @@ def assembly_content(model: Contents) -> dict[str, Any]:
             "is_support": fixed,
         }
     graph = {
-        "attributes": {"name": "Graph"},
+        "attributes": {"name": "Graph", **_search(model)},
         "default_node_attributes": {"block": None, "is_support": False},
         "default_edge_attributes": {"interfaces": None},
         "node": nodes,
@@ -100,7 +102,7 @@ def block_model_content(model: Contents) -> dict[str, Any]:
         }
     nodes = [str(i) for i in range(len(assembly))]
     graph = {
-        "attributes": {},
+        "attributes": _search(model),
         "default_node_attributes": {"element": None},
         "default_edge_attributes": {"modifiers": None, "contacts": None},
         "node": {node: {"element": guid} for node, guid in zip(nodes, guids, strict=True)},
@@ -116,6 +118,12 @@ def block_model_content(model: Contents) -> dict[str, Any]:
         "graph": graph,
     }
     return _object("compas_dem.models/BlockModel", data, "model")
+
+
+def _search(model: Contents) -> dict[str, Any]:
+    """How the contacts were searched, as an attribute of the graph that COMPAS keeps."""
+    content = detection_content(model)
+    return {} if content is None else {SEARCH: content}
 
 
 def _guid(*parts: str) -> str:

@@ -14,6 +14,7 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError, counted
 from drystone.contacts import Contacts
+from drystone.detection import DetectionOptions
 from drystone.loads import LoadCase
 from drystone.results import Result
 
@@ -71,6 +72,8 @@ class Draft:
         Names of the two blocks of each tie.
     ends
         Of the model; see :class:`drystone.Model`.
+    detection
+        Tolerances with which the contacts were searched; ``None`` where they were given.
     """
 
     shapes: tuple[DraftBlock, ...]
@@ -79,6 +82,7 @@ class Draft:
     notes: tuple[str, ...] = ()
     ties: tuple[tuple[str, str], ...] = ()
     ends: str | None = None
+    detection: DetectionOptions | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ class Contents(OneLine):
         Unit of length of the file; only a writer gets an assembly in it, all others one in metres.
     ends
         Of the model; see :class:`drystone.Model`.
+    detection
+        Tolerances with which the contacts were searched; ``None`` where they were given.
     """
 
     assembly: Assembly
@@ -111,6 +117,7 @@ class Contents(OneLine):
     ties: tuple[tuple[str, str], ...] = ()
     units: str = "m"
     ends: str | None = None
+    detection: DetectionOptions | None = None
 
 
 _HELD = ("support", "supports", "fixed", "ground")

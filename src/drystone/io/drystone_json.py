@@ -15,6 +15,7 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
+from drystone.detection import DetectionOptions
 from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
 from drystone.io.load_options import load_of_parts
@@ -27,7 +28,7 @@ from drystone.results import Residuals, Result, Samples, Sensitivity, Verdict
 
 SCHEMA = "drystone"
 VERSION = 1
-TOP = ("schema", "version", "units", "blocks", "contacts", "ends", "loads", "results")
+TOP = ("schema", "version", "units", "blocks", "contacts", "detection", "ends", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
 LOAD = ("name", "wrench", "motion", "acceleration", "shake", "masses", "surface", "parts")
@@ -82,7 +83,18 @@ def read(top: Field) -> Draft:
         return _extras(top, assembly)
 
     ends = top["ends"].text() if top.has("ends") else None
-    return Draft(shapes, "m" if more else units, finish if more else None, ends=ends)
+    detection = detection_of(top["detection"]) if top.has("detection") else None
+    unit = "m" if more else units
+    return Draft(shapes, unit, finish if more else None, ends=ends, detection=detection)
+
+
+def detection_of(field: Field) -> DetectionOptions:
+    """The tolerances with which the contacts of a file were searched; others are the defaults."""
+    field.only(tuple(one.name for one in dataclasses.fields(DetectionOptions)))
+    try:
+        return DetectionOptions(**field.value)
+    except InputError as error:
+        raise field.error(error.what, error.remedy) from error
 
 
 def _shape(field: Field) -> DraftBlock:

@@ -12,6 +12,7 @@ from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import utf8, write_bytes
 from drystone.contacts import Contacts
+from drystone.detection import DetectionOptions
 from drystone.io.draft import Contents
 from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
 from drystone.joint_capacity import DRY
@@ -72,10 +73,19 @@ def _content(model: Contents, path: Path) -> dict[str, Any]:
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
         "contacts": None if contacts is None else contacts_content(contacts),
+        "detection": detection_content(model),
         "ends": model.ends,
         "loads": [_load_content(load) for load in loads] or None,
         "results": results or None,
     }
+
+
+def detection_content(model: Contents) -> dict[str, Any] | None:
+    """The tolerances with which the contacts were searched, where they differ from the defaults."""
+    if model.contacts is None or model.detection is None:
+        return None
+    usual = vars(DetectionOptions())
+    return {name: plain(one) for name, one in vars(model.detection).items() if one != usual[name]}
 
 
 def contacts_content(contacts: Contacts, decimals: int | None = None) -> dict[str, Any]:

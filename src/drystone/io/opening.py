@@ -18,7 +18,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.base.units import coefficient
 from drystone.contacts import Contacts
-from drystone.detection import DetectionOptions, EdgeContacts, find_overlaps
+from drystone.detection import DetectionOptions, EdgeContacts, find_contacts, find_overlaps
 from drystone.detection.face_overlaps import overlap_lines, require_apart
 from drystone.detection.resample import FEW
 from drystone.io.capacity_words import with_joint_capacity, with_strength
@@ -292,7 +292,7 @@ def _model_of(
         assembly = assembly if density is None else assembly.with_density(density)
         model = Model(assembly, contents.contacts, loads.acceleration)
         model = model if coefficient is None else model.with_friction(coefficient)
-        notes += _stored_notes(model, detection, anyway)
+        model = _as_stored(model, contents.detection, detection, anyway)
         if supports is not None:
             model = model.with_supports(supports, up)
     else:
@@ -338,15 +338,29 @@ def _on_ground(
     return replace(contents, assembly=laid, loads=loads), rest
 
 
-def _stored_notes(model: Model, detection: DetectionOptions | None, anyway: bool) -> list[str]:
-    """Notes on the contacts of a file, after a look at overlaps."""
-    names = model.assembly.names
-    verb = "is" if model.contacts.count == 1 else "are"
-    overlaps = find_overlaps(model.assembly, detection)
+def _as_stored(
+    model: Model,
+    searched: DetectionOptions | None,
+    detection: DetectionOptions | None,
+    anyway: bool,
+) -> Model:
+    """The model with notes on the contacts of a file, after a look at overlaps.
+
+    Where these were ``searched``, what the search left out is found again.
+    """
+    names, contacts = model.assembly.names, model.contacts
+    verb = "is" if contacts.count == 1 else "are"
+    used = f"the {counted(contacts.count, 'interface')} of the file {verb} used"
+    model = replace(model, notes=(*model.notes, used + _facets_kept(contacts)))
+    if searched is None:
+        overlaps = find_overlaps(model.assembly, detection)
+        model = replace(model, notes=(*model.notes, *overlap_lines(names, overlaps)))
+    else:
+        model = model.with_report(find_contacts(model.assembly, options=searched).report)
+        overlaps = model.report.overlaps  # type: ignore[union-attr]
     if not anyway:
         require_apart(names, overlaps)
-    used = f"the {counted(model.contacts.count, 'interface')} of the file {verb} used"
-    return [used + _facets_kept(model.contacts), *overlap_lines(names, overlaps)]
+    return model
 
 
 def _facets_kept(contacts: Contacts) -> str:

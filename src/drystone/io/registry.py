@@ -412,10 +412,15 @@ def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
         return model
     if isinstance(model, Model):
         loads = (model.load, *(case for case in model.cases if case is not model.load))
-        return Contents(model.assembly, model.contacts, loads, notes=model.notes, ends=model.ends)
+        return Contents(
+            model.assembly, model.contacts, loads, notes=model.notes, ends=model.ends,
+            detection=model.detection,
+        )  # fmt: skip
     if isinstance(model, Result):
-        ends = model.model.ends
-        return Contents(model.assembly, model.contacts, (model.load,), (model,), ends=ends)
+        return Contents(
+            model.assembly, model.contacts, (model.load,), (model,), ends=model.model.ends,
+            detection=model.model.detection,
+        )  # fmt: skip
     if isinstance(model, Assembly):
         return Contents(model)
     raise InputError(
