@@ -222,10 +222,19 @@ class Contacts(OneLine):
     @cached_property
     def ties(self) -> Bools:
         """(m,) which are ties: faces drawn together, of more area than their corners enclose."""
+        return self._drawn_together(4.0 * np.pi)
+
+    @property
+    def of_fill(self) -> Bools:
+        """(m,) which ties are what fill resists: twice as much drawn together as others are."""
+        return self._drawn_together(4e4)
+
+    def _drawn_together(self, times: float) -> Bools:
+        """(m,) faces of more area than so many times the square of the reach of their corners."""
         away = lengths(self.point - self.centroid[self.interface])
         far = np.zeros(self.count)
         np.maximum.at(far, self.interface, away)
-        wide: Bools = (self.corners.counts > 2) & (self.area > 4.0 * np.pi * far**2)
+        wide: Bools = (self.corners.counts > 2) & (self.area > times * far**2)
         return wide
 
     @property

@@ -38,12 +38,15 @@ def tied(
     strength: float = NO_LIMIT,
     at: Sequence[float] | None = None,
     anchor: Sequence[float] | None = None,
+    *,
+    fill: bool = False,
 ) -> Model:
     """The model with a tie from a point (3,) [m] of a block to one of another, or their centroids.
 
     It is a joint without friction that presses the block towards the other one. It has the area of
     a plate, drawn together to a point, so that it resists no turn. It yields at its
-    strength [N], as a joint crushes.
+    strength [N], as a joint crushes. What stands for ``fill`` is drawn together twice as much
+    (:attr:`drystone.Contacts.of_fill`).
 
     Raises
     ------
@@ -58,7 +61,8 @@ def tied(
         raise InputError("has no length", remedy="give two different points")
     frame = frames_from_normals(along[None] / length)
     half = 0.5 * PLATE * float(model.assembly.size[block])
-    square = _POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    point = 0.5 * _POINT if fill else _POINT
+    square = point * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     plate = Contacts(
         np.array([other]),
         np.array([block]),
@@ -69,7 +73,7 @@ def tied(
         np.zeros(4, dtype=np.intp),
     )
     if strength < NO_LIMIT or model.contacts.capacity is not None:
-        whole = strength / _POINT**2 if strength < NO_LIMIT else NO_LIMIT
+        whole = strength / point**2 if strength < NO_LIMIT else NO_LIMIT
         plate = plate.with_capacity(replace(JointCapacity.dry(1), compression=np.array([whole])))
     return model.with_contacts(joined_contacts(model.contacts, plate))
 
@@ -128,7 +132,8 @@ def with_resisting_fill(model: Model) -> Model:
             size = float(np.linalg.norm(force))
             at = assembly.centroid[block] + np.cross(force, moment) / size**2
             near = int(supports[lengths(assembly.centroid[supports] - at).argmin()])
-            model = tied(model, block, near, size, at, at + force / size * assembly.size[block])
+            end = at + force / size * assembly.size[block]
+            model = tied(model, block, near, size, at, end, fill=True)
     spent = tuple(replace(one, passive=0.0) for one in load.fills)
     notes = tuple(note for note in model.notes if note not in fills[0].notes)  # it counts now
     return replace(model, load=replace(load, fills=spent), notes=notes)
@@ -161,13 +166,29 @@ def _noted(model: Model, block: int, other: int, _: float, at: _End, anchor: _En
     return replace(model, notes=(*model.notes, *said))
 
 
+def joint_words(assembly: Assembly, contacts: Contacts, interface: int) -> tuple[str, str, str]:
+    """What an interface is, which one of them, and what it does at its strength.
+
+    Such as ``('joint', "joint of 'a' and 'b'", 'crushes')``.
+    """
+    a, b = (assembly.names[i] for i in contacts[interface].blocks)
+    if contacts.of_fill[interface]:
+        return "part of the fill", f"fill beside '{b}'", "yields"
+    what, fails = ("tie", "yields") if contacts.ties[interface] else ("joint", "crushes")
+    return what, f"{what} of '{a}' and '{b}'", fails
+
+
 def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
     """The pull [N] at which each tie yields, by its blocks; infinite without a limit.
 
     Several of the same blocks are numbered.
     """
     ties = contacts.select(contacts.ties)
-    pairs = [":".join(assembly.names[i] for i in reversed(tie.blocks)) for tie in ties]
+    pairs = [
+        joint_words(assembly, ties, i)[1] if fill
+        else ":".join(assembly.names[j] for j in reversed(ties[i].blocks))
+        for i, fill in enumerate(ties.of_fill.tolist())
+    ]  # fmt: skip
     again = [pairs[:i].count(pair) for i, pair in enumerate(pairs)]
     told = [f"{pair} ({n + 1})" if n else pair for pair, n in zip(pairs, again, strict=True)]
     return dict(zip(told, ties.tie_strength.tolist(), strict=True))

@@ -10,8 +10,12 @@ import pytest
 
 import drystone
 from drystone import Assembly, Block, InputError, Model, io
+from drystone.base.arrays import lengths
+from drystone.cli import main
 from drystone.io.opening import as_model
 from drystone.limits import limit_shrink
+from drystone.loads import Fill
+from drystone.loads.fill import Tops
 from drystone.mechanics.bodies import build_bodies
 from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import Increments
@@ -19,7 +23,7 @@ from drystone.mechanics.law import respond
 from drystone.models import box, incline, segmental_bridge
 from drystone.seismic import local_mechanism
 from drystone.settlement import End, Outcome, move_supports, push
-from drystone.ties import with_tie_words
+from drystone.ties import joint_words, with_tie_words
 from drystone.virtual import shrink, to_kern, to_point
 
 G = 9.81
@@ -290,6 +294,35 @@ def test_what_resists_as_ties_is_not_said_to_be_left_out() -> None:
     said = "what fill resists beyond k"
     assert any(said in note for note in as_model(bridge, load=load).notes)
     assert not any(said in note for note in as_model(bridge, load=load, tie="fill").notes)
+
+
+def test_what_fill_resists_is_named_fill_and_carries_all_of_its_strength() -> None:
+    bridge = segmental_bridge(voussoirs=6)
+    load = "fill:cover=0.4m,weight=19kN/m3,k=0.3,passive=1.5"
+    model = as_model(bridge, load=load, tie=["fill", "voussoir-02:springer-left:20kN"])
+    assert model.contacts.of_fill.sum() == model.contacts.ties.sum() - 1
+    found = drystone.check(model)
+    named = found.asked.ties
+    assert named["voussoir-02:springer-left"] == pytest.approx(20e3)
+    (row,) = [one for one in found.tables() if one.title == "ties"]
+    beside = row["block_b"] == "(fill)"
+    told = {f"fill beside '{name}'" for name in row["block_a"][beside]}
+    assert told == set(named) - {"voussoir-02:springer-left"}
+    fill = Fill(cover=0.4, weight=19e3, k=0.3, passive=1.5)
+    resisted = lengths(Tops.of(model.assembly, fill).resisting[:, :3])
+    assert row["strength"][beside] == pytest.approx(resisted[resisted > 0.0], rel=1e-9)
+    weak = found.contacts.of_fill & (found.contacts.block_b == bridge.indices(["voussoir-00"])[0])
+    (at,) = np.flatnonzero(weak)
+    assert joint_words(bridge, found.contacts, at)[1:] == ("fill beside 'voussoir-00'", "yields")
+
+
+def test_inspect_takes_ties(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(tmp_path / "wall.json")
+    io.write(tied_wall(), path)
+    assert main(["inspect", path, "--tie", "wall:anchor:20kN"]) == 0
+    assert "ties wall:anchor 20 kN" in capsys.readouterr().out
+    assert main(["inspect", path, "--tie", "fill"]) == 2
+    assert "tie fill: inspect takes no loads; ask 'drystone check'" in capsys.readouterr().err
 
 
 def test_an_inspection_tells_the_ties_of_a_file(tmp_path: Path) -> None:

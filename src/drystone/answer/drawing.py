@@ -130,13 +130,21 @@ def load_layers(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
 
 
 def _surface_layer(assembly: Assembly, load: LoadCase) -> tuple[Layer, ...]:
-    """Tractions on faces as fields: arrows that end on them, their tails joined."""
+    """Tractions on faces as fields: arrows that end on them, their tails joined.
+
+    Where faces meet there is one arrow, the mean of theirs, so that their fields do not cross.
+    """
     field = load.surface
     if field is None or not field.traction.any():
         return ()
     most = float(lengths(field.traction.reshape(-1, 3)).max())
     size = float(np.median(assembly.size))
     push = 0.6 * size / most * field.traction
+    place = (field.point.reshape(-1, 3) / (1e-6 * size)).round()
+    place, alike = np.unique(place, axis=0, return_inverse=True)
+    total = np.zeros((len(place), 3))
+    np.add.at(total, alike.ravel(), push.reshape(-1, 3))
+    push = (total / np.bincount(alike.ravel())[:, None])[alike.ravel()].reshape(-1, 2, 3)
     tails, along = field.point - push, field.point[:, 1] - field.point[:, 0]
     reach = lengths(push.reshape(-1, 3)).reshape(-1, 2, 1)
     aside = along[:, None] / np.maximum(lengths(along), 1e-300)[:, None, None]

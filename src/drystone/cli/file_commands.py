@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from drystone.base.arrays import texts
 from drystone.base.errors import InputError
 from drystone.base.files import plain_target, same_place
 from drystone.cli import kinds
@@ -161,10 +162,13 @@ def inspect(
     from drystone.io.inspection import Inspection, usable
     from drystone.io.opening import tolerances
     from drystone.model import Model
+    from drystone.ties import with_tie_words
 
     waiting.stage("read", f"reading {source.name}")
     how = source.how
-    supports = how.get("supports")
+    supports, ties = how.get("supports"), texts(how.pop("tie", ()))
+    if "fill" in ties:
+        raise InputError("inspect takes no loads", where="tie fill", remedy="ask 'drystone check'")
     options = tolerances(**{name: how.pop(name, None) for name in ("gap", "angle", "edges")})
     built = io.inspect(source.place, **how)
     assembly, notes = usable(built, supports)
@@ -173,6 +177,10 @@ def inspect(
         pictures.require_through(assembly)
         waiting.stage("detect", "finding contacts")
         found = find_contacts(assembly, options=options)
+        if ties:
+            tied = with_tie_words(Model(assembly, found.contacts), ties)
+            found = replace(found, contacts=tied.contacts)
+            notes += tied.notes
         if "up" not in how and supports and (said := on_its_side(Model(assembly, found.contacts))):
             notes.append(said)
         if sweep:

@@ -190,10 +190,10 @@ class Source(Subject):
 
 @dataclass(frozen=True)
 class Inspected(Subject):
-    """Blocks that are looked at, and the tolerances of the contact search."""
+    """Blocks that are looked at, ties, and the tolerances of the contact search."""
 
     reading: Annotated[
-        Analysis, HOW((*_READ, "supports", "gap", "angle", "edges"), shown=(*SHOWN, "up"))
+        Analysis, HOW((*_READ, "supports", "gap", "angle", "edges", "tie"), shown=(*SHOWN, "up"))
     ]
 
 

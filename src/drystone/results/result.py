@@ -31,6 +31,7 @@ from drystone.joints import (
 from drystone.loads.applied import applied_loads, is_vertical
 from drystone.results.solution import Sensitivity, Solution, reaction_table
 from drystone.results.stage import FAINT, stage_of
+from drystone.ties import joint_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +120,10 @@ class Result(Solution, Answer):
         use = self.strength_use
         if not use.max(initial=0.0) > 0.0:
             return []
-        at, names = int(np.argmax(use)), self.assembly.names
-        a, b = self.contacts[at].blocks
+        at = int(np.argmax(use))
         most = rounded_up(100.0 * use[at])
-        what, fails = ("tie", "yields") if self.contacts.ties[at] else ("joint", "crushes")
-        words = f"strength: the {what} of '{names[a]}' and '{names[b]}' uses {most:g} %"
+        what, which, fails = joint_words(self.assembly, self.contacts, at)
+        words = f"strength: the {which} uses {most:g} %"
         words += f"; the first {what} {fails} at {rounded_down(1.0 / use[at]):g} times all loads"
         if self.crushing_factor is not None:
             words += f", and it falls at {rounded_down(self.crushing_factor):g} times"
@@ -269,9 +269,10 @@ class Result(Solution, Answer):
         ties, names = np.flatnonzero(self.contacts.ties), self.assembly.names
         if self.force is None or not len(ties):
             return Table("ties", {"block_a": []})
+        others = zip(self.contacts.block_a[ties], self.contacts.of_fill[ties], strict=True)
         columns = {
             "block_a": [names[i] for i in self.contacts.block_b[ties]],
-            "block_b": [names[i] for i in self.contacts.block_a[ties]],
+            "block_b": ["(fill)" if fill else names[i] for i, fill in others],
             "pull": self.resultants.normal[ties],
             "strength": self.contacts.tie_strength[ties],
             "strength_use": self.strength_use[ties],

@@ -202,6 +202,8 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
         far = np.where(away > 0.0, away, size)[:, None] * along
         pull = quantity(float(resultants.normal[joint[ties]].max()), "N")
         words = f"ties, which pull up to {pull}" if ties.size > 1 else f"a tie, which pulls {pull}"
+        if contacts.of_fill[ties].all():
+            words = f"fill, which resists up to {pull}"
         layers.append(
             Layer(
                 "tie-forces", words, LayerKind.LINES, "added", start + far, -far,

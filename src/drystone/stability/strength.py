@@ -23,6 +23,7 @@ from drystone.stability.proofs import (
     moving_blocks,
     undone,
 )
+from drystone.ties import joint_words
 
 CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
 YIELDS = "ties yield: no contact forces within their strength balance the loads"
@@ -99,10 +100,8 @@ def crushing_words(model: Model, found: Carried) -> str:
     at = None if found.mechanism is None else crushed_most(model, found.mechanism)
     if at is None:
         return words
-    pair = model.contacts[at].blocks
-    a, b = (model.assembly.names[i] for i in pair)
-    what, fails = ("tie", "yields") if model.contacts.ties[at] else ("joint", "crushes")
-    return f"{words}; the {what} of '{a}' and '{b}' {fails} most"
+    _, which, fails = joint_words(model.assembly, model.contacts, at)
+    return f"{words}; the {which} {fails} most"
 
 
 @one_blas_thread()

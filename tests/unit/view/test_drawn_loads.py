@@ -4,11 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 import drystone
 from drystone import LoadCase
+from drystone.answer.drawing import bare_scene
+from drystone.loads import Fill
 from drystone.loads.applied import applied_loads
-from drystone.models import arch, box, tower
+from drystone.models import arch, box, segmental_bridge, tower
 from drystone.view import Layer, save_cad
 
 MODEL = drystone.Model.of(arch(0.3, 12), friction=0.9)
@@ -166,3 +169,19 @@ def test_what_stands_has_joints_that_press_on_an_edge_and_a_limit_has_hinges() -
     limit = drystone.limit_tilt(model, "y").layers().stages[0]
     (mark,) = (one for one in limit.layers if one.key == "hinges")
     assert mark.label.startswith("hinge: ")
+
+
+def test_the_field_of_fill_does_not_cross_itself_where_a_ring_meets_its_backing() -> None:
+    bridge = segmental_bridge(8.0, 2.0, 0.5, 20, height=3.0, backing=0.6)
+    fill = Fill(cover=0.4, weight=19e3, k=0.3).on(bridge)
+    model = drystone.Model.of(bridge, friction=0.6, load=LoadCase.gravity(bridge) + fill)
+    (field,) = (one for one in bare_scene(bridge, model.contacts, model).stages[0].layers
+                if one.key == "surface")  # fmt: skip
+    assert field.vector is not None
+    count = len(field.position) // 7
+    arrows = np.stack([field.position, field.position + field.vector], axis=1)[: 3 * count, :, ::2]
+    drawn = shapely.linestrings(arrows)
+    pairs = shapely.STRtree(drawn).query(drawn, predicate="crosses").T
+    deep = [shapely.intersection(*drawn[[i, j]]) for i, j in pairs.tolist()]
+    ends = [shapely.MultiPoint([*drawn[i].coords, *drawn[j].coords]) for i, j in pairs.tolist()]
+    assert all(one.distance(end) < 1e-6 for one, end in zip(deep, ends, strict=True))
