@@ -11,6 +11,7 @@ import pytest
 import drystone
 from drystone import Assembly, LoadCase, Model, check, limit_load, limit_tilt
 from drystone.loads import Fill
+from drystone.loads.applied import common_acceleration
 from drystone.loads.earthquake import Shaken, with_shaken_weights
 from drystone.models import box, tower
 from drystone.report import write_report
@@ -187,6 +188,20 @@ def test_combinations_shake_permanent_masses_and_the_share_of_variable_ones(
     assert cart == pytest.approx(dead + 0.1 * 0.3 * 1000.0 * G)
     told = [one.text for one in found.sentences() if "earthquake" in one.text]
     assert any("40 kN of fill and 10 kN of loads" in one for one in told)
+
+
+def test_fill_is_no_weight_of_blocks_where_it_is_as_heavy_as_some(
+    pier: Assembly, tmp_path: Path
+) -> None:
+    """Fill of 3 m on a pier of 3 m of nearly the same weight by volume."""
+    path = tmp_path / "cases.toml"
+    words = "fill:cover=3m,weight=23kN/m3"
+    path.write_text(f'[case.dead]\nkind = "permanent"\nload = ["gravity", "{words}"]\n')
+    found = combinations(Model.of(pier, friction=0.9), path, needed_of="none")
+    assert found.governing.stable
+    assert common_acceleration(pier, Fill.named(words.removeprefix("fill:")).on(pier)).tolist() == (
+        [0.0, 0.0, 0.0]
+    )
 
 
 def test_the_report_says_what_is_shaken(pier: Assembly, tmp_path: Path) -> None:

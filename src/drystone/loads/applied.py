@@ -150,12 +150,12 @@ def common_acceleration(assembly: Assembly, load: LoadCase) -> Floats:
     """The acceleration (3,) [m/s2] of all masses that the load case knows.
 
     Of a case that knows none, as that of a file: the acceleration of most free masses, if it is
-    gravity's size within a fifth. Others are forces on blocks.
+    gravity's size within a fifth. Others are forces on blocks, and what blocks carry.
     """
     if load.acceleration.any():
         return load.acceleration
     free = ~assembly.fixed
-    acceleration = load.wrench[free, :3] / assembly.mass[free, None]
+    acceleration = load.beside_masses.wrench[free, :3] / assembly.mass[free, None]
     largest = float(np.abs(acceleration).max(initial=0.0))
     if largest == 0.0:
         return np.zeros(3)
