@@ -99,6 +99,9 @@ class Answer(OfModel, OneLine, ABC):
         """The exit code of a command: 0 where the first sentence is good news, else 1."""
         return 0 if self.sentences()[0].role is Role.GOOD else 1
 
+    def _summary(self) -> str:
+        return f"'{self.title}'"
+
     @cached_property
     def asked(self) -> Question:
         """What was asked: the model, where it came from, its loads, options, version and date."""
@@ -152,9 +155,6 @@ class Statement(Answer):
     told: tuple[Sentence, ...]
     listed: tuple[Table, ...] = ()
     values: Mapping[str, Any] = field(default_factory=dict)
-
-    def _summary(self) -> str:
-        return self.title
 
     @property
     def title(self) -> str:

@@ -23,10 +23,11 @@ from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
+from drystone.supports import UP as VERTICAL
 from drystone.supports import bounds_above_ground
 from drystone.ties import strengths, ties_told
 
-UP = frozen(np.array([0.0, 0.0, 1.0]))
+UP = frozen(np.array(VERTICAL))
 """The vertical axis of a picture, unless gravity is turned."""
 _NAMED = 4
 """Supports named in a line; more are counted."""

@@ -26,10 +26,6 @@ if TYPE_CHECKING:
     from drystone.sequence import Plan
 
 
-_SHORT = 3
-"""Regions that ``check`` prints; ``mend`` prints all."""
-
-
 @command(
     "drystone mend arch.json --friction 0.3 --diagnose --html why.html",
     "drystone mend arch.json --margin friction=0.9x --auto --out firm.json",
@@ -170,7 +166,7 @@ def short(result: Result, waiting: Waiting) -> dict[str, Diagnosis]:
     if not result.falls or result.message.startswith((CRUSHES, YIELDS)):
         return {}
 
-    few = DiagnosisOptions(needs=False, regions=_SHORT)
+    few = DiagnosisOptions.brief()
     with waiting.stoppable() as stop:
         return {"diagnosis": diagnose(result.model, result=result, options=few, stop=stop)}
 

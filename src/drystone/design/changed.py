@@ -130,9 +130,6 @@ class Changed(Answer):
         """What was changed by hand, with the check of what that gave."""
         return cls(before, result.model, result, result.stable, words)
 
-    def _summary(self) -> str:
-        return f"'{self.title}', {self.result.verdict.value}"
-
     @property
     def change(self) -> Kept:
         """The first one of its changes, the only one of a mend."""
@@ -413,9 +410,6 @@ class Buildable(Answer):
     tried: int = 0
     before: Help | None = None
     layout: Layout | None = None
-
-    def _summary(self) -> str:
-        return self.message
 
     @property
     def help(self) -> Help | None:

@@ -63,6 +63,11 @@ class DiagnosisOptions(Options):
         super().__post_init__()
         self._refuse_below(1, "regions")
 
+    @classmethod
+    def brief(cls) -> DiagnosisOptions:
+        """Why the three heaviest regions fall, without what they need."""
+        return cls(needs=False, regions=3)
+
 
 @checked_call
 def diagnose(
@@ -260,10 +265,6 @@ class Diagnosis(Answer):
     friction: float | None = None
     others: tuple[int, ...] = ()
     stopped: str = ""
-
-    def _summary(self) -> str:
-        told = counted(len(self.regions), "region")
-        return f"{self.result.verdict.value}, {told}, '{'; '.join(self.reasons)}'"
 
     @property
     def model(self) -> Model:

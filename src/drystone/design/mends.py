@@ -202,9 +202,6 @@ class Mends(Answer):
     message: str = ""
     case: str = ""
 
-    def _summary(self) -> str:
-        return self.message or counted(len(self.mends), "mend")
-
     def of(self, blocks: Sequence[str]) -> tuple[Changed, ...]:
         """The mends of the region with these blocks."""
         return tuple(mend for mend in self.mends if set(mend.change.blocks) == set(blocks))

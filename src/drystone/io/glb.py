@@ -30,7 +30,7 @@ from drystone.io.outside import Unfolded
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6
 _INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
-FLOAT = 5126
+UNSIGNED, FLOAT = 5125, 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from y up to z up."""
 _LARGEST_STRIDE = 252

@@ -121,11 +121,6 @@ class StandingShare(Answer):
     model: Model = field(kw_only=True)
     options: Imperfections = field(kw_only=True)
 
-    def _summary(self) -> str:
-        share, low, high = (f"{100.0 * x:.3g}" for x in (self.share, *self.interval))
-        orders = f" in {counted(len(self.loading), 'order')}" if len(self.loading) > 1 else ""
-        return f"{counted(self.draws, 'draw')}{orders}, {share} % stand, {low} to {high} %"
-
     @property
     def draws(self) -> int:
         """Number of draws."""

@@ -50,9 +50,6 @@ class ThrustBounds(Answer):
     least_state: Result | None
     most_state: Result | None
 
-    def _summary(self) -> str:
-        return f"block '{self.block}', {self.least:.4g} to {self.most:.4g} N"
-
     @property
     def title(self) -> str:
         """Both bounds."""

@@ -61,9 +61,6 @@ class TrainEnvelope(Answer):
     _placed: tuple[PlacedTrain, ...]
     options: LimitOptions
 
-    def _summary(self) -> str:
-        return f"'{self.train.name}', {counted(len(self.places), 'place')}"
-
     @property
     def train(self) -> Train:
         """The train."""

@@ -61,9 +61,6 @@ class Forces(Answer):
         """What was asked about."""
         return self.result.model
 
-    def _summary(self) -> str:
-        return f"{self.form}, '{self.title}'"
-
     @cached_property
     def pull(self) -> Floats:
         """Tension [N] of each joint."""

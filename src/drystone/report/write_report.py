@@ -264,8 +264,8 @@ def assess(
     result = check(model, options=options, **late)
     answers: list[Answer] = [with_margins(result, clock.late)]
     if result.falls:
-        few = DiagnosisOptions(needs=False, regions=3)
-        answers.append(diagnose(model, result=result, options=few, stop=clock.late))
+        brief = DiagnosisOptions.brief()
+        answers.append(diagnose(model, result=result, options=brief, stop=clock.late))
     if result.stable or limits is not None:
         answers += [one(model, late) for one in asked]
     if cases is not None:

@@ -85,10 +85,6 @@ class SupportResponse(Answer):
     size: float
     _OPENS, _SLIDES = 0.005, 0.05
 
-    def _summary(self) -> str:
-        opened = counted(len(self.open_joints()), "joint")
-        return f"{self.result.verdict.value}, {opened} open, supports move {self.size:.3g} m"
-
     def open_joints(self, share: float = _OPENS) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
 

@@ -294,9 +294,6 @@ class Settlement(Answer):
     options: SettlementOptions = field(default_factory=SettlementOptions)
     time_s: Mapping[str, float] = field(default_factory=dict)
 
-    def _summary(self) -> str:
-        return f"{self.outcome.value}, '{self.message}'"
-
     def __bool__(self) -> bool:
         raise TypeError("a settlement is neither true nor false; ask for .outcome or .rests")
 

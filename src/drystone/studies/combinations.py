@@ -61,9 +61,6 @@ class Combinations(Answer):
     needs: Mapping[str, tuple[float, ...]]
     stopped: str = ""
 
-    def _summary(self) -> str:
-        return f"{counted(len(self.results), 'combination')}, {self.title.lower()}"
-
     @cached_property
     def governs(self) -> int:
         """Position of the combination that falls, is undecided, or needs most."""

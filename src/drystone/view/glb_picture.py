@@ -16,7 +16,7 @@ from drystone.answer.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.base.arrays import SAME, Floats, Ints
 from drystone.base.files import write_bytes
 from drystone.geometry.triangulate import fan_warped, triangulate
-from drystone.io.glb import FLOAT, TRIANGLES, Z_UP, container
+from drystone.io.glb import FLOAT, TRIANGLES, UNSIGNED, Z_UP, container
 from drystone.results.stage import VIRTUAL
 from drystone.view.drawn_parts import (
     Triangles,
@@ -31,7 +31,6 @@ from drystone.view.drawn_parts import (
 )
 from drystone.view.palette import PRESETS, ROLE_COLOUR, is_shown, ramp_colours, rgb
 
-_UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
 """Radii of the line of the largest force, of an arrow and of a mark, relative to the size of a
 block. Chosen by eye."""
@@ -81,7 +80,7 @@ class _Glb:
         columns = 1 if array.ndim == 1 else array.shape[1]
         entry: dict[str, Any] = {
             "bufferView": view,
-            "componentType": _UNSIGNED if whole else FLOAT,
+            "componentType": UNSIGNED if whole else FLOAT,
             "count": len(array),
             "type": "SCALAR" if columns == 1 else f"VEC{columns}",
         }
