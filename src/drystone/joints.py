@@ -24,6 +24,11 @@ HINGED = 0.99
 """From this share of the distance between centroid and rim on, a force counts as acting on the rim.
 From this share of the friction on, friction counts as fully used. Chosen."""
 
+FAINT = 5e-2
+"""Joints that carry less than this share of the largest normal force get no marker, and what they
+use of their friction is not told. Measured: of the 94 hinges of a vault of 157 blocks that carry a
+hundredth, 62 do not carry a twentieth."""
+
 _LOOKED_AT = 20
 """Joints at whose rims forces act that are looked at one by one. Chosen: they take no time."""
 
@@ -219,9 +224,13 @@ def joint_table(
 
 
 def worst_joints(table: Table, count: int = 10) -> Ints:
-    """Rows of a joint table nearest to sliding or to forming a hinge, worst first."""
-    use = np.maximum(table["friction_use"], table["edge_ratio"])
-    return np.lexsort((-table["normal"], -use))[:count]
+    """Rows of a joint table nearest to sliding or to forming a hinge, worst first.
+
+    Those that carry hardly anything come last.
+    """
+    use, normal = np.maximum(table["friction_use"], table["edge_ratio"]), table["normal"]
+    faint = normal <= FAINT * normal.max(initial=0.0)
+    return np.lexsort((-normal, -use, faint))[:count]
 
 
 @dataclass(frozen=True, eq=False)

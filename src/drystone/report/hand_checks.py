@@ -20,7 +20,7 @@ from drystone.joints import plane_pressure
 from drystone.loads.applied import common_acceleration
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability.proofs import MECHANISM_TOLERANCE, moving_blocks
+from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
 from drystone.supports import laid_ground
 
 
@@ -117,7 +117,8 @@ def least_strength(result: Result) -> tuple[float, int]:
     """Largest stress [Pa] of stress blocks about centres of pressure, and its interface.
 
     Of joints that pull, that of a linear pressure. Zero where nothing presses; edges, points
-    and ties have no stress and are left out.
+    and ties have no stress and are left out, and joints with less than a thousandth of the largest
+    force.
     """
     contacts, force = result.contacts, result.force
     if force is None or not contacts.count:
@@ -128,7 +129,9 @@ def least_strength(result: Result) -> tuple[float, int]:
         pulls = (contacts.capacity.tension > 0.0) & contacts.corners.any(force[:, 0] < 0.0)
         linear = contacts.corners.max(plane_pressure(contacts, force))
         stress = np.where(pulls, linear, stress)
-    stress = np.where((contacts.area > 0.0) & ~contacts.ties, stress, 0.0)
+    normal = contacts.corners.sum(force[:, 0])
+    told = (contacts.area > 0.0) & ~contacts.ties & (normal > 1e-3 * normal.max())
+    stress = np.where(told, stress, 0.0)
     at = int(np.argmax(stress))
     return float(stress[at]), at
 
@@ -142,7 +145,7 @@ def mechanism_table(result: Result) -> Table | None:
     if motion is None:
         return None
     moving = list(moving_blocks(assembly, motion))
-    seen = np.where(np.abs(motion) > 1e-6 * np.abs(motion).max(), motion, 0.0)[moving]
+    seen = np.where(np.abs(motion) > FALLING_SHARE * np.abs(motion).max(), motion, 0.0)[moving]
     columns = {
         "block": [assembly.names[i] for i in moving],
         "moves": seen[:, :3],
@@ -158,16 +161,18 @@ def fall_words(result: Result) -> str:
     motion = result.mechanism
     if motion is None:
         return result.message
-    closing, work = mechanism_defects(result.model, motion)
     moving = list(moving_blocks(result.assembly, motion))
     done = quantity(float((result.load.wrench * motion)[moving].sum()), "N m")
-    count = counted(len(moving), "block")
-    if closing <= MECHANISM_TOLERANCE and work > 0.0:
-        return (
-            f"{result.message}; mechanism of {count}: the loads do work of {done}, more than all "
-            f"joints can take up by {100.0 * work:.3g} % of the sum of its absolute parts; "
-            f"largest closing of a joint {closing:.1e} of the speed"
-        )
+    count, model = counted(len(moving), "block"), result.model
+    without = {"joints without mortar": model.with_capacity(None)} if model.contacts.brittle else {}
+    for joints, one in {"all joints": model, **without}.items():
+        closing, work = mechanism_defects(one, motion)
+        if closing <= MECHANISM_TOLERANCE and work > 0.0:
+            return (
+                f"{result.message}; mechanism of {count}: the loads do work of {done}, more than "
+                f"{joints} can take up by {100.0 * work:.3g} % of the sum of its absolute parts; "
+                f"largest closing of a joint {closing:.1e} of the speed"
+            )
     return f"{result.message}; {count} move as listed, and the loads do work of {done} on the way"
 
 

@@ -11,6 +11,7 @@ from drystone.answer import Answer, Question, Role, worst_first
 from drystone.base.display import rounded_up
 from drystone.base.table import Table
 from drystone.base.units import quantity
+from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import HINGED, worst_joints
 from drystone.limits import Limit
 from drystone.limits.train_limit import TrainEnvelope
@@ -311,7 +312,9 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
     )  # fmt: skip
     units = {name: unit for name, unit in table.units.items() if name in shown}
     shares = dict.fromkeys(("friction_use", "kern_ratio", "edge_ratio"), "1")
+    shares |= {"strength_use": "1"} if "strength_use" in shown else {}
     told = {name: table[name] for name in shown}
+    told["peak_pressure"] = np.where(told["edge_ratio"] > HINGED, np.inf, told["peak_pressure"])
     rounding = 1e-9 * float(table["normal"].max(initial=0.0))
     told["tangential"] = np.where(told["tangential"] > rounding, told["tangential"], 0.0)
     few = Table("joints nearest to sliding or to a hinge", told, {**units, **shares})
@@ -321,6 +324,11 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
         "joint opens. edge ratio: 100 % is a hinge. In the plans the joint is seen against its "
         "normal, with its kern (dashed) and the centre of pressure (dot)."
     )
+    if (told["friction_use"][worst] > 1.0 + ACCURATE).any():
+        yield (
+            "A friction use above 100 % is of a joint that turns on its corners: pressure spread "
+            "over its face would carry less torque. No corner exceeds its friction."
+        )
     yield tuple(joint_plan(result, table, i) for i in worst)
 
 
@@ -342,7 +350,7 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
                 "The forces that were found need a strength of "
                 f"{quantity(rounded_up(needed, 3), 'Pa')} in the joint of '{a}' and '{b}' "
                 "(normal force over the stress block about its centre of pressure), and no more in "
-                "any other."
+                "any other that carries a thousandth of the largest force."
             )
     if result.model is not model:
         yield result.reactions()

@@ -19,6 +19,7 @@ from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.geometry.quadrature import ACCURATE
 from drystone.joints import (
+    FAINT,
     Resultants,
     ThrustLine,
     by_joint,
@@ -30,7 +31,7 @@ from drystone.joints import (
 )
 from drystone.loads.applied import applied_loads, is_vertical
 from drystone.results.solution import Sensitivity, Solution, reaction_table
-from drystone.results.stage import FAINT, stage_of
+from drystone.results.stage import stage_of
 from drystone.ties import joint_words
 
 

@@ -18,11 +18,10 @@ from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.display import OneLine
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
-from drystone.joints import bearable
+from drystone.joints import FAINT, bearable
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.results.stage import FAINT
 from drystone.sequence.stages import Stage, StageAnswer, StageCheck, StagedModel, members
 from drystone.stability import PATIENT, try_rest
 from drystone.stability.attempts import Candidate

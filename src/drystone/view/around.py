@@ -194,8 +194,8 @@ def draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         bar.set_ylim(0.0, 1.0)
         top = sheet.scene.top(layer.key)
         more = "\N{GREATER-THAN OR EQUAL TO} " if layer.largest > 1.001 * top else ""
-        told = [_amount(x * top, layer.unit) for x in (0.0, 0.5, 1.0)]
-        bar.set_xticks([0.0, 0.5, 1.0], [*told[:2], more + told[2]], fontsize=8)
+        told = [_amount(x * top, layer.unit) for x in (0.0, 1.0)]
+        bar.set_xticks([0.0, 1.0], [told[0], more + told[1]], fontsize=8)
         bar.get_xticklabels()[-1].set_horizontalalignment("right")  # else it may leave the page
         bar.set_yticks([])
         ink = sheet.colours["edge"]

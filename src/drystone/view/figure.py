@@ -192,7 +192,11 @@ def draw(
         opacity = PRESETS[key].opacity if layers is None else 1.0
     figure = Figure(figsize=size, facecolor=ROLE_COLOUR[theme]["background"])
     said = shown.headline or shown.message or shown.facts or scene.facts
-    place = AXES if said or any(one.value is not None for one in chosen) else (*AXES[:3], 0.87)
+    place = (
+        AXES
+        if said or any(x.value is not None and x.kind is LayerKind.POLYGONS for x in chosen)
+        else (*AXES[:3], 0.87)
+    )
     axes: Any = figure.add_axes(place) if inside is None else inside
     box = axes.get_window_extent()
     width, height = box.width / axes.figure.dpi, box.height / axes.figure.dpi
