@@ -419,6 +419,22 @@ def moving_joints(
     return hinge, slide, place
 
 
+def turning_joints(model: Model, motion: Floats, slide: Bools) -> Bools:
+    """Which of the joints that slide (m,) turn about a point within them, in a first motion (n, 6).
+
+    Their corners then slide in directions that no half of all directions holds.
+    """
+    contacts = model.contacts
+    moved = corner_motion(model.assembly, contacts, motion)[:, 1:]
+    angle = np.arctan2(moved[:, 1], moved[:, 0])
+    turns = np.zeros(contacts.count, dtype=bool)
+    for i in np.flatnonzero(slide & (np.diff(contacts.start) > 2)).tolist():
+        around = np.sort(angle[contacts.start[i] : contacts.start[i + 1]])
+        between = np.diff(around, append=around[0] + 2.0 * np.pi)
+        turns[i] = between.max() < np.pi - MOVING
+    return turns
+
+
 def block_speed(assembly: Assembly, motion: Floats) -> Floats:
     """(n,) translation plus rotation times size: a bound on the speed of a block's corners."""
     return lengths(motion[:, :3]) + assembly.size * lengths(motion[:, 3:])

@@ -6,13 +6,12 @@ what the message says.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check
+from drystone import Assembly, Block, CheckOptions, LoadCase, Model, Result, check, limits
 from drystone.models import dome, prism, tower
 from drystone.results import Sensitivity
 
@@ -302,12 +301,15 @@ def test_what_needs_its_corners_says_so_without_being_asked_for_more() -> None:
     result = check(loaded(model, 1.3 * FRICTION * weight(model) * SQUARE * TORQUE))
     assert result.stable
     assert result.utilisation.max() == pytest.approx(1.3, abs=0.03)
-    said = [one.text for one in result.sentences()]
-    assert any("the joint of 'ground' and 'plate' may need its corners" in one for one in said)
-    robust = asked(result.model)
-    assert robust.title == "Stands on the corners of its joints"
-    said = [one.text for one in robust.sentences()]
-    assert any("the joint of 'ground' and 'plate' needs its corners" in one for one in said)
+    for found in (result, asked(result.model)):
+        assert found.sensitive_to == (Sensitivity.PRESSURE,)
+        assert "with pressure spread over the faces it falls" in found.message
+        assert found.title == "Stands on the corners of its joints"
+        said = [one.text for one in found.sentences()]
+        assert any("the joint of 'ground' and 'plate' needs its corners" in one for one in said)
+    quick = check(result.model, options=CheckOptions(settle=False))
+    assert not quick.sensitive
+    assert any("may need its corners: with these" in one.text for one in quick.sentences())
 
 
 def test_a_plate_on_two_feet_may_need_its_corners_until_other_forces_were_tried() -> None:
@@ -315,22 +317,42 @@ def test_a_plate_on_two_feet_may_need_its_corners_until_other_forces_were_tried(
     held = standing(feet, [plate(rectangle((0.0, 0.6), (0.0, 0.2)))])
     arm = 0.2035  # mean distance from the middle, of both feet
     model = loaded(held, 0.9 * FRICTION * weight(held) * arm * TORQUE)
-    said = [one.text for one in check(model).sentences()]
+    quick = check(model, options=CheckOptions(settle=False))
+    said = [one.text for one in quick.sentences()]
     assert any("may need its corners: with these forces it turns with 10" in one for one in said)
-    strict = replace(check(model), options=CheckOptions.robust())  # as where springs do not hold
-    assert not any("--strict" in one.text for one in strict.sentences())
-    assert not asked(model).sensitive
+    for found in (check(model), asked(model)):
+        assert not found.sensitive
+        assert not any("its corners" in one.text for one in found.sentences())
+    assert check(model).message == "stands"
 
 
 def test_no_joint_is_said_to_need_its_corners_where_spread_pressure_was_tried_and_holds() -> None:
     blocks = dome(slices=8, rings=4)
     load = LoadCase.tilt(blocks, (0.0, 1.0, 0.0), 20.0)
     model = Model.of(blocks, friction=0.6, load=load)
-    said = [one.text for one in check(model).sentences()]
-    assert any("may need its corners" in one and "--strict asks" in one for one in said)
+    quick = check(model, options=CheckOptions(settle=False))
+    assert any("may need its corners" in one.text for one in quick.sentences())
+    assert not any("its corners" in one.text for one in check(model).sentences())
     robust = check(model, options=CheckOptions.robust())
     assert "one with pressure spread over the faces" in robust.message
     assert not any("its corners" in one.text for one in robust.sentences())
+
+
+def test_a_limit_says_that_it_needs_corners_and_with_every_stiffness_from_where_on() -> None:
+    model = standing([ground(WIDE)], [plate(rectangle((0.0, 1.0), (0.0, 1.0)))])
+    spread, corners = (FRICTION * weight(model) * arm for arm in (SQUARE, np.sqrt(0.5)))
+    torque = LoadCase(loaded(model, spread * TORQUE).load.wrench - model.load.wrench, "torque")
+    plain = limits.limit_load(model, torque, upper=10.0)
+    said = [one.text for one in plain.sentences()]
+    assert plain.best.stands == pytest.approx(corners / spread, rel=1e-3)
+    assert any("needs its corners: it turns with 18" in one and "--robust" in one for one in said)
+    assert "first motion: turns on a joint" in said
+    robust = limits.limit_load(model, torque, upper=10.0, options=limits.LimitOptions(robust=True))
+    assert robust.robust is not None
+    assert robust.robust.stands == pytest.approx(1.0, abs=0.01)
+    assert robust.best.stands == plain.best.stands
+    said = [one.text for one in robust.sentences()]
+    assert any("the answer depends on the pressure within joints" in one for one in said)
 
 
 def test_of_joints_that_turn_the_one_that_carries_is_named_before_a_faint_one() -> None:

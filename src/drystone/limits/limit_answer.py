@@ -19,7 +19,7 @@ from drystone.base.table import Table
 from drystone.checks import crushed_most, crushing_share
 from drystone.limits.limit_types import Bracket, Evaluation, LimitValues, plain
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result, Sensitivity, Verdict
 from drystone.results.stage import first_motion_words
 from drystone.settlement import Outcome
 
@@ -88,13 +88,7 @@ class Limit(LimitValues, Answer):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences about values at which the answer depends on the joints."""
-        told = []
-        if self.sensitive_between is not None:
-            told.append(
-                f"{self._range(self.sensitive_between)} the answer depends on the stiffness "
-                "of the joints: there the blocks were followed by finite steps, and the limit is "
-                "where they no longer come to rest"
-            )
+        told = self._stiffness_decides()
         if self.undecided_between is not None:
             ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
             because = ""
@@ -104,6 +98,23 @@ class Limit(LimitValues, Answer):
                 because = ": it depends on the shear stiffness of the joints"
             told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
         return tuple(told)
+
+    def _stiffness_decides(self) -> list[str]:
+        """Where stiffness or pressure within joints decides, or which joint needs its corners."""
+        if self.sensitive_between is not None:
+            between = f"{self._range(self.sensitive_between)} the answer depends on the"
+            falling = None if self.robust is None else self.robust.falling
+            if falling is not None and falling.sensitive_to == (Sensitivity.PRESSURE,):
+                return [f"{between} pressure within joints: it stands on their corners only"]
+            return [
+                f"{between} stiffness of the joints: there the blocks were followed by finite "
+                "steps, and the limit is where they no longer come to rest"
+            ]
+        standing = None if self.robust is not None else self.best.standing
+        if standing is None or not standing.corners_needed:
+            return []
+        more = "--robust asks up to where it stands without"
+        return [f"at the limit {standing.corners_needed}; {more}"]
 
     @property
     def states(self) -> list[tuple[Result, float, bool]]:

@@ -84,7 +84,8 @@ class Result(Solution, Answer):
         if self._safety:
             said.append(Sentence(f"safety: {self._safety}: a bound, it may fall before"))
         if self.verdict is Verdict.STABLE and self.force is not None:
-            said += self._strength() + self._without_margin() + self._on_corners() + self._foot()
+            said += self._strength() + self._without_margin()
+            said += [Sentence(self.corners_needed), *self._foot()]
         return said
 
     def _foot(self) -> list[Sentence]:
@@ -146,31 +147,33 @@ class Result(Solution, Answer):
             )
         ]
 
-    def _on_corners(self) -> list[Sentence]:
-        """What carries more torsion than pressure spread over its face does.
+    @property
+    def corners_needed(self) -> str:
+        """What carries more torsion than pressure spread over its face does, in words; or empty.
 
         Nothing needs its corners where spread pressure was tried as well, and holds it. Where it
         was not tried, other forces may carry the same load without them.
         """
-        robust = self.samples.tried > 2 and not self.stopped
+        if self.force is None:
+            return ""
+        tried = self.samples.tried > 2 and not self.stopped
         pressure = Sensitivity.PRESSURE in self.sensitive_to
-        if robust and not pressure:
-            return []
+        if tried and not pressure:
+            return ""
         joints = self.contacts.joints
         found, used = by_joint(self.contacts, self.resultants, self.utilisation)
         turned = np.where(np.isfinite(used), used, 0.0) > 1.0 + ACCURATE
         if not turned.any():
-            return []
+            return ""
         loaded = turned & _loaded(found)  # as in the table, those that carry little come last
         at = int(np.argmax(np.where(loaded if loaded.any() else turned, used, -1.0)))
         names = self.assembly.names
         pair = f"'{names[joints.block_a[at]]}' and '{names[joints.block_b[at]]}'"
         needs = "needs its corners:" if pressure else "may need its corners: with these forces"
         words = f"the joint of {pair} {needs} it turns with {100.0 * used[at]:.0f} % of what"
-        words += " pressure spread over its face carries"
-        if not (pressure or getattr(self.options, "samples", False)):
-            words += "; --strict asks whether it stands without"
-        return [Sentence(words)]
+        return (
+            f"{words} pressure spread over its face carries ('needs its corners' in the glossary)"
+        )
 
     def tables(self) -> Sequence[Table]:
         """What gives way with its props, the joints that carry most, reactions, applied loads."""

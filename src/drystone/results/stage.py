@@ -20,7 +20,7 @@ from drystone.answer.scene import Layer, LayerKind, SceneStage, State
 from drystone.answer.sentences import Verdict
 from drystone.base.arrays import Bools, Floats, dot, lengths
 from drystone.base.units import quantity
-from drystone.checks import first_motion_of, moving_joints
+from drystone.checks import first_motion_of, moving_joints, turning_joints
 from drystone.geometry.surface import worth_drawing
 from drystone.joints import (
     FAINT,
@@ -119,7 +119,10 @@ def first_motion_words(result: Solution) -> str:
     if motion is None:
         return ""
     hinge, slide, _ = moving_joints(result.model, motion)
-    kinds = ("turns about an edge", hinge), ("slides", slide)
+    turns = turning_joints(result.model, motion, slide)
+    kinds = (
+        ("turns about an edge", hinge), ("turns on a joint", turns), ("slides", slide & ~turns),
+    )  # fmt: skip
     told = [words for words, some in kinds if some.any()]
     each = motion[list(result.falling), :2]
     way = each.sum(axis=0)

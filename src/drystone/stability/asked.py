@@ -258,7 +258,7 @@ class Asked:
         tried, stood = len(self.tried), sum(one.stands for one in self.tried)
         if stood < tried:
             return f"stands for {stood} of {tried} contact stiffnesses tried: {self.sensitive}"
-        if tried <= 2:
+        if not self.options.samples:
             return "stands"
         spread = "" if self.on_faces is None else ", one with pressure spread over the faces"
         return f"stands, whichever joints press more ({tried} contact stiffnesses tried{spread})"

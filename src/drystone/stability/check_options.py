@@ -24,8 +24,8 @@ class CheckOptions(Options):
         Number of contact stiffness distributions that are tried at most besides the uniform one
         where it stands. They change no verdict; with 4 of them it is known whether it stands
         whichever joints press more (robust), or not (sensitive). Two are random; one, with more
-        than 120 joints, where all random ones are alike, or where joints turn much: another one
-        carries on points spread over their faces then.
+        than 120 joints, where all random ones are alike, or where joints turn much. One more
+        carries on points spread over such joints then, with 0 as well.
     settle
         Where uniform stiffness does not decide, follow the blocks by finite steps
         (:func:`drystone.settle`); their motion gives the verdict.

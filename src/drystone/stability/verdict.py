@@ -177,7 +177,7 @@ def _decided(asked: Asked, pool: WorkerPool, near: Floats | None, rest: Candidat
     follows = options.settle and problem.statics.dry
     spread: Model | None = None
     if uniform.stands:
-        if problem.statics.dry and options.samples:
+        if problem.statics.dry and (options.samples or (options.settle and not options.uniform)):
             spread = asked.on_spread_points(uniform, problem.model)
         if problem.statics.friction.any():  # without it equilibrium decides (static theorem)
             count = max(options.samples - (spread is not None), int(follows))
