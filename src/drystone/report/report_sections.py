@@ -50,9 +50,10 @@ _METHOD = (
     "impact and no partial factor unless it is named.",
     "STABLE: forces were found that balance every block within the friction cones, and they arise "
     "without prestress from a motion of the blocks on contact springs. UNSTABLE: a mechanism was "
-    "found on which the loads do work against all joints, so that no forces can balance them. Both "
-    "are computed again from the points of contact; the residuals stand beside each answer. "
-    "UNDECIDED: neither was found.",
+    "found on which the loads do work against all joints, so that no forces can balance them; or "
+    "the blocks were followed by finite steps and did not come to rest, as the answer then says. "
+    "Forces and mechanisms are computed again from the points of contact; the residuals stand "
+    "beside each answer. UNDECIDED: neither was found.",
     "A limit is a pair of values: at the one it stands, at the other it falls; both were checked.",
 )
 
@@ -297,8 +298,7 @@ def _proof(state: Result) -> str:
 def _mechanism(state: Result) -> Iterator[Part]:
     """The blocks that move in a state that falls."""
     table = mechanism_table(state) if state.falls else None
-    if table is not None:
-        yield table
+    yield from () if table is None else (table,)
 
 
 def worst_told(result: Result, count: int) -> Iterator[Part]:
