@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.base.settings import Options
-from drystone.geometry.frames import axis_words, rotation_about
+from drystone.geometry.frames import LEVEL_AXES, axis_words, rotation_about
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check
@@ -85,10 +85,6 @@ def soon_at_rest(
     if found.stopped and not found.stable:
         raise Stopped
     return found
-
-
-AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
-"""The horizontal axes about which a structure is tilted."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +170,7 @@ class DesignMargin(Options):
         if self.load != 1.0:
             cases[f"under {self.load:g} times its load"] = model.with_load(self.load * model.load)
         if self.tilt > 0.0:
-            for axis in AXES:
+            for axis in LEVEL_AXES:
                 way = axis_words(np.array(axis))
                 cases[f"tilted by {self.tilt:g} degrees {way}"] = tilted(model, axis, self.tilt)
         return cases

@@ -19,6 +19,9 @@ AXES = {
 }
 """Axes by name."""
 
+LEVEL_AXES = tuple(AXES[name] for name in ("x", "-x", "y", "-y"))
+"""The horizontal axes about which a structure is tilted, to each of four sides."""
+
 
 def unit(vector: Floats | Sequence[float], what: str = "direction") -> Floats:
     """The unit vector along ``vector`` (3,).

@@ -24,6 +24,7 @@ from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import FactorSolution, LoadFactors, held_still
 from drystone.formulations.plane_factors import PlaneFactors
+from drystone.geometry.frames import LEVEL_AXES
 from drystone.limits.limit_search import VerdictSearch, Width
 from drystone.limits.limit_types import Bracket, Family, LimitOptions, LoadFactor, Tilt
 from drystone.loads import LoadCase, Train
@@ -194,7 +195,7 @@ def tilt_margin(model: Model, *, most: int = 150, stop: Stop | None = None) -> f
         if down <= 0.0:
             return None
         load = LoadCase.gravity(model.assembly, down) + load.weight_of_masses
-    for axis in ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)):
+    for axis in LEVEL_AXES:
         way = Tilt(model.with_load(load), np.array(axis)).turned(90.0)
         factor = largest(scaled_wrench(statics, way), stop).factor
         least = min(least, float(np.rad2deg(np.arctan(factor))))

@@ -12,13 +12,15 @@ from dataclasses import replace
 from functools import partial
 from typing import Unpack
 
+import numpy as np
+
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
-from drystone.geometry.frames import axis_vector
+from drystone.geometry.frames import LEVEL_AXES, axis_vector
 from drystone.io.load_options import grown
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
@@ -41,6 +43,8 @@ from drystone.model import FlushEnds
 
 _WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
+_LEAST_TILT = "the least of the tilts about x, -x, y and -y"
+_NOT_ALL_AXES = "about other axes it may fall before: not all are searched"
 _SHARE = 1e-4
 """Default width of a bracket of a load factor, by the limit."""
 
@@ -48,7 +52,7 @@ _SHARE = 1e-4
 @checked_call
 def limit_tilt(
     given: Given,
-    axis: Floats | Sequence[float] | str = "x",
+    axis: Floats | Sequence[float] | str | None = None,
     *,
     upper: float = 180.0,
     check: Check | None = None,
@@ -68,7 +72,8 @@ def limit_tilt(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     axis : (3,) or a name
-        Turned counter-clockwise about ``x``, ``y``, ``-x``, ``-y`` or a vector.
+        Turned counter-clockwise about ``x``, ``y``, ``-x``, ``-y`` or a vector; when left out, the
+        one of those four with the least tilt.
     upper : [degrees] > 0
         Largest angle of the search.
     check
@@ -86,9 +91,25 @@ def limit_tilt(
     >>> round(limit.equilibrium.value, 1), round(limit.rest.value, 1)
     (31.0, 31.0)
     """
-    family = Tilt(supported_model(given, **how), axis_vector(axis))
+    model = supported_model(given, **how)
     means = Means.of(check, options, executor, progress, stop, time_limit_s)
-    return tilt_limit(family, upper, means)
+    if axis is not None:
+        return tilt_limit(Tilt(model, axis_vector(axis)), upper, means)
+    first, *others = (Tilt(model, np.array(one)) for one in LEVEL_AXES)
+    limit = tilt_limit(first, upper, means)
+    for family in others:
+        last = limit.best.stands
+        if not last or limit.stopped:
+            break
+        found = tilt_limit(family, last, means)
+        if found.stopped:
+            limit = replace(limit, stopped=found.stopped)
+        elif not found.capped:
+            limit = replace(found, end=limit.end)
+    quantity = limit.quantity
+    told = _NOT_ALL_AXES if limit.stopped else _LEAST_TILT
+    remark = "; ".join(one for one in (told, quantity.remark) if one)
+    return replace(limit, quantity=replace(quantity, remark=remark))
 
 
 def tilt_limit(family: Tilt, upper: float, means: Means) -> Limit:

@@ -103,6 +103,30 @@ def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
     assert values == pytest.approx([SLIDE] * 4, abs=0.01)
 
 
+def test_a_tilt_without_an_axis_is_the_least_of_four() -> None:
+    """An arch swings along its span long before it overturns to a side."""
+    model = Model.of(arch(thickness_ratio=0.15), friction=0.7)
+    least = limit_tilt(model)
+    each = {axis: limit_tilt(model, axis).best for axis in ("x", "-x", "y", "-y")}
+    lowest = min(each, key=lambda axis: each[axis].stands or 0.0)
+    assert lowest == "y"
+    assert least.stands == each["y"].stands
+    assert least.title.endswith("degrees about y")
+    assert least.end == 180.0
+    said = [one.text for one in least.sentences()]
+    assert "the least of the tilts about x, -x, y and -y" in said
+    calls: list[str] = []
+
+    def progress(stage: str, done: int, total: int) -> None:
+        del done, total
+        calls.append(stage)
+
+    late = limit_tilt(model, progress=progress, stop=lambda: calls.count("done") > 0)
+    assert late.title.endswith("degrees about x")
+    said = [one.text for one in late.sentences()]
+    assert "about other axes it may fall before: not all are searched" in said
+
+
 def test_loads_keep_their_direction_while_the_model_turns() -> None:
     load = LoadCase.gravity(TOWER) + LoadCase.moment(TOWER, 1, (1.0, 2.0, 3.0))
     turned = Tilt(Model(TOWER, JOINTS, load), np.array([0.0, 1.0, 0.0])).turned(90.0)
