@@ -132,9 +132,7 @@ class _WholeCheck:
     def _least(self) -> _Held | None:
         """The structure with the least value with which it stands, else stands after settling."""
         found = self._checked(self.first)
-        if found is None and self.bench.large:  # each check is slow: the first that holds will do
-            found = next(filter(None, map(self._checked, self._larger())), None)
-        elif found is None:
+        if found is None:
             close = self.candidate.close
             value = least(self._stands, [*self._larger()], close, self.first)
             found = None if value is None else self._checked(value)

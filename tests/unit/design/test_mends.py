@@ -21,7 +21,7 @@ from drystone.design import (
     turn_joint,
 )
 from drystone.joint_capacity import JointCapacity
-from drystone.models import arch, box, h_model, shelf, tower, wedge
+from drystone.models import arch, barrel_vault, box, h_model, shelf, tower, wedge
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
 """[degrees] Of the lower joint of block 10 of the shelf."""
@@ -373,6 +373,17 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
     assert "N (up) under 'out' at " in firm.change.description
     assert firm.change.description.endswith(" m: the largest force at the margin")
     assert "margin" not in plain.change.description
+
+
+def test_of_many_blocks_the_least_value_that_the_whole_needs_is_told() -> None:
+    """At 14 % two of three contact stiffnesses hold it; the next value tried is 30 %."""
+    thin = barrel_vault(thickness=0.18, courses=13, blocks=4, length=3.0, staggered=False)
+    loose = thin.with_fixed([])
+    model = Model.of(loose, friction=0.6, supports="ground")
+    options = MendOptions(kinds=("thicker",))
+    only = find_mends(model, options=options).mends[0]
+    assert only.change.value == pytest.approx(0.16)
+    assert only.result.samples.standing == only.result.samples.tried
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
