@@ -60,6 +60,24 @@ def test_a_block_made_in_python_is_refused_where_it_crosses_itself_as_one_from_a
         find_poses(tongue())
 
 
+def test_a_shell_that_is_inside_out_is_refused_and_a_cavity_is_not() -> None:
+    """Files turn such shells and say so."""
+    outer, inner = box((1.0, 1.0, 1.0), name="hollow"), box((0.5, 0.5, 0.5), (0.25, 0.25, 0.25))
+    corners = np.concatenate([outer.vertices, inner.vertices])
+    for turn, volume in ((1, 1.125), (-1, 0.875)):
+        more = [[8 + i for i in loop[::turn]] for loop in inner.faces]
+        hollow = Block(corners, (*outer.faces, *more), "hollow")
+        assert hollow.volume == pytest.approx(volume)
+        below = box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), name="below")
+        blocks = Assembly((below, hollow)).with_fixed([0])
+        if turn < 0:
+            assert check(blocks).stable
+        else:
+            for _ in range(2):  # and again
+                with pytest.raises(InputError, match="'hollow': a shell of it is inside out"):
+                    check(blocks)
+
+
 def test_a_block_that_is_told_to_be_unchecked_is_taken_as_it_is() -> None:
     taken = tongue(checked=False).renamed("taken").transformed(translation=(1.0, 0.0, 0.0))
     assert not taken.checked

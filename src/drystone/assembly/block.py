@@ -17,6 +17,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, frozen, frozen_floats, frozen_points, number
 from drystone.base.display import OneLine
 from drystone.base.errors import DefectKind, InputError
+from drystone.geometry.closing import separate_parts
 from drystone.geometry.polyhedron import body_mass_properties
 from drystone.geometry.selfcontact import self_contacts
 from drystone.geometry.surface import closed_surface
@@ -211,11 +212,20 @@ def self_touching(blocks: Sequence[Block]) -> list[tuple[int, InputError]]:
 
 
 def require_sound(blocks: Sequence[Block], simple: Bools | None = None) -> None:
-    """Raise InputError where a block touches or crosses itself; not where (n,) it is known not to.
+    """Raise InputError where a block touches or crosses itself, or a shell of it is inside out.
+
+    Not where (n,) it is known not to.
 
     What is known once is not looked at again.
     """
     if simple is not None:
         _SOUND.update(blocks[i] for i in np.flatnonzero(simple).tolist())
+    for one in blocks:
+        if one.checked and one not in _SOUND and separate_parts(one.vertices, one.faces)[1]:
+            raise InputError(
+                "a shell of it is inside out: what lies in it counts twice, or is missing",
+                where=f"block '{one.name}'",
+                remedy="turn the faces of that shell",
+            )
     for _, error in self_touching(blocks):
         raise error
