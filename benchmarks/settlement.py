@@ -98,7 +98,7 @@ def rests(model: Model, axis: Sequence[float], options: SettlementOptions, tilt:
     return settle(turned, options=options).outcome is Outcome.RESTS
 
 
-def limit_of(stands: Callable[[float], bool], highest: float = 180.0, width: float = 0.1) -> float:
+def limit_of(stands: Callable[[float], bool], highest: float = 180.0, width: float = 0.05) -> float:
     """Largest tilt [degrees] up to which it stands, by a scan upwards to the first fall."""
     step = min(5.0, max(1.0, highest / 12.0))
     low = 0.0
