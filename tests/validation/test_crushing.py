@@ -8,7 +8,7 @@ import drystone
 from drystone import Assembly, Block, JointCapacity, LoadCase, Model, check, limit_load, solve_rbe
 from drystone.checks import check_forces, mechanism_defects, normal_force_by_strength
 from drystone.limits import LimitOptions, limit_thickness, limit_tilt, thrust_bounds
-from drystone.models import box, wall
+from drystone.models import arch, box, wall
 from drystone.stability.strength import crushing_factor
 
 WIDTH, DEPTH, STRENGTH = 1.0, 0.5, 1e5
@@ -353,3 +353,9 @@ def test_the_least_thickness_of_a_leg_that_crushes():
     assert limit.best.falls == pytest.approx(expected, rel=1e-3)
     assert limit.best.falls < expected < limit.best.stands
     assert "only 0.999 of them" in limit.best.falling.message  # not "only 1"
+
+
+def test_what_stands_far_below_its_strength_is_not_said_to_reach_it():
+    found = check(arch(0.15, 11), load="voussoir-03:0.5kN", friction=0.7, strength="10MPa")
+    assert found.message == "stands, also within the strength of its joints"
+    assert found.strength_use.max() < 0.05

@@ -27,6 +27,9 @@ from drystone.ties import joint_words
 
 CRUSHES = "it crushes: no contact forces within the strength of its joints balance the loads"
 YIELDS = "ties yield: no contact forces within their strength balance the loads"
+_REACHED = 0.999
+"""Share of its strength from which a joint reaches it: forces are asked for that carry a thousandth
+more than all loads, so that they use less where they can."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,21 +147,21 @@ def within_strength(problem: Problem, decide: Callable[[Model], Result], clock: 
         words += f"; {clock.reason}" if clock.late() else ""
         return replace(undone(found, words), stopped=clock.reason)
     if not found.sensitive:
-        stone = (model.contacts.crushes & ~model.contacts.ties).any()
-        worn = (
-            "the stone reaches its strength where its joints press most" if stone else "ties yield"
+        kept = replace(
+            found, model=model, force=most.force, displacement=None, residuals=most.residuals
         )
-        words = f"{found.message}; {worn}"
-        return replace(
-            found,
-            model=model,
-            message=words,
-            force=most.force,
-            displacement=None,
-            residuals=most.residuals,
-        )
+        return replace(kept, message=f"{found.message}{_reached(kept)}")
     return undone(
         found,
         "forces within the strength of its joints balance the loads, but whether crushing brings "
         f"them about is not known: without it {found.message}",
     )
+
+
+def _reached(found: Result) -> str:
+    """Whether what stands reaches the strength of its joints, said after why it stands."""
+    stone = (found.contacts.crushes & ~found.contacts.ties).any()
+    if found.strength_use.max(initial=0.0) < _REACHED:
+        return f", also within the strength of its {'joints' if stone else 'ties'}"
+    words = "the stone reaches its strength where its joints press most"
+    return f"; {words if stone else 'ties yield'}"
