@@ -34,8 +34,8 @@ from drystone.joints import (
 from drystone.results.solution import Solution, reaction_layer
 
 NEGLIGIBLE = 1e-3
-"""A prop force below this share of the largest load comes from the ground springs. It is not
-shown."""
+"""A prop force below this share of the largest load of a free block comes from the ground springs.
+It is not shown."""
 
 _EYE = np.array([0.7, -0.7, 0.14])
 """From the model to the eye, about, as a picture opens."""
@@ -100,7 +100,8 @@ def _needed(result: Solution) -> Floats | None:
     if result.prop is None:
         return None
     force = np.linalg.norm(result.prop[:, :3], axis=1)
-    largest = float(np.linalg.norm(result.load.wrench[:, :3], axis=1).max(initial=0.0))
+    load = result.load.wrench[result.assembly.free, :3]
+    largest = float(np.linalg.norm(load, axis=1).max(initial=0.0))
     kept: Floats = np.where((force > NEGLIGIBLE * largest)[:, None], result.prop, 0.0)
     return kept
 
