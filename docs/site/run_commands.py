@@ -40,6 +40,7 @@ SLOW = (
 """Beginnings and options of commands that take more than a second or two."""
 ABSENT = (
     "armadillo.obj",
+    "surface.obj",
     "wall.3dm",
     "my.3dm",
     "soup.stl",

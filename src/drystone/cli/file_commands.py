@@ -174,6 +174,7 @@ def inspect(
     assembly, notes = usable(built, supports)
     found = swept = None
     if assembly is not None:
+        notes += source.uncut(assembly)
         pictures.require_through(assembly)
         waiting.stage("detect", "finding contacts")
         found = find_contacts(assembly, options=options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +15,7 @@ from drystone.cli.offered import CONTACTS, LOADS, MODEL, Analysis, Argument, Of
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
+    from drystone.assembly import Assembly
     from drystone.detection import ContactReport
     from drystone.loads import LoadCase
     from drystone.model import Model
@@ -112,6 +113,18 @@ class Subject:
                 )
         return shlex.join(words)
 
+    def uncut(self, assembly: Assembly) -> list[str]:
+        """How a surface is cut into blocks, where the file has one body and no joint."""
+        from drystone.supports import laid_ground  # the program starts fast
+
+        ground = laid_ground(assembly)
+        if len(assembly) - (ground is not None) != 1 or not isinstance(self.place, str):
+            return []
+        how = [f"--{key} {self.how[key]}" for key in ("units", "up") if key in self.how]
+        words = " ".join((shlex.quote(self.place), *how))
+        return [f"only one block, so no joint is tested; an open surface is cut into blocks by: "
+                f"drystone shell {words} --courses 11 --blocks 6 --thickness 0.2"]  # fmt: skip
+
     @property
     def anyway(self) -> bool:
         """Whether what is doubtful is accepted."""
@@ -148,8 +161,9 @@ class Subject:
         if changed:
             how |= changed
             model = self._read(how, waiting)
-        _refuse_supports(model, how, self.name)
-        notes = [*model.notes, *told]
+        uncut = self.uncut(model.assembly)
+        _refuse_supports(model, how, self.name, uncut)
+        notes = [*uncut, *model.notes, *told]
         notes += [] if model.report is None else warnings_of(model.report)
         load = model.load
         for text in moves:
@@ -213,14 +227,18 @@ class OneFile(Subject):
     files: Annotated[str | tuple[str, ...], replace(FILES, several=False)]
 
 
-def _refuse_supports(model: Model, how: dict[str, Any], name: str) -> None:
+def _refuse_supports(
+    model: Model, how: dict[str, Any], name: str, uncut: Sequence[str] = ()
+) -> None:
     """Raise InputError where no block is fixed, or every block is."""
     from drystone.model import up_of_load  # as above
     from drystone.supports import require_supports
 
     chosen = how.get("supports") is not None
     fixed, remedy = model.assembly.fixed, "name fewer blocks with --supports"
-    if not chosen:
+    if uncut:
+        remedy = uncut[0]
+    elif not chosen:
         remedy = "the file says so: choose those that stand still with --supports"
         layers = sorted({str(block.metadata.get("layer", "")) for block in model.assembly.blocks})
         if any(layers):

@@ -185,7 +185,8 @@ def _from_mesh(wanted: SurfaceRequest) -> Surface:
     if supports is None:
         sides = _foot(fit.patch)
         names = ", ".join(side.value for side in sides)
-        notes.append(f"stands on its {names}, assumed: --supports names other sides")
+        told = f"stands on its lowest sides ({names}: names, not heights), assumed"
+        notes.append(f"{told}: --supports names others")
     else:
         sides = [_side(text) for text in supports.split(",")]
     edges = tuple(shells.Edge(0, side) for side in sides)

@@ -366,9 +366,13 @@ class WithModel(Pictures):
 
 def left_out(chosen: Format, units: str, contents: Contents) -> list[str]:
     """What a format does not store, what of it this model has, and a unit that it does not name."""
+    from drystone.supports import laid_ground
+
     said = [f"this format does not store {chosen.loses}"] if chosen.loses else []
     if chosen.loses and _loses_a_pull(chosen, contents):
         said.append("ties and glue are not in this file, what they hold falls: write .json")
+    if "supports" in chosen.loses and laid_ground(contents.assembly) is not None:
+        said.append("its 'ground' is the plane that supports lay, no block to build")
     if chosen.any_unit and chosen.name != "3dm":
         said.append(f"its lengths are in {units}, which the file does not say: --units {units}")
     return said

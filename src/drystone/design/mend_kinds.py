@@ -31,6 +31,7 @@ from drystone.design.proposals import KnownNeeds, Proposals, Take, Tries, held_b
 from drystone.design.props import PropSeat, carries, find_props, struts
 from drystone.design.words import force_words, glue_words, names_of, newtons, place, towards
 from drystone.model import Model
+from drystone.supports import laid_ground
 from drystone.ties import tied
 
 _FIRST = 6
@@ -298,7 +299,9 @@ def _thicker(asked: KnownNeeds) -> Proposals:
 
     def words(share: float) -> str:
         names, local = names_of(bench.model, bench.region), bench.local.assembly
-        beside = names_of(bench.local, np.flatnonzero(local.fixed).tolist())
+        ground = laid_ground(local)
+        fixed = [i for i in np.flatnonzero(local.fixed).tolist() if i != ground]
+        beside = names_of(bench.local, fixed) if fixed else ""
         told = f"{names} thicker by {100.0 * share:.0f} %, half of it on each face"
         return f"{told}; they overhang {beside} where these are no wider" if beside else told
 

@@ -99,7 +99,8 @@ def _surface(faces: tuple[Loop, ...], count: int) -> _SurfaceTopology:
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
             f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], 4)}",
-            remedy="close the holes or merge coincident vertices; only a support may be open",
+            remedy="close the holes or merge coincident vertices; only a support may be open; a "
+            "surface is cut into blocks by 'drystone shell'",
             kind=DefectKind.OPEN,
         )
     if not consistent:

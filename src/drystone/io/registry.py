@@ -114,7 +114,7 @@ FORMATS: tuple[Format, ...] = (
         (".3dm",),
         "rhino",
         "rhino",
-        f"joint capacities, contacts but for ties without a strength between centroids, {_LOADS}",
+        f"joint capacities, contacts, ties but between centroids without a limit, {_LOADS}",
         any_unit=True,
         options=_LAYERED,
     ),

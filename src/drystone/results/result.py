@@ -32,6 +32,7 @@ from drystone.joints import (
 from drystone.loads.applied import applied_loads, is_vertical
 from drystone.results.solution import Sensitivity, Solution, reaction_table
 from drystone.results.stage import stage_of
+from drystone.supports import laid_ground
 from drystone.ties import joint_words
 
 
@@ -54,7 +55,8 @@ class Result(Solution, Answer):
         """The verdict as a plain sentence."""
         if self.verdict is Verdict.UNSTABLE:
             if len(self.falling) > 1:
-                return f"Falls: {len(self.falling):,} of {len(self.assembly):,} blocks"
+                own = len(self.assembly) - (laid_ground(self.assembly) is not None)
+                return f"Falls: {len(self.falling):,} of {own:,} blocks"
             return f"Falls: block '{self.falling_names[0]}'" if self.falling else "Falls"
         if self.verdict is Verdict.UNDECIDED:
             return "Not decided: neither standing nor falling was shown"
@@ -225,7 +227,7 @@ class Result(Solution, Answer):
         }
 
     def _props(self) -> Table:
-        """What falls, neediest first, with force and moment of the prop about the centroid."""
+        """What falls, neediest first, with the missing force, and moment about the centroid."""
         prop = np.zeros((len(self.assembly), 6)) if self.prop is None else self.prop
         size = lengths(prop[:, :3])
         order = sorted(self.falling, key=lambda i: -size[i])
@@ -236,8 +238,8 @@ class Result(Solution, Answer):
         columns: dict[str, Any] = {"block": [self.assembly.names[i] for i in order]}
         if self.prop is None:
             return Table("gives way", columns)
-        columns |= {"prop_force": force, "prop_moment": moment}
-        return Table("gives way", columns, {"prop_force": "N", "prop_moment": "N m"})
+        columns |= {"missing_force": force, "missing_moment": moment}
+        return Table("gives way", columns, {"missing_force": "N", "missing_moment": "N m"})
 
     def _reactions(self) -> Table:
         return Table("reactions", {"support": []}) if self.force is None else reaction_table(self)

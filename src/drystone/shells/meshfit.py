@@ -497,7 +497,9 @@ def border_of(loops: list[list[int]], name: str) -> list[int]:
             after[a] = b
     if not after:
         raise InputError(
-            "the mesh is closed", where=f"mesh '{name}'", remedy="give an open surface"
+            "the mesh is closed",
+            where=f"mesh '{name}'",
+            remedy="of a vault with a thickness delete all faces but those of one side",
         )
     run, *more = rings(after)
     if more:

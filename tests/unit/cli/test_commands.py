@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import shlex
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import drystone
 from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
@@ -71,8 +73,8 @@ def test_check_names_the_blocks_that_fall_and_what_would_hold_them(
     assert told["falling"] == ["bad"]
     (prop,) = told["gives_way"]
     assert prop["block"] == "bad"
-    assert prop["prop_force"][2] > 0.0
-    assert len(prop["prop_moment"]) == 3
+    assert prop["missing_force"][2] > 0.0
+    assert len(prop["missing_moment"]) == 3
 
 
 def test_a_block_that_touches_nothing_falls_and_is_named(tmp_path: Path, capsys: Capsys) -> None:
@@ -269,7 +271,7 @@ def test_check_tells_a_person_the_same(tmp_path: Path, capsys: Capsys) -> None:
         "UNSTABLE",
         "gives way",
         "bad",
-        "prop force",
+        "missing force",
         "3 blocks",
         "free mass 4.8 t",
     ):
@@ -439,3 +441,32 @@ def test_that_a_file_weighs_what_it_weighs_is_not_told(tmp_path: Path, capsys: C
     io.write(Model.of(tower(2)), path)
     assert main(["check", path]) == 0
     assert "the load case" not in capsys.readouterr().out
+
+
+def test_a_file_of_one_block_is_told_how_a_surface_is_cut(tmp_path: Path, capsys: Capsys) -> None:
+    lone = file(tmp_path, tower(2).subset([1]))
+    words = f"drystone shell {lone} --units mm --courses 11"
+    assert main(["inspect", lone, "--units", "mm"]) == 0
+    assert words in " ".join(capsys.readouterr().out.split())
+    assert main(["check", lone, "--units", "mm", "--supports", "ground"]) == 0
+    assert words in " ".join(capsys.readouterr().out.split())
+    assert main(["check", lone, "--units", "mm", "--supports", "lowest"]) == 2
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert main(["check", file(tmp_path, tower(2))]) == 0
+    assert "drystone shell" not in capsys.readouterr().out
+
+
+def test_ground_that_is_laid_is_no_block_of_the_answer(tmp_path: Path, capsys: Capsys) -> None:
+    thin = file(tmp_path, arch(thickness_ratio=0.08, voussoirs=9).with_fixed([]))
+    code, told = answer(capsys, "mend", thin, "--supports", "ground", "--kind", "thicker")
+    assert code == 1
+    falls = drystone.check(thin, supports="ground")
+    assert falls.title.endswith("of 11 blocks")
+    (needed,) = (one for one in falls.layers().stages[0].layers if one.key == "help")
+    assert re.search(r"on \d+ blocks at once, up to [\d.]+ k?N$", needed.label)
+    assert told["mends"]
+    assert "ground" not in str(told["mends"])
+    out = str(tmp_path / "thick.obj")
+    wish = ("--supports", "ground", "--kind", "thicker", "--apply", "1", "--out", out)
+    _, told = answer(capsys, "mend", thin, *wish)
+    assert "its 'ground' is the plane that supports lay, no block to build" in told["notes"]

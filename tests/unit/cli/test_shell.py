@@ -120,7 +120,8 @@ def test_assumed_supports_of_a_mesh_are_told(barrel_file: str, capsys: Capsys) -
     code, told = answer(capsys, *arguments)
     assert code == 0
     assert told["shell"]["supports"] == ["patch 0, bottom", "patch 0, top"]
-    note = "stands on its bottom, top, assumed: --supports names other sides"
+    note = "stands on its lowest sides (bottom, top: names, not heights), assumed: "
+    note += "--supports names others"
     assert told["notes"][1] == note
     assert main(arguments) == 0
     assert note in " ".join(capsys.readouterr().out.split())

@@ -111,7 +111,7 @@ def test_a_mesh_file_becomes_a_shell(tmp_path):
 def test_a_closed_mesh_is_refused():
     cube = [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
-    with pytest.raises(InputError, match="mesh is closed"):
+    with pytest.raises(InputError, match="mesh is closed; of a vault with a thickness delete"):
         patch_from_mesh(cube, faces)
 
 
