@@ -216,8 +216,7 @@ def help_layer(
     if len(needy) == 0:
         return ()
     if len(needy) > 1:  # one alone holds less, or nothing
-        most = quantity(float(lengths(wrench[needy, :3]).max()), "N")
-        label += f" on {len(needy)} blocks at once, up to {most}"
+        label += f" on {len(needy)} blocks at once"
     return (
         Layer(
             "help", label, LayerKind.ARROWS, "help", assembly.centroid[needy], wrench[needy, :3],

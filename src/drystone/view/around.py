@@ -11,6 +11,7 @@ from drystone.answer.question import asked_line
 from drystone.answer.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage, State
 from drystone.base.units import quantity
 from drystone.results import Verdict
+from drystone.view.ink import ADDED_OPACITY
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, ramp_colours
 from drystone.view.sheet import Sheet
 
@@ -126,7 +127,9 @@ def write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
 
     handles: list[Any] = [
         Patch(
-            facecolor=STATE_COLOUR[sheet.theme][state], edgecolor="#555555", label=label,
+            facecolor=(STATE_COLOUR[sheet.theme][state],
+                       max(sheet.opacity, ADDED_OPACITY if state == State.ADDED else 0.0)),
+            edgecolor="#555555", label=label,
             hatch="////" if state == State.LATER else None,
         )
         for state, label in STATE_LABEL.items()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _WIDEST = 5.0
 """[points], line of the largest force in a network."""
-_ADDED = 0.85
+ADDED_OPACITY = 0.85
 """Least opacity of blocks that were added, in the colour of the legend."""
 _SHADES = 12
 """Number of colours of forces: a triangle is divided until each part has one colour."""
@@ -53,7 +53,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> list[tuple[int, Floats]]:
     height = None if sheet.plane is None else sheet.plane.heights(corners)
     state = stage.state[present][faces.owner[patches.face]]
     fills, edge = _shaded(sheet, sheet.states[state], faces.normals[patches.face])
-    fills[state == State.ADDED, 3] = np.maximum(fills[state == State.ADDED, 3], _ADDED)
+    fills[state == State.ADDED, 3] = np.maximum(fills[state == State.ADDED, 3], ADDED_OPACITY)
     wide = np.where(state == State.FALLING, 1.2, 0.5) * sheet.thin
     between = _between(sheet, layers, patches, faces.owner, present)
     paths: list[Line] = []

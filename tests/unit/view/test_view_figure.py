@@ -147,6 +147,14 @@ def test_the_legend_shows_loads_and_reactions_as_arrows() -> None:
     assert "force network" in lines
 
 
+def test_the_legend_shows_blocks_as_clear_as_they_are_drawn() -> None:
+    result = drystone.check(arch(0.2, 7), friction=0.7)
+    for preset, clear in (("forces", True), ("solid", False)):
+        handles = figure_of(result, preset=preset).legends[0].legend_handles
+        support = next(one for one in handles if one.get_label() == "support")
+        assert (support.get_facecolor()[3] < 1.0) == clear
+
+
 def test_the_figure_says_verdict_units_and_scale() -> None:
     text = texts(figure_of(falling_tower()))
     assert "Falls: block 'top'" in text
