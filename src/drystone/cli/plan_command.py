@@ -235,8 +235,11 @@ def plan(
                 check=check or sequence.check_both, executor=executor_of(workers),
                 progress=waiting, stop=stop, time_limit_s=limit,
             )  # fmt: skip
+        notes = list(model.notes)
+        if order == "top" and not in_turn.works and not in_turn.stopped:
+            notes.append("in the order of the file: another one may do, try --order NAMES")
         return Told(
-            in_turn, notes=model.notes, files=partial(wanted.of_turns, in_turn), into=wanted.stages
+            in_turn, notes=notes, files=partial(wanted.of_turns, in_turn), into=wanted.stages
         )
 
     def plan_at(model: Model, saved: Path | None = None) -> Plan:

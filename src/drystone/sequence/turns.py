@@ -31,6 +31,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.plan_layers import stage_of, with_arms, with_reach
 from drystone.sequence.plan_steps import falling_words
 from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.stage_tree import overloads
 from drystone.sequence.stages import Check, Stage, StageAnswer, StagedModel, check_both, mask_of
 
 PAIR = (Robot("left"), Robot("right"))
@@ -47,12 +48,14 @@ class Turn(OneLine):
     robot
         The robot that places it, and holds it until the next one is in place.
     answer
-        Of the stage with this block held and all earlier ones released.
+        Of the stage with all earlier blocks released, and this one held; or released too, where it
+        stands so and would else be held with more than its weight.
     force : (3,) [N]
     moment : (3,) [N m]
-        Force and moment of the robot, about the centroid of the block.
+        Largest force and moment of the robot, about the centroid of the block: its weight while it
+        is carried, or what holds it if that is more.
     reached, carried
-        Whether the robot reaches the block, and whether it can carry the block and that force.
+        Whether the robot reaches the block, and whether it can bear that force.
     """
 
     block: int
@@ -142,9 +145,10 @@ class Turns(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """Whether it can be built, the largest hold, and what the first failure is."""
         held = f"the largest force of a robot is {quantity(self.largest, 'N')}"
+        how = "each robot carries its block and holds it until the next one is in place"
         return [
             Sentence(self.title, self._role),
-            Sentence("each robot holds its block until the next one is in place"),
+            Sentence(f"{how}: its hold is the larger force of the two"),
             Sentence(held if self.works else self.stopped or self._failure),
         ]
 
@@ -308,7 +312,7 @@ def in_turn(
             if i == len(blocks):
                 complete = answer
                 continue
-            turns.append(_turn(structure, blocks[i], team[i % len(team)], answer))
+            turns.append(_turn(evaluator, stage, blocks[i], team[i % len(team)], answer))
             if progress is not None:
                 progress("turns", i + 1, len(blocks))
             if not turns[-1].works:
@@ -317,11 +321,19 @@ def in_turn(
     return Turns(structure, tuple(team), tuple(turns), complete, stopped)
 
 
-def _turn(structure: StagedModel, block: int, robot: Robot, answer: StageAnswer) -> Turn:
+def _turn(
+    evaluator: Evaluator, stage: Stage, block: int, robot: Robot, answer: StageAnswer
+) -> Turn:
     """A block that a robot places and holds, with the answer of its stage."""
-    wrench = answer.reaction.get(block, -structure.load.wrench[block])
-    body = structure.assembly.blocks[block]
-    force = float(np.linalg.norm(wrench[:3]))
+    structure = evaluator.model
+    body, carried = structure.assembly.blocks[block], -structure.load.wrench[block]
+    wrench = answer.reaction.get(block, carried)
+    if np.linalg.norm(wrench[:3]) > np.linalg.norm(carried[:3]):
+        alone = evaluator.answer(stage._replace(held=0), forces=not stage.quick)
+        answer, wrench = (alone, carried) if alone.stands else (answer, wrench)
+    else:
+        wrench = carried
+    limit = np.full(len(structure.assembly), robot.payload)
     return Turn(
         block,
         body.name,
@@ -330,5 +342,5 @@ def _turn(structure: StagedModel, block: int, robot: Robot, answer: StageAnswer)
         wrench[:3],
         wrench[3:],
         bool(robot.distance(body.centroid) <= robot.reach),
-        body.mass <= robot.payload and force <= (1.0 + 1e-6) * robot.payload * STANDARD_GRAVITY,
+        body.mass <= robot.payload and not overloads(answer, [block], limit, structure),
     )

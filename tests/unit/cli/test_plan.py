@@ -81,6 +81,15 @@ def test_turns_are_asked_for_and_written(stack, tmp_path, capsys):
     assert rows.read_text().startswith("step,block,robot,hold [N],works\n1,block-1,hand 1,")
 
 
+def test_turns_that_fail_in_the_order_of_the_file_say_so(tmp_path, capsys):
+    path, pair = tmp_path / "leaning.json", tower(3)
+    io.write(Assembly(tuple(pair.blocks[i] for i in (0, 2, 1)), pair.fixed), path)
+    assert main(["plan", str(path), "--turns", "--payload", "1"]) == 1
+    assert "in the order of the file: another one may do, try --order" in capsys.readouterr().out
+    assert main(["plan", str(path), "--turns", "--payload", "1", "--order", "block-1,block-2"]) == 1
+    assert "in the order of the file" not in capsys.readouterr().out
+
+
 def test_stages_are_written_with_their_props(tmp_path, capsys):
     file, folder = tmp_path / "arch.json", tmp_path / "stages"
     io.write(arch(0.15, 11), file)
