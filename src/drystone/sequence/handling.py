@@ -393,7 +393,7 @@ def handling(
         notes.append(
             f"{len(outside)} of {counted(len(placements), 'path')} begin out of reach, that of "
             f"'{name}' by {past:.3g} m, as paths come from far outside: let the robot take a block "
-            "at the first pose of its path within reach"
+            "where its path, straight from pose to pose, enters the reach"
         )
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes), scaffolding)
 

@@ -13,6 +13,7 @@ from drystone.answer.question import directions
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import counted
+from drystone.base.ragged import Ragged
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.results.stage import force_layers
@@ -139,11 +140,11 @@ def _sentence(answer: StageAnswer, state: Ints) -> str:
 
 
 def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict) -> SceneStage:
-    """The complete structure but for what cannot be placed, in the colours of the statuses."""
+    """The complete structure in the colours of the statuses; the edges of what cannot be placed."""
     state = np.array([_STATE_OF[one] for one in plan.status], dtype=np.intp)
     if plan.impossible:
         impossible = [plan.model.assembly.names[b] for b in plan.impossible]
-        message += f"; cannot be inserted: {', '.join(impossible)}"
+        message += f"; cannot be placed: {', '.join(impossible)}"
     here, contacts = state != State.ABSENT, plan.model.contacts
     up, gravity = directions(plan.model.assembly, plan.model.load)
     return SceneStage(
@@ -152,6 +153,7 @@ def summary_stage(plan: PlannedSteps, title: str, message: str, verdict: Verdict
         layers=(
             *interface_layers(contacts, here[contacts.block_a] & here[contacts.block_b]),
             *load_layers(plan.model.assembly, plan.model.load),
+            *_left_out(plan.model.assembly, [*plan.impossible]),
         ),
     )  # fmt: skip
 
@@ -175,7 +177,7 @@ def with_reach(
     assembly: Assembly, team: Sequence[Robot], stages: Sequence[SceneStage]
 ) -> list[SceneStage]:
     """Stages with the bases of a team, and arcs where its reach ends."""
-    around = _robot_layers(assembly.bounds, team) if team else ()
+    around = _robot_layers(assembly, team) if team else ()
     return [replace(one, layers=one.layers + around) for one in stages]
 
 
@@ -195,22 +197,40 @@ def with_arms(
     return replace(stage, message=message, layers=(*stage.layers, layer))
 
 
-def _robot_layers(bounds: Floats, team: Sequence[Robot]) -> tuple[Layer, ...]:
-    """The bases of robots, and the edges of their reach near them and near blocks (n, 2, 3) [m]."""
+def _robot_layers(assembly: Assembly, team: Sequence[Robot]) -> tuple[Layer, ...]:
+    """The bases of robots, and the edges of their reach in the middle plane of the blocks."""
     base, mark = np.array([one.base for one in team]), MarkerShape.DIAMOND
     bases = Layer("robots", "base of a robot", LayerKind.MARKERS, "load", base, shape=mark)
-    low = np.minimum(bounds[:, 0].min(axis=0), base.min(axis=0))
-    high = np.maximum(bounds[:, 1].max(axis=0), base.max(axis=0))
+    low = np.minimum(assembly.bounds[:, 0].min(axis=0), base.min(axis=0))
+    high = np.maximum(assembly.bounds[:, 1].max(axis=0), base.max(axis=0))
     past = 0.1 * float(np.linalg.norm(high - low)) * np.array([1.0, 1.0, 1e-3])  # not below ground
     angle = np.linspace(0.0, 2.0 * np.pi, 121)
-    circle = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
-    far = [one for one in team if np.isfinite(one.reach)]
-    edges = np.array([one.reach * circle[:, axes] + one.base
-                      for one in far for axes in ([0, 1, 2], [0, 2, 1], [2, 0, 1])])  # fmt: skip
-    start = edges.reshape(-1, 121, 3)[:, :-1].reshape(-1, 3)
-    way = np.diff(edges.reshape(-1, 121, 3), axis=1).reshape(-1, 3)
+    free = assembly.centroid[assembly.free]
+    middle = 0.5 * (free.min(axis=0) + free.max(axis=0))
+    normal = min((1, 0, 2), key=lambda axis: round(float(np.ptp(free[:, axis])), 9))
+    rings = []
+    for one in team:
+        aside = middle[normal] - one.base[normal]
+        radius = np.sqrt(max(one.reach**2 - aside**2, 0.0))
+        if 0.0 < radius < np.inf:
+            ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            rings.append(one.base + np.insert(ring, normal, aside, axis=1))
+    edges = np.array(rings).reshape(-1, 121, 3)
+    start, way = edges[:, :-1].reshape(-1, 3), np.diff(edges, axis=1).reshape(-1, 3)
     near = ((start >= low - past) & (start + way >= low - past) & (start < high + past[0])).all(1)
     if not near.any():
         return (bases,)
-    label = "where a reach ends"
+    label = "where a reach ends, in the middle plane of the blocks"
     return bases, Layer("reach", label, LayerKind.LINES, "reaction", start[near], way[near])
+
+
+def _left_out(assembly: Assembly, blocks: Sequence[int]) -> tuple[Layer, ...]:
+    """The edges of blocks that cannot be placed, where they would be."""
+    if not blocks:
+        return ()
+    faces = assembly.faces
+    rings, corner = Ragged.over(faces.start), faces.point[faces.loop]
+    here = np.isin(rings.spread(faces.owner), blocks)
+    way = (corner[rings.following] - corner)[here]
+    label = "cannot be placed"
+    return (Layer("left-out", label, LayerKind.LINES, "missed", corner[here], way, width=2.0),)

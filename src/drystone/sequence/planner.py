@@ -429,7 +429,7 @@ class _Planner:
         if not complete.stands:
             words.append("the complete structure does not stand without its props")
         if impossible:
-            words.append(f"{counted(impossible, 'block')} cannot be inserted")
+            words.append(f"{counted(impossible, 'block')} cannot be placed")
         unsure = [step for step in steps if not step.answer.stands]
         if unsure:
             last = self.model.assembly.names[unsure[0].blocks[-1]]

@@ -154,7 +154,10 @@ class Plan(PlannedSteps, Answer):
         if not self.steps:
             return "No plan"
         if counts["impossible"]:
-            return f"No way in was found for {counted(counts['impossible'], 'block')}"
+            why = [one.partition(":")[0] for one in self.impossible.values()]
+            known = [f"{why.count(one)} {one}" for one in (FAR, TOO_HEAVY) if one in why]
+            told = f"{counted(len(why), 'block')} cannot be placed"
+            return f"{told}: {', '.join(known)}" if known else f"{told}: no way in was found"
         if self.verdict is not Verdict.STABLE:
             return "Not every stage is known to stand"
         kinds = [kind for kind in ("propped", "held") if counts[kind]]

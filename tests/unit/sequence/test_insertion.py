@@ -87,7 +87,7 @@ def test_a_locked_key_is_impossible_and_what_lies_on_it_is_planned():
     assert found.counts["impossible"] == 1
     assert "block every motion" in found.impossible[3]
     assert found.order == ("knob",)
-    assert "cannot be inserted" in found.message
+    assert "cannot be placed" in found.message
     assert found.steps[0].answer.falling == (4,)  # without the key nothing carries it
     states = [stage.state[3] for stage in found.layers().stages]
     assert set(states) == {State.ABSENT}

@@ -42,6 +42,7 @@ def test_a_block_goes_to_a_robot_that_reaches_it():
     (said,) = work.notes  # paths come from outside, and that is said
     assert said.startswith(f"{sum(x > 0.0 for x in outside)} of 9 paths begin out of reach")
     assert f"by {max(outside):.3g} m" in said
+    assert said.endswith("where its path, straight from pose to pose, enters the reach")
 
 
 def test_what_no_robot_can_place_is_said():

@@ -8,7 +8,7 @@ import pytest
 from drystone.answer import Role
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.models import arch, box, prism
+from drystone.models import arch, box, prism, tower
 from drystone.report import save_instructions
 from drystone.results import Verdict
 from drystone.sequence import Plan, PlanOptions, Robot, Rules, Status, handling, plan
@@ -64,6 +64,22 @@ def test_robots_stand_at_every_stage_and_lines_go_to_what_they_place_and_hold():
     last = {layer.key for layer in found.layers().stages[-1].layers}
     assert {"robots", "reach"} <= last
     assert "arms" not in last
+
+
+def test_a_reach_ends_in_the_plane_of_the_blocks_and_what_is_out_of_it_is_outlined() -> None:
+    """From a base aside the sphere of reach meets the plane of the blocks in a smaller circle."""
+    arm = Robot("arm", (0.0, -2.0, 0.0), 3.0)
+    found = plan(tower(4), options=PlanOptions(rules=Rules(robots=[arm])))
+    last = found.layers().stages[-1]
+    layers = {layer.key: layer for layer in last.layers}
+    edge = layers["reach"].position
+    np.testing.assert_allclose(edge[:, 1], 0.5, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(edge - arm.base, axis=1), arm.reach)
+    assert found.title == last.headline == "2 blocks cannot be placed: 2 out of reach"
+    ends = layers["left-out"].position
+    bounds = found.model.assembly.bounds[[*found.impossible]]
+    np.testing.assert_allclose([ends.min(axis=0), ends.max(axis=0)],
+                               [bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])  # fmt: skip
 
 
 def test_the_last_stage_shows_every_status(planned):
