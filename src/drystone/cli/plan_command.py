@@ -177,8 +177,8 @@ def plan(
         bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
     ] = False,
     margins: Annotated[
-        bool, Option("Least friction and tilt limit of every stage; takes tens of times as long "
-                     "as the plan.", expert=True)
+        bool, Option("Least friction, to 0.01, and tilt limit, to 0.5 degrees, of every stage; "
+                     "takes tens of times as long as the plan.", expert=True)
     ] = False,
     sweep: Annotated[
         tuple[float, ...] | None,

@@ -59,11 +59,15 @@ class Margins(Answer):
     stages
     stopped
         Why margins of the last stages are missing; empty if all are known.
+    widths
+        Of the brackets of the least friction and of the tilt limit [degrees]. The stages were seen
+        to stand at the side that is told.
     """
 
     plan: Plan
     stages: tuple[Margin, ...]
     stopped: str = ""
+    widths: tuple[float, float] = (0.01, 0.5)
 
     def _summary(self) -> str:
         least = rounded_up(self.least_friction)
@@ -97,10 +101,13 @@ class Margins(Answer):
     def sentences(self) -> Sequence[Sentence]:
         """The weakest stage, and the friction down to which this order works."""
         role = Role.UNSURE if self.stopped or not self.stages else Role.GOOD
-        down = "a stage of this order stands at no friction"
+        down = ["a stage of this order stands at no friction"]
         if not math.isinf(self.least_friction):
-            down = f"this order works down to friction {rounded_up(self.least_friction):g}"
-        return [Sentence(self.title, role), Sentence(down)]
+            down = [
+                f"this order works down to friction {rounded_up(self.least_friction):g}",
+                "found to {:g} of friction and {:g} degrees of tilt".format(*self.widths),
+            ]
+        return [Sentence(self.title, role), *map(Sentence, down)]
 
     def tables(self) -> Sequence[Table]:
         """The margins of every stage."""
@@ -171,7 +178,8 @@ def margins(
     clock = Clock(time_limit_s, stop)
     found = list(in_turn(task, stages, "margins", executor, progress, clock))
     unknown = [Margin(math.nan, math.nan)] * (len(stages) - len(found))
-    return Margins(plan, (*found, *unknown), clock.reason if unknown else "")
+    within = friction_width, tilt_width
+    return Margins(plan, (*found, *unknown), clock.reason if unknown else "", within)
 
 
 def in_turn(

@@ -35,6 +35,7 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
     np.testing.assert_allclose([one.tilt for one in found.stages], expected, atol=0.3)
     assert found.weakest == 2
     assert found.least_friction < 0.02
+    assert found.sentences()[-1].text == "found to 0.01 of friction and 0.2 degrees of tilt"
 
 
 def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
