@@ -69,7 +69,8 @@ def answers() -> Iterator[Answer]:
     yield Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True)
     order = drystone.plan(stack)
     yield from (order, sequence.scaffolding(order))
-    yield sequence.handling(order, [sequence.Robot("left")])
+    robots = [sequence.Robot("left"), sequence.Robot("right")]
+    yield from (sequence.handling(order, robots[:1]), sequence.take_turns(stack, robots=robots))
     yield sequence.margins(order, tilt_width=5.0, directions=1)
     with TemporaryDirectory() as folder:
         yield sequence.dataset([stack], folder, options=sequence.DatasetOptions(rows=2))

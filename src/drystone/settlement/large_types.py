@@ -293,7 +293,7 @@ class LargeDisplacement(Answer):
 
     def sentences(self) -> Sequence[Sentence]:
         """Why it ends, and what was found."""
-        role = Role.PLAIN if self._verdict is None else Role.of(self._verdict)
+        role = Role.UNSURE if self._verdict is None else Role.of(self._verdict)
         return [Sentence(self.end.value.upper(), role), Sentence(self.message)]
 
     @property
