@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -495,3 +496,16 @@ def test_supports_that_are_not_much_larger_and_edges_that_were_are_not_cut(opene
     assert len(places) > 20
     outside = [(x, y) for x, y in places if not (0.0 <= x <= wide and head <= y <= high)]
     assert outside == []
+
+
+def test_the_legend_has_the_colours_of_the_blocks(opened, standing):
+    tab = opened(standing)
+    swatch = "getComputedStyle([...document.querySelectorAll('#legend div')]"
+    swatch += ".find((one) => one.textContent === 'support').firstChild).backgroundColor"
+    for opacity in (None, 0.6):
+        if opacity is not None:
+            tab.slide("#opacity", opacity)
+        picture = np.array(Image.open(io.BytesIO(pixels(tab))).convert("RGB"), dtype=float)
+        told = np.array([float(one) for one in re.findall("[0-9]+", tab.run(swatch))[:3]])
+        near = np.abs(picture - told).max(axis=2) < 16.0  # shades differ with the light
+        assert near.sum() > 300, (opacity, told)

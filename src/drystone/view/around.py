@@ -96,12 +96,8 @@ def write_title(
         top -= 0.32 / size[1]
     facts = {**scene.facts, **stage.facts}
     asked = asked_line(facts, scene.made) if facts else ""
-    repeated = stage.message.casefold() == stage.headline.casefold()
-    message = (
-        []
-        if repeated
-        else textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
-    )
+    new = "" if stage.message.casefold() == stage.headline.casefold() else stage.message
+    message = textwrap.wrap(new, characters, max_lines=2, placeholder=" ...")
     lines = _wrapped(asked, characters)
     if len(lines) > 4 - len(message):  # the date and the version are never cut
         room = max(characters, (4 - len(message)) * (characters - 12) - len(scene.made))

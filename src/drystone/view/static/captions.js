@@ -58,6 +58,8 @@ function swatchCorners({ shape, x, y }) {
 }
 
 const HATCH = "#d55e00";
+const OUTLINE = 0.5; // [CSS pixels]
+const isBox = ({ shape }) => shape === "" || shape === "hatch"; // glassy blocks are almost white
 const hatchLines = ({ x, y }) => [0, 5, 10].map((k) => [[x + k, y + 12], [x + k + 6, y]]);
 
 function paintCaptions(pen, marks, ink, stops) {
@@ -84,6 +86,13 @@ function paintCaptions(pen, marks, ink, stops) {
       } else along(swatchCorners(mark));
       pen.fill();
     }
+    if (isBox(mark)) {
+      along([...swatchCorners(mark), [mark.x, mark.y]]);
+      pen.strokeStyle = ink;
+      pen.lineWidth = OUTLINE;
+      pen.stroke();
+      pen.lineWidth = 1;
+    }
     pen.strokeStyle = HATCH;
     for (const line of mark.shape === "hatch" ? hatchLines(mark) : []) {
       along(line);
@@ -106,7 +115,10 @@ function captionsSvg(marks, ink, stops) {
         + `width="${(step + 0.1).toFixed(2)}" height="${mark.height}" fill="${stop}"/>`));
     } else if (mark.shape === "disc") {
       parts.push(`<circle cx="${x + 8}" cy="${y + 6}" r="5" fill="${mark.colour}"/>`);
-    } else parts.push(`<polygon points="${points(swatchCorners(mark))}" fill="${mark.colour}"/>`);
+    } else {
+      const outline = isBox(mark) ? ` stroke="${ink}" stroke-width="${OUTLINE}"` : "";
+      parts.push(`<polygon points="${points(swatchCorners(mark))}" fill="${mark.colour}"${outline}/>`);
+    }
     for (const line of mark.shape === "hatch" ? hatchLines(mark) : []) {
       parts.push(`<polyline points="${points(line)}" stroke="${HATCH}" fill="none"/>`);
     }

@@ -67,7 +67,9 @@ function drawnLayers({ back } = camera.axes()) {
 }
 
 // What the legend tells of a view from a direction: what it draws.
-const told = (axes) => ({ blocks: shownLayers.get("blocks"), ghost: hasGhost(), layers: drawnLayers(axes) });
+const told = (axes) => ({
+  blocks: shownLayers.get("blocks"), opacity: page.opacity, ghost: hasGhost(), layers: drawnLayers(axes),
+});
 
 const hasGhost = () => shownLayers.get("ghost") && Boolean(stage().motion) && !stage().virtual && !camera.spread;
 

@@ -20,6 +20,7 @@ function swatch(colour, shape) {
 }
 
 const FALLING = 3; // the state of a block that falls
+const ADDED = 8; // and of one that was added
 const SHAPE_OF = { polygons: "", arrows: "arrow", lines: "thick", markers: "disc" };
 
 function layerSwatch(layer, colours) {
@@ -38,12 +39,20 @@ function layerText(layer) {
   return layer.label;
 }
 
+// The colour of a block in a state as it is seen on the ground of the page: glassy blocks are paler.
+function blockColour(state, colour, ground, opacity) {
+  const share = state === ADDED ? Math.max(opacity, ADDED_OPACITY) : opacity;
+  const under = colourOf(ground);
+  return cssColour(colourOf(colour).map((part, i) => under[i] + share * (part - under[i])));
+}
+
 // Rows of the legend as plain values, for the page and for what is exported.
 function legendRows(data, stage, theme, told) {
   const rows = [];
   for (const [code, state] of Object.entries(data.states)) {
     if (told.blocks && stage.state.includes(Number(code))) {
-      rows.push({ colour: state[theme], text: state.label, shape: Number(code) === 6 ? "hatch" : "" });
+      const colour = blockColour(Number(code), state[theme], data.colours[theme].background, told.opacity);
+      rows.push({ colour, text: state.label, shape: Number(code) === 6 ? "hatch" : "" });
     }
   }
   for (const layer of told.layers) {
@@ -64,7 +73,7 @@ function legendRows(data, stage, theme, told) {
 }
 
 // What decides on the rows while a stage is shown.
-const keysOf = ({ blocks, ghost, layers }) => [blocks, ghost, ...layers.map(({ key, kind }) => key + kind)].join();
+const keysOf = ({ blocks, opacity, ghost, layers }) => [blocks, opacity, ghost, ...layers.map(({ key, kind }) => key + kind)].join();
 
 function showLegend(data, stage, theme, told) {
   const legend = document.getElementById("legend");

@@ -91,6 +91,8 @@ void main() {
   gl_Position = state == 0u ? NOWHERE : uProjection * vec4(place, 1.0);
 }`;
 
+const ADDED_OPACITY = 0.85; // at least, of blocks that were added
+
 const BLOCK_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp int;
@@ -109,7 +111,7 @@ void main() {
   if (kind == 6u && mod(gl_FragCoord.x + gl_FragCoord.y, 9.0 * uRatio) < 3.0 * uRatio) shown = uHatch;
   // Glass: what is seen at a low angle is denser, so that outlines stay clear.
   float opacity = uOpacity < 1.0 ? min(1.0, uOpacity + 0.3 * rim * rim * rim) : 1.0;
-  if (kind == 8u) opacity = max(opacity, 0.85); // what was added
+  if (kind == 8u) opacity = max(opacity, ${ADDED_OPACITY}); // what was added
   if (!gl_FrontFacing) { shown = uCutColour; opacity = uOpacity < 1.0 ? 0.5 * uOpacity : 1.0; }
   result = vec4(shown * opacity, opacity);
 }`;
