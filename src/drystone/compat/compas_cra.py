@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools
+from drystone.base.arrays import Bools, lengths
 from drystone.base.errors import require
 from drystone.base.settings import hold
 from drystone.checks import corner_motion
@@ -479,7 +479,7 @@ def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
         weight = np.maximum(result.force[:, 0], 0.0)
         now, wanted = float(-(weight @ moved[:, 0]) / max(weight.sum(), 1e-300)), eps
     else:
-        now, wanted = float(np.abs(moved).max(initial=0.0)), d_bnd
+        now, wanted = float(lengths(moved).max(initial=0.0)), d_bnd
     return wanted / now if now > 0.0 else 1.0
 
 

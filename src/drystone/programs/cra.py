@@ -8,7 +8,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import frozen_floats
+from drystone.base.arrays import frozen_floats, lengths
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
@@ -45,8 +45,8 @@ class CRAOptions(Options):
     tolerance
         Largest residual of every condition, equal overlap included.
     slide_limit
-        eta / eps: largest displacement of a corner by the overlap. The source uses 10 to 1000; a
-        fine mesh needs more than a coarse one.
+        eta / eps: largest |d| of a corner by the overlap. The source uses 10 to 1000; a fine
+        mesh needs more than a coarse one.
     slips
         Slip lengths of the friction law, by the local overlap, tried one after another.
     """
@@ -81,8 +81,9 @@ def solve_cra(
 ) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
-    Stricter than :func:`check`: where a structure comes to rest but eq. 5.6 is not met, the verdict
-    is that of the rest state and the message says both.
+    A state is searched along the path of the loads; states that jam are not. Where none is found,
+    the verdict is that of :func:`check`, which need not be that of CRA. What comes to rest without
+    such a state is stable all the same, and the message says both.
 
     Parameters
     ----------
@@ -93,8 +94,10 @@ def solve_cra(
     Returns
     -------
     Result
-        ``method`` is ``cra`` where eq. 5.6 is met and ``rest`` or ``check`` where it is not;
-        ``eta`` is the largest displacement of a corner, by the overlap.
+        ``method`` is ``cra`` where a state of eq. 5.6 was found within ``slide_limit``, else
+        ``rest`` where it comes to rest, and ``check`` where not. ``displacement`` (n, 6) is the
+        translation [m] and rotation [rad] of each block about its centroid, in the scale in which
+        eps, the overlap, is the mean ``size`` of the free blocks. ``eta`` is the largest |d| of a corner, by eps.
 
     Raises
     ------
@@ -180,7 +183,7 @@ def _with_equal_overlaps(problem: Problem, slip: float, clock: Clock) -> Result 
         force=force,
         displacement=displacement,
         residuals=replace(residuals, overlap=max(spread, deeper)),
-        eta=float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean,
+        eta=float(lengths(moved[problem.corners]).max(initial=0.0)) / mean,
         solver="equal-overlap path",
         iterations=path.iterations,
     )

@@ -115,8 +115,11 @@ class Forces(Answer):
     def title(self) -> str:
         """Whether compression alone balances the loads."""
         if self.result.force is None:
-            missing = "fit a motion" if self.form == "cra" else "balance the loads"
-            return f"No forces {'were found in time' if self.result.stopped else missing}"
+            if self.result.stopped:
+                return "No forces were found in time"
+            if self.form == "cra":
+                return "No forces that fit a motion were found; states that jam are not searched"
+            return "No forces balance the loads"
         if not self._balanced:
             return "These forces do not balance the loads"
         if self.pull.any() or self.unheld:

@@ -85,7 +85,7 @@ class Solution(OfModel, OneLine):
     sensitive_to
         What the verdict depends on; of what stands, only as far as it was asked.
     eta
-        Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
+        Largest displacement (its length) of a corner by the common overlap, where eq. 5.6 is met.
     settlement
         Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
         stiffness that was tried holds a structure that stands after settling, its forces balance

@@ -1,6 +1,7 @@
 """Forces by a form of the source, from Python and from the command line."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from drystone.models import (
     shelf,
     tower,
     two_blocks_on_incline,
+    wedge,
 )
 from drystone.programs import (
     FrictionCone,
@@ -201,8 +203,21 @@ def test_a_resultant_far_from_its_joint_is_not_drawn() -> None:
 
 def test_coupled_analysis_has_forces_where_a_motion_fits_them() -> None:
     assert find_forces(tower(2), form="cra").code == 0
-    none = find_forces(shelf(), form="cra", friction=0.9)
-    assert none.title == "No forces fit a motion"
+    for falls, friction in ((shelf(), 0.9), (h_model(), 1.0)):
+        none = find_forces(falls, form="cra", friction=friction)
+        assert none.title.startswith("No forces that fit a motion were found; states that jam")
+
+
+def test_eta_is_the_length_of_the_largest_displacement_and_eps_the_size_of_free_blocks() -> None:
+    """A wedge that sinks by s in a groove of 30 degrees overlaps by s cos 30 degrees."""
+    model = Model.of(wedge("d"), friction=0.4)
+    found = solve_cra(model)
+    assert found.method == "cra"
+    assert found.eta == pytest.approx(1.0 / math.cos(math.radians(30.0)), rel=1e-6)
+    assert found.displacement is not None
+    free = ~model.assembly.fixed
+    sunk = model.assembly.size[free].mean() / math.cos(math.radians(30.0))
+    assert found.displacement[free] == pytest.approx(np.array([[0, 0, -sunk, 0, 0, 0]]), abs=1e-5)
 
 
 def test_the_command_prints_tension_and_writes_a_table(
