@@ -270,7 +270,7 @@ def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
     If most free masses have an acceleration of the size of standard gravity, gravity is turned:
     the picture is tilted until it points down. Otherwise up is along z.
     """
-    pull = common_acceleration(assembly, load)
+    pull = common_acceleration(assembly, load) - load.shake  # an earthquake is drawn apart
     size = float(np.linalg.norm(pull))
     if size == 0.0:
         return UP, -UP

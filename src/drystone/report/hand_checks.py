@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, Ints, lengths
+from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.base.units import quantity
 from drystone.checks import mechanism_defects, normal_force_by_strength
+from drystone.contacts import Contacts
 from drystone.geometry.polygon import area_vector
 from drystone.joint_capacity import JointCapacity
 from drystone.joints import plane_pressure
-from drystone.loads.applied import common_acceleration
+from drystone.loads.applied import applied_loads, common_acceleration
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.proofs import FALLING_SHARE, MECHANISM_TOLERANCE, moving_blocks
@@ -25,14 +27,14 @@ from drystone.supports import laid_ground
 
 
 def weights(model: Model) -> Table:
-    """Volume, mass and weight of free blocks and supports, a row for each density.
+    """Volume, mass and weight of free blocks and supports, a row for each density, and of fill.
 
-    The ground that supports lay has none.
+    The ground that supports lay has none. What blocks carry has a row for each kind.
     """
     assembly = model.assembly
     own = np.arange(len(assembly)) != laid_ground(assembly)
     density = np.array([block.density for block in assembly.blocks]).round(6)
-    g = float(np.linalg.norm(common_acceleration(assembly, model.load)))
+    g = float(np.linalg.norm(common_acceleration(assembly, model.load) - model.load.shake))
     rows = []
     for fixed in (False, True):
         for one in np.unique(density[own & (assembly.fixed == fixed)]).tolist():
@@ -40,6 +42,11 @@ def weights(model: Model) -> Table:
             volume = float(assembly.volume[mine].sum())
             what = "supports" if fixed else "free blocks"
             rows.append((what, int(mine.sum()), one, volume, one * volume / 1e3, one * volume * g))
+    for one in model.load.masses:
+        on = (one.mass > 0.0) & ~assembly.fixed
+        mass = float(one.mass[on].sum())
+        kind = {"mass": "masses in kg", "load": "loads that are shaken"}.get(one.kind, one.kind)
+        rows.append((kind, int(on.sum()), np.nan, np.nan, mass / 1e3, mass * g))
     names = ("of", "blocks", "density", "volume", "mass", "weight")
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
     units = {"density": "kg/m3", "volume": "m3", "mass": "t", "weight": "N"}
@@ -79,7 +86,7 @@ def balance(result: Result) -> Table:
 def as_one_block(result: Result) -> Table | None:
     """Sliding and overturning of all free blocks as one, about the edge of their level foot.
 
-    ``None`` where the foot is not level, or nothing pushes sideways.
+    ``None`` where the foot is not level or in parts that do not meet, or nothing pushes sideways.
     """
     assembly, contacts = result.assembly, result.contacts
     foot = assembly.fixed[contacts.block_a] != assembly.fixed[contacts.block_b]
@@ -89,7 +96,7 @@ def as_one_block(result: Result) -> Table | None:
     push, down = float(np.hypot(*total[:2])), -float(total[2])
     level = np.abs(contacts.frame[foot, 0, 2]) > 1.0 - 1e-9
     flat = len(at) > 0 and level.all() and np.ptp(at[:, 2]) < 1e-6 * np.ptp(assembly.bounds)
-    if not flat or down <= 0.0 or push < 1e-6 * down:
+    if not flat or down <= 0.0 or push < 1e-6 * down or not _meet(contacts, foot):
         return None
     way = np.array([*total[:2], 0.0]) / push
     reach = at @ way
@@ -111,6 +118,19 @@ def as_one_block(result: Result) -> Table | None:
     ]
     columns = {"quantity": [one for one, _ in told], "value": [one for _, one in told]}
     return Table("all free blocks as one on their foot", columns)
+
+
+def _meet(contacts: Contacts, foot: Bools) -> bool:
+    """Whether some level interfaces (m,) are one patch: boxes around them meet in turn."""
+    each = contacts.corners
+    low, high = (
+        np.stack([one(at)[foot] for at in contacts.point[:, :2].T], axis=1)
+        for one in (each.min, each.max)
+    )
+    beyond = low[:, None] > high + 1e-6 * float((high - low).max())
+    apart = beyond.any(axis=2)
+    meet = ~(apart | apart.T)
+    return int(connected_components(coo_array(meet.astype(float)))[0]) == 1
 
 
 def least_strength(result: Result) -> tuple[float, int]:
@@ -162,18 +182,25 @@ def fall_words(result: Result) -> str:
     if motion is None:
         return result.message
     moving = list(moving_blocks(result.assembly, motion))
-    done = quantity(float((result.load.wrench * motion)[moving].sum()), "N m")
+    works = (result.load.wrench * motion)[moving].sum(axis=1)
+    done, gross = float(works.sum()), float(np.abs(works).sum())
     count, model = counted(len(moving), "block"), result.model
     without = {"joints without mortar": model.with_capacity(None)} if model.contacts.brittle else {}
     for joints, one in {"all joints": model, **without}.items():
         closing, work = mechanism_defects(one, motion)
         if closing <= MECHANISM_TOLERANCE and work > 0.0:
+            parts = float(np.abs(model.load.wrench * motion)[~result.assembly.fixed].sum())
+            taken = max(done - work * parts, 0.0) / (1.0 + work)
+            taken = taken if taken > 1e-9 * gross else 0.0
             return (
-                f"{result.message}; mechanism of {count}: the loads do work of {done}, more than "
-                f"{joints} can take up by {100.0 * work:.3g} % of the sum of its absolute parts; "
+                f"{result.message}; mechanism of {count}: the loads do work of "
+                f"{quantity(done, 'N m')}, {joints} take up at most {quantity(taken, 'N m')}; the "
+                f"rest is {100.0 * (done - taken) / gross:.3g} % of the sum of the absolute works "
+                "of blocks, whose rounding is below 1e-9 of it; "
                 f"largest closing of a joint {closing:.1e} of the speed"
             )
-    return f"{result.message}; {count} move as listed, and the loads do work of {done} on the way"
+    told = quantity(done, "N m")
+    return f"{result.message}; {count} move as listed, and the loads do work of {told} on the way"
 
 
 @dataclass(frozen=True)
@@ -183,12 +210,11 @@ class CrownThrust(OneLine):
     Attributes
     ----------
     load : [N]
-        What acts on the half of the arch, and on what it bears there, along gravity.
+        Vertical, on the part of the arch from its springing to the crown, and what that bears.
     arm : [m]
-        Of that load about the springing, horizontally.
-    moment : [N m]
-        Of everything else that acts on the half about the springing: the shear at the crown, and
-        backing that leans on it.
+        Of that load about the springing, horizontally; fill and masses act where they lie.
+    moments : [N m]
+        Of what else acts on that part about the springing, by what it is.
     rise : [m]
         From the reaction at the springing to the centre of pressure at the crown.
     by_hand, by_joints : [N]
@@ -198,7 +224,7 @@ class CrownThrust(OneLine):
 
     load: float
     arm: float
-    moment: float
+    moments: Mapping[str, float]
     rise: float
     by_hand: float
     by_joints: float
@@ -206,15 +232,17 @@ class CrownThrust(OneLine):
 
     def table(self) -> Table:
         """The calculation, a row for each quantity."""
+        least = 1e-9 * self.load * max(self.rise, 1.0)
+        seen = {what: x for what, x in self.moments.items() if abs(x) > 1e3 * least}
         told = [
-            ("load on one half of the arch, V", self.load, "N"),
+            ("vertical load between the springing and this joint, V", self.load, "N"),
             ("its arm about the springing, a", self.arm, "m"),
-            ("moment of other forces about the springing, M", self.moment, "N m"),
+            *((f"moment of {what}", x, "N m") for what, x in seen.items()),
+            ("sum of these moments, M", sum(seen.values()), "N m"),
             ("rise of the thrust, f", self.rise, "m"),
             ("thrust by hand, H = (V a + M) / f", self.by_hand, "N"),
             ("thrust from the forces in the joints", self.by_joints, "N"),
         ]
-        least = 1e-9 * self.load * max(self.rise, 1.0)
         columns = {
             "quantity": [name for name, _, _ in told],
             "value": [quantity(value, unit, least, 4) for _, value, unit in told],
@@ -304,30 +332,56 @@ def _thrust_at(result: Result, top: int, arch: Bools) -> CrownThrust | None:
     a, b = (one[contacts.interface] for one in (contacts.block_a, contacts.block_b))
     onto = half[b].astype(float) - half[a]
     other = np.where(half[b], a, b)
-    given = onto[:, None] * result.world_force()
+    forces = result.world_force()
+    given, normal = onto[:, None] * forces, dot(forces, contacts.frame[contacts.interface, 0])
     cut, foot = ((onto != 0.0) & one[other] for one in (rest, bears))
     if not (cut.any() and foot.any() and ((rest[a] & bears[b]) | (rest[b] & bears[a])).any()):
         return None
-    crown, springing = (_middle(contacts.point[one], given[one]) for one in (cut, foot))
+    crown, springing = (_middle(contacts.point[one], normal[one]) for one in (cut, foot))
     rise = float(crown[2] - springing[2])
-    wrench, arms = result.load.wrench[half], assembly.centroid[half] - springing
-    load, by_joints = float(-wrench[:, 2].sum()), float(-(given[cut] @ way).sum())
+    turn = np.cross(way, [0.0, 0.0, 1.0])
+    points, vertical, moments = _parts_of_load(result, half, springing, turn)
+    load, by_joints = float(vertical.sum()), float(-(given[cut] @ way).sum())
     if rise <= 0.05 * np.ptp(assembly.bounds[arch, :, 2]) or load <= 0.0 or by_joints <= 0.0:
         return None
-    arm = float(-wrench[:, 2] @ (arms @ way)) / load
+    arm = float(vertical @ ((points - springing) @ way)) / load
     if arm <= 0.0:  # an arch leans on its springing from the side of the crown
         return None
-    every = np.cross(arms, wrench[:, :3]).sum(axis=0) + wrench[:, 3:].sum(axis=0)
-    every = every + np.cross(contacts.point - springing, given).sum(axis=0)
-    total = float(every @ np.cross(way, [0.0, 0.0, 1.0]))
-    moment = by_joints * rise - load * arm - total
+    shear = -float(given[cut, 2].sum()) * float((crown - springing) @ way)
+    turned = float(np.cross(contacts.point - springing, given).sum(axis=0) @ turn)
+    moments["shear in this joint (found)"] = shear
+    moments["other forces in joints (found)"] = by_joints * rise - turned - shear
     beside = " and ".join(f"'{assembly.names[i]}'" for i in joints[top].blocks)
-    by_hand = (load * arm + moment) / rise
-    return CrownThrust(load, arm, moment, rise, by_hand, by_joints, beside)
+    by_hand = (load * arm + sum(moments.values())) / rise
+    return CrownThrust(load, arm, moments, rise, by_hand, by_joints, beside)
 
 
-def _middle(points: Floats, forces: Floats) -> Floats:
-    """Mean of points (p, 3) by the size of their forces."""
-    weight = np.maximum(lengths(forces), 1e-300)
+def _parts_of_load(
+    result: Result, half: Bools, about: Floats, turn: Floats
+) -> tuple[Floats, Floats, dict[str, float]]:
+    """Places (p, 3) and sizes (p,) of vertical loads on blocks (n,), and moments of others.
+
+    Moments are about a point (3,) against the axis ``turn`` (3,).
+    """
+    assembly, load = result.assembly, result.load
+    other = applied_loads(assembly, load.beside_masses)
+    mine = half[other.block]
+    masses = [(assembly.mass, assembly.centroid, other.acceleration)]
+    masses += [(one.mass, one.place(assembly), one.gravity + one.shake) for one in load.masses]
+    place = np.concatenate([one[half] for _, one, _ in masses])
+    push = np.concatenate([mass[half, None] * g for mass, _, g in masses])
+    moved, loaded = (
+        -float(np.cross(at - about, one * [1.0, 1.0, 0.0]).sum(axis=0) @ turn)
+        for at, one in ((place, push), (other.point[mine], other.force[mine]))
+    )
+    loaded -= float(other.moment[mine].sum(axis=0) @ turn)
+    down = -np.append(push[:, 2], other.force[mine, 2])
+    moments = {"masses pushed sideways": moved, "pressure and other loads": loaded}
+    return np.vstack([place, other.point[mine]]), down, moments
+
+
+def _middle(points: Floats, normal: Floats) -> Floats:
+    """Mean of points (p, 3) by the normal forces on them, which leaves no couple on a plane."""
+    weight = np.maximum(np.abs(normal), 1e-300)
     middle: Floats = weight @ points / weight.sum()
     return middle

@@ -143,7 +143,7 @@ def _all(table: Table) -> Iterator[Part]:
 
 def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
     for one in worst_first(answers):
-        yield from _told(one, model)
+        yield from _told(one)
     yield from _carried(model)
     if any(
         isinstance(x, TrainEnvelope) and x.model.load.fills != model.load.fills for x in answers
@@ -151,12 +151,11 @@ def _summary(answers: Sequence[Answer], model: Model) -> Iterator[Part]:
         yield "Only the train has fill: give that with --load, to have it in all parts."
 
 
-def _told(one: Answer, model: Model) -> Iterator[str]:
+def _told(one: Answer) -> Iterator[str]:
     """The title of an answer, the margins of what stands, and what is to be borne in mind."""
     said = [one.sentences()[0].text, one.title]
-    if isinstance(one, Limit) and one.best.standing is not None:
-        load = one.best.standing.load.name
-        said += [] if load == model.load.name else [f"Load that stands: {load}"]
+    if isinstance(one, Limit) and one.quantity.load:
+        said.append(f"Load: {one.quantity.load}")
     yield ". ".join(dict.fromkeys(said)) + "."
     margins = one.margins() if isinstance(one, Result) else ()
     for sentence in margins:
@@ -279,7 +278,7 @@ def _answer(answer: Answer) -> Iterator[Part]:
     if isinstance(limit, Limit) and limit.states:
         yield Heading(told)
         sides = zip(limit.states, limit.layers().stages, strict=True)
-        yield {stage.headline: _proof(state) for (state, _, _), stage in sides}
+        yield {stage.label: _proof(state) for (state, _, _), stage in sides}
         yield from _mechanism(limit.states[-1][0])
     elif isinstance(answer, Result) and (answer.residuals is not None or answer.falls):
         yield Heading(told)
@@ -360,7 +359,14 @@ def _checks(result: Result, model: Model) -> Iterator[Part]:
     yield from () if whole is None else (whole,)
     thrusts = crown_thrusts(result)
     yield from (one.table() for one in thrusts)
-    if not thrusts:
+    if thrusts:
+        yield (
+            "A thrust at a crown is a check of consistency: loads, their arms and moments are by "
+            "hand; the points of the reaction and the thrust, and what is marked (found), are of "
+            "the calculation. With an odd number of voussoirs one part has the whole block at the "
+            "crown."
+        )
+    else:
         yield (
             "No thrust at a crown: no arch was recognised, of blocks over an opening that press on "
             "each other between two springings."

@@ -46,7 +46,8 @@ def answer_pictures(answer: Answer) -> Iterator[Picture]:
             yield _picture(save_chart(one), one.title)
     sides = range(len(limit.states)) if isinstance(limit, Limit) else [scene.still]
     for i in sides:
-        yield _picture(_drawn(scene, i), scene.stages[i].headline)
+        told = scene.stages[i].label if isinstance(limit, Limit) else scene.stages[i].headline
+        yield _picture(_drawn(scene, i), f"{told[:1].upper()}{told[1:]}")
 
 
 def numbered_picture(plan: Plan) -> Picture:

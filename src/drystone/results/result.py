@@ -113,7 +113,8 @@ class Result(Solution, Answer):
         if is_vertical(self.load):
             return f"forces balance a tilt about x or y of {rounded_down(margin):g} degrees"
         push = rounded_down(math.tan(math.radians(margin)))
-        return f"forces balance a push along x or y of {push:g} of the weight as well"
+        words = f"forces balance a push along x or y of {push:g} of the weight of blocks and what"
+        return f"{words} they carry, on top of the loads"
 
     def _strength(self) -> list[Sentence]:
         """How much of its strength the most pressed joint uses, and the loads at which it crushes.
