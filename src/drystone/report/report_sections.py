@@ -158,7 +158,7 @@ def _told(one: Answer) -> Iterator[str]:
         said.append(f"Load: {one.quantity.load}")
     yield ". ".join(dict.fromkeys(said)) + "."
     margins = one.margins() if isinstance(one, Result) else ()
-    for sentence in margins:
+    for sentence in filter(lambda each: each.text, margins):
         yield f"{sentence.text[:1].upper()}{sentence.text[1:]}."
     for sentence in one.sentences()[1:]:
         if sentence.role is Role.REMARK:

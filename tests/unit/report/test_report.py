@@ -151,6 +151,7 @@ def test_the_first_page_has_the_margin_the_earth_and_the_law_of_mortar() -> None
         assert told in page
     dry = document_of(assess(tower(2), limits=[], friction=0.6), TitleBlock())
     assert any("Safety: forces balance a tilt" in str(one) for one in dry.sections[0].parts)
+    assert "." not in dry.sections[0].parts
 
 
 def test_what_acts_on_all_free_blocks_is_in_balance() -> None:
