@@ -259,6 +259,7 @@ def test_the_falling_side_of_a_limit_has_its_mechanism_with_the_work_of_the_load
     push, weight = 1e3 * limit.best.falls, 2400.0 * 9.81
     assert table["work_of_loads"][0] == pytest.approx(push * moves[0] - weight * moves[2])
     assert "mechanism of 1 block: the loads do work of" in fall_words(falling)
+    assert "rest is 100 % of the sum of the absolute works of blocks" in fall_words(falling)
     page = html_of(document_of(answers, TitleBlock()))
     assert "unstable, no contact forces can balance the loads; mechanism of 1 block" in page
     assert limit.best.standing is not None

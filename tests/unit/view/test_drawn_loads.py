@@ -185,3 +185,9 @@ def test_the_field_of_fill_does_not_cross_itself_where_a_ring_meets_its_backing(
     deep = [shapely.intersection(*drawn[[i, j]]) for i, j in pairs.tolist()]
     ends = [shapely.MultiPoint([*drawn[i].coords, *drawn[j].coords]) for i, j in pairs.tolist()]
     assert all(one.distance(end) < 1e-6 for one, end in zip(deep, ends, strict=True))
+
+
+def test_gravity_is_drawn_upright_beside_an_earthquake() -> None:
+    stage = drystone.check(tower(2), friction=0.6, seismic=(0.2, 0.0)).stage()
+    assert stage.gravity.tolist() == [0.0, 0.0, -1.0]
+    assert any(one.group == "acceleration" for one in stage.layers)
