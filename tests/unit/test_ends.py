@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 import drystone
-from drystone import InputError, LoadCase, Model, io
+from drystone import InputError, LoadCase, Model, Verdict, io, limits
 from drystone.cli.application import main
 from drystone.design import BuildableOptions, CutOptions, cut_until_free
 from drystone.models import prism, wedge
@@ -60,3 +61,26 @@ def test_a_shell_and_a_monolith_that_is_cut_keep_them() -> None:
     assert shell.model(ends=FlushEnds.LONGER).ends is FlushEnds.LONGER
     tower = prism([(0, 0), (1, 0), (1, 2), (0, 2)], (0, 1), "tower")
     assert cut_until_free(tower, options=CutOptions(2, ends=FlushEnds.EXACT)).model.ends == "exact"
+
+
+@pytest.mark.parametrize("degrees", [41.0, 43.0, 46.0])
+def test_faces_as_much_longer_as_a_check_says_hold_it(degrees: float) -> None:
+    def checked(longer: float) -> drystone.Result:
+        groove = wedge("b", longer=longer)
+        load = LoadCase.tilt(groove, (1.0, 0.0, 0.0), degrees)
+        return drystone.check(Model.of(groove, friction=0.84, load=load))
+
+    flush = checked(0.0)
+    assert flush.verdict is Verdict.UNDECIDED
+    told = re.search(r"go on more than ([0-9.]+) mm beyond those ends", flush.message)
+    assert told is not None
+    far = 1e-3 * float(told[1])
+    assert checked(1.05 * far).verdict is Verdict.STABLE
+    assert checked(0.8 * far).verdict is not Verdict.STABLE
+
+
+def test_a_tilt_that_is_undecided_names_all_that_decides() -> None:
+    load = limits.LimitOptions(width=1.0)
+    found = limits.limit_tilt(wedge("b"), (1.0, 0.0, 0.0), friction=0.84, options=load)
+    told = " ".join(found.remarks)
+    assert "which block carries the ends of the joints (--ends)" in told

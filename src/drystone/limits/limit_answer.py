@@ -35,6 +35,10 @@ _KINDS = {
 AT_LEAST = " at least, where the search ends"
 """Follows the last value of a search at which it stands."""
 
+_DECIDES = {
+    Outcome.ENDS_DECIDE: "which block carries the ends of the joints (--ends)",
+    Outcome.SHEAR_DECIDES: "the shear stiffness of the joints",
+}
 _LOOKS = {Verdict.STABLE: (MarkKind.DISC, "good"), Verdict.UNSTABLE: (MarkKind.CROSS, "bad")}
 """Of a value that was tried, by its verdict."""
 
@@ -90,14 +94,16 @@ class Limit(LimitValues, Answer):
         """Sentences about values at which the answer depends on the joints."""
         told = self._stiffness_decides()
         if self.undecided_between is not None:
-            ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
-            because = ""
-            if all(one is Outcome.ENDS_DECIDE for one in ends):
-                because = ": it depends on which block carries the ends of the joints"
-            if all(one is Outcome.SHEAR_DECIDES for one in ends):
-                because = ": it depends on the shear stiffness of the joints"
-            told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
+            told.append(f"{self._range(self.undecided_between)} it is undecided{self._because()}")
         return tuple(told)
+
+    def _because(self) -> str:
+        """What the undecided values depend on, where that is known of all."""
+        low, high = sorted(self.undecided_between or (0.0, 0.0))
+        unsure = [one for one in self.evaluations if one.verdict is Verdict.UNDECIDED]
+        ends = {one.settled for one in unsure if low <= one.value <= high}
+        said = " or ".join(words for outcome, words in _DECIDES.items() if outcome in ends)
+        return f": it depends on {said}" if ends <= _DECIDES.keys() else ""
 
     def _stiffness_decides(self) -> list[str]:
         """Where stiffness or pressure within joints decides, or which joint needs its corners."""

@@ -265,7 +265,7 @@ def assess(
     answers: list[Answer] = [with_margins(result, clock.late)]
     if result.falls:
         brief = DiagnosisOptions.brief()
-        answers.append(diagnose(model, result=result, options=brief, stop=clock.late))
+        answers.append(diagnose(result.model, result=result, options=brief, stop=clock.late))
     if result.stable or limits is not None:
         answers += [one(model, late) for one in asked]
     if cases is not None:

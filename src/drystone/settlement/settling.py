@@ -57,7 +57,7 @@ def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):
         said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
-        longer = _said_longer(paths[stands.index(True)])
+        longer = said_longer(paths[stands.index(True)])
         return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}{longer}"
     # of two that rest, the one that settles more; of two that do not, the one that falls
     worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.travel.max(initial=0.0)))
@@ -80,12 +80,13 @@ def _said(path: SettlementPath) -> str:
     )
 
 
-def _said_longer(path: SettlementPath) -> str:
-    """What would make it stand with either carrier."""
-    if not path.beyond > 0.0:
+def said_longer(*paths: SettlementPath) -> str:
+    """What would make it stand with either carrier, where it came to rest on these paths."""
+    beyond = max(one.beyond for one in paths)
+    if not beyond > 0.0:
         return ""
-    other = "resting" if path.carrier is Carrier.MOVING else "moving"
-    far = millimetres(rounded_up(1e3 * path.beyond, 2) / 1e3)
+    other = "resting" if paths[0].carrier is Carrier.MOVING else "moving"
+    far = millimetres(rounded_up(1e3 * beyond, 2) / 1e3)
     longer = f"go on more than {far} mm beyond those ends"
     return f"; it stands where the faces of the {other} block {longer}"
 

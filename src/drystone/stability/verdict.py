@@ -30,7 +30,7 @@ from drystone.mechanics.bodies import LIGHT
 from drystone.model import Model
 from drystone.results import Result, Sensitivity, Verdict
 from drystone.settlement import UNDECIDED, Outcome, Settlement, SettlementOptions
-from drystone.settlement.settling import settle_for_verdict
+from drystone.settlement.settling import said_longer, settle_for_verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.asked import Asked
 from drystone.stability.attempts import Attempt, Candidate
@@ -330,6 +330,28 @@ def _with_stiff_shear(
     )
 
 
+def _with_longer_faces(
+    asked: Asked,
+    follow: Callable[..., Settlement],
+    found: Settlement,
+    options: SettlementOptions,
+    felt: Floats | None,
+) -> Settlement:
+    """The same, saying how long faces have to be with stiffer joints along them too."""
+    stiff = asked.options.stiff_shear
+    if stiff is None or asked.clock.late():
+        return found
+    rests = next(one for one in found.paths if one.outcome is Outcome.RESTS)
+    other = follow(options=replace(options, tangential=stiff, carrier=rests.carrier), felt=felt)
+    said = found.message.removesuffix(said_longer(rests))
+    if other.rests:
+        return replace(found, message=f"{said}{said_longer(rests, *other.paths)}")
+    if other.outcome is not Outcome.FALLS:
+        return found
+    also = f"with a shear stiffness of {stiff:g} of the normal one it falls there too"
+    return replace(found, message=f"{said}; {also}")
+
+
 def _taken_to_stand(
     asked: Asked, pool: WorkerPool, ways: dict[float, Settlement], options: SettlementOptions
 ) -> str:
@@ -377,7 +399,10 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     if light and found.rests:
         felt = found.paths[-1].force[: model.contacts.corner_count]
     certain = uniform.stands and not hardly and all(one.stands for one in asked.tried)
-    if not (certain and found.outcome is Outcome.RESTS):
+    if found.outcome is Outcome.ENDS_DECIDE:
+        asked.depends_on(Sensitivity.ENDS)
+        found = _with_longer_faces(asked, follow, found, options, felt)
+    elif not (certain and found.outcome is Outcome.RESTS):
         found = _with_stiff_shear(asked, pool, follow, found, options, felt)
     if found.stopped:  # by the clock of the check, which knows why
         message = found.message.replace(found.stopped, clock.reason)
@@ -386,8 +411,6 @@ def _followed(asked: Asked, pool: WorkerPool, uniform: Candidate) -> Result:
     if not uniform.stands:
         light &= uniform.falling is None
         asked.depends_on(Sensitivity.WEIGHTS if light else Sensitivity.JOINTS)
-    if found.outcome is Outcome.ENDS_DECIDE:
-        asked.depends_on(Sensitivity.ENDS)
     held = "uniform contact stiffness would not hold it in place"
     if uniform.falling is None:
         held = "uniform contact stiffness was not found to hold it in place"

@@ -486,3 +486,9 @@ def test_reports_of_other_commands_have_a_title_block_too(bridge: Path, tmp_path
     assert main(asked) == 2
     assert main([*asked, "--report", str(out)]) == 0
     assert "A. Mason" in out.read_text()
+
+
+def test_what_falls_within_the_strength_of_its_joints_has_a_report() -> None:
+    bridge = segmental_bridge(5.0, 1.5)
+    found = assess(bridge, limits=[], joint_capacity="compression=5MPa", load="voussoir-08:300kN")
+    assert [type(one) for one in found] == [drystone.Result, drystone.design.Diagnosis]
