@@ -452,7 +452,7 @@ def limit_train(
     carried = Train.named("axle") if train is None else train
     known = model.load.fills
     if len(known) + (fill is not None) > 1 or (not known and "fill to " in model.load.name):
-        why = "the load has fill already, twice or multiplied"
+        why = "the load has fill already, twice or times a negative factor"
         raise InputError(why, where="load", remedy="give one fill, with --load or --fill")
     added, fill = fill is not None, known[0] if known else fill
     if steps < 1:

@@ -451,8 +451,9 @@ class LoadCase(OneLine):
             wrench, known = self.wrench * by, self.acceleration * by
             masses = tuple(one.by(by) for one in self.masses)
             shake = self.shake * by
+        fills = tuple(replace(one, weight=by * one.weight) for one in self.fills if by > 0.0)
         return LoadCase(wrench, f"{by:g} {name}", self.notes, moved, known, surface,
-                        self.fills if by == 1.0 else (), masses, shake)  # fmt: skip
+                        fills, masses, shake)  # fmt: skip
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case

@@ -116,8 +116,17 @@ class Combination(OneLine):
         return " ".join(f"{one[0]} {one[1:]}" for one in each).removeprefix("+ ")
 
     def of(self, model: Model) -> Model:
-        """The model under this combination, its friction and strength divided."""
+        """The model under this combination, its friction and strength divided.
+
+        Fill that weighs less resists less in proportion; that it resists more is not counted.
+        """
         by = self.situation
+        weights = [sum(one.weight for one in load.fills) for load in (self.load, model.load)]
+        capacity, light = model.contacts.capacity, weights[0] < weights[1]
+        if capacity is not None and light and model.contacts.of_fill.any():
+            less = capacity.compression * weights[0] / weights[1]
+            least = np.where(model.contacts.of_fill, less, capacity.compression)
+            model = model.with_capacity(replace(capacity, compression=least))
         model = replace(model, load=replace(self.load, name=f"{by.name}: {self.words}"))
         if by.friction != 1.0:
             model = model.with_friction(model.contacts.friction / by.friction)

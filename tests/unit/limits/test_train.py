@@ -70,8 +70,10 @@ def test_fill_of_the_load_is_that_of_the_train(bridge: Model) -> None:
     assert found.fill == FILL
     added = limit_train(bridge, fill=FILL, steps=2, options=quick)
     assert found.factors == pytest.approx(added.factors)
-    with pytest.raises(InputError, match="multiplied"):
-        limit_train(bridge.with_load(bridge.load + 2.0 * FILL.on(bridge.assembly)))
+    double = limit_train(bridge.with_load(2.0 * FILL.on(bridge.assembly)), steps=2, options=quick)
+    assert double.fill == replace(FILL, weight=2.0 * FILL.weight)
+    with pytest.raises(InputError, match="negative"):
+        limit_train(bridge.with_load(bridge.load + -1.0 * FILL.on(bridge.assembly)))
 
 
 def test_what_fill_resists_helps_and_is_bounded(bridge: Model) -> None:

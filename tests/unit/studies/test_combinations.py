@@ -7,7 +7,7 @@ import pytest
 import drystone
 from drystone import DrystoneError, JointCapacity, LoadCase, Model
 from drystone.cli import main
-from drystone.models import tower
+from drystone.models import segmental_bridge, tower
 from drystone.studies import combinations, read_combinations
 
 WEIGHT = """
@@ -219,3 +219,17 @@ def test_the_command_tells_the_combination_that_governs(
     told = ["combine", str(tmp_path / "stack.json"), str(path), "--friction", "2"]
     assert main(told) == 1
     assert "governs: EQU: 0.9 weight + 1.5 push" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("live", "stands"), [("127kN", True), ("129.1kN", False)])
+def test_fill_that_weighs_less_resists_less(tmp_path: Path, live: str, stands: bool) -> None:
+    """190.9 kN by a linear program apart with 0.9 of weight and resistance; 196 with all of it."""
+    file = tmp_path / "cases.toml"
+    weight = '[case.weight]\nkind = "permanent"\nload = "model"\n'
+    pushed = f'[case.live]\nkind = "variable"\nload = "voussoir-08:{live}"\npsi = [0.7, 0.5, 0.3]\n'
+    file.write_text(weight + pushed, encoding="utf-8")
+    fill = "fill:cover=0.4m,weight=20kN/m3,k=0.3,passive=1.5"
+    bridge = segmental_bridge(5.0, 1.5)
+    found = combinations(bridge, file, friction=0.6, load=fill, tie=["fill"])
+    told = {one.words: x.stable for one, x in zip(found.each, found.results, strict=True)}
+    assert told["0.9 weight + 1.5 live"] is stands
