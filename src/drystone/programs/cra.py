@@ -45,7 +45,7 @@ class CRAOptions(Options):
     tolerance
         Largest residual of every condition, equal overlap included.
     slide_limit
-        eta / eps: largest |d| of a corner by the overlap. The source uses 10 to 1000; a fine
+        eta / eps: largest motion d of a corner by the overlap. The source uses 10 to 1000; a fine
         mesh needs more than a coarse one.
     slips
         Slip lengths of the friction law, by the local overlap, tried one after another.
@@ -97,8 +97,8 @@ def solve_cra(
         ``method`` is ``cra`` where a state of eq. 5.6 was found within ``slide_limit``, else
         ``rest`` where it comes to rest, and ``check`` where not. ``displacement`` (n, 6) is the
         translation [m] and rotation [rad] of each block about its centroid, in the scale in which
-        eps, the overlap, is the mean ``size`` of the free blocks. ``eta`` is the largest |d| of a
-        corner, by eps.
+        eps, the overlap, is the mean ``size`` of the free blocks. ``eta`` is the largest motion
+        d of a corner, by eps.
 
     Raises
     ------
