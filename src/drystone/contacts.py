@@ -34,6 +34,8 @@ MOST_FRICTION = 1e50
 """Largest friction coefficient, chosen: the square of such a friction force fits a float."""
 NOT_UNIT = 1e-4
 """Largest error of the products of the rows of a frame, chosen: forces are as wrong as that."""
+DRAWN = 0.01
+"""Size of the corners of a tie by that of its plate, chosen. Of what fill resists it is half."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,8 +228,11 @@ class Contacts(OneLine):
 
     @property
     def of_fill(self) -> Bools:
-        """(m,) which ties are what fill resists: twice as much drawn together as others are."""
-        return self._drawn_together(4e4)
+        """(m,) which ties are what fill resists: twice as much drawn together as others are.
+
+        The area of square plates is ``2 / DRAWN**2`` times that square, or 8 with half of it.
+        """
+        return self._drawn_together(4.0 / DRAWN**2)
 
     def _drawn_together(self, times: float) -> Bools:
         """(m,) faces of more area than so many times the square of the reach of their corners."""

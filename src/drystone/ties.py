@@ -13,7 +13,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, lengths
 from drystone.base.errors import InputError
 from drystone.base.units import FORCES, measured, quantity
-from drystone.contacts import Contacts, joined_contacts
+from drystone.contacts import DRAWN, Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads.fill import Tops
@@ -26,9 +26,6 @@ PLATE = 0.1
 Chosen: a small jack."""
 
 _End: TypeAlias = tuple[float, float, float] | None
-
-_POINT = 0.01
-"""Size of the corners of a tie by its own, chosen."""
 
 
 def tied(
@@ -61,7 +58,7 @@ def tied(
         raise InputError("has no length", remedy="give two different points")
     frame = frames_from_normals(along[None] / length)
     half = 0.5 * PLATE * float(model.assembly.size[block])
-    point = 0.5 * _POINT if fill else _POINT
+    point = 0.5 * DRAWN if fill else DRAWN
     square = point * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     plate = Contacts(
         np.array([other]),

@@ -57,8 +57,7 @@ def outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):
         said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
-        longer = said_longer(paths[stands.index(True)])
-        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}{longer}"
+        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}"
     # of two that rest, the one that settles more; of two that do not, the one that falls
     worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.travel.max(initial=0.0)))
     chosen = worst if worst.outcome is not first.outcome else first
@@ -81,11 +80,12 @@ def _said(path: SettlementPath) -> str:
 
 
 def said_longer(*paths: SettlementPath) -> str:
-    """What would make it stand with either carrier, where it came to rest on these paths."""
-    beyond = max(one.beyond for one in paths)
+    """What would make it stand with either carrier, by those of these paths that rest."""
+    rests = [one for one in paths if one.outcome is Outcome.RESTS]
+    beyond = max(one.beyond for one in rests)
     if not beyond > 0.0:
         return ""
-    other = "resting" if paths[0].carrier is Carrier.MOVING else "moving"
+    other = "resting" if rests[0].carrier is Carrier.MOVING else "moving"
     far = millimetres(rounded_up(1e3 * beyond, 2) / 1e3)
     longer = f"go on more than {far} mm beyond those ends"
     return f"; it stands where the faces of the {other} block {longer}"
@@ -160,7 +160,11 @@ def settle(
     found = _carried(model, moving, chosen, clock, executor, progress)
     falls = found.outcome is Outcome.FALLS
     more = with_what_touches(model, found.displacement) if falls else None
-    return found if more is None else _carried(more, moving, chosen, clock, executor, progress)
+    if more is not None:
+        found = _carried(more, moving, chosen, clock, executor, progress)
+    if found.outcome is not Outcome.ENDS_DECIDE:
+        return found
+    return replace(found, message=f"{found.message}{said_longer(*found.paths)}")
 
 
 def settle_for_verdict(
@@ -172,7 +176,7 @@ def settle_for_verdict(
     felt: Floats | None = None,
     falls: dict[Carrier, Course] | None = None,
 ) -> Settlement:
-    """As :func:`settle`, where only the verdict counts.
+    """As :func:`settle`, where only the verdict counts, without :func:`said_longer`.
 
     Of many blocks the path ends where a block has moved farther than ``rest_within``: wherever it
     goes from there, the structure does not stand. ``felt``, ``falls``: see :class:`FollowedCase`.

@@ -339,17 +339,16 @@ def _with_longer_faces(
 ) -> Settlement:
     """The same, saying how long faces have to be with stiffer joints along them too."""
     stiff = asked.options.stiff_shear
-    if stiff is None or asked.clock.late():
-        return found
-    rests = next(one for one in found.paths if one.outcome is Outcome.RESTS)
-    other = follow(options=replace(options, tangential=stiff, carrier=rests.carrier), felt=felt)
-    said = found.message.removesuffix(said_longer(rests))
-    if other.rests:
-        return replace(found, message=f"{said}{said_longer(rests, *other.paths)}")
-    if other.outcome is not Outcome.FALLS:
-        return found
-    also = f"with a shear stiffness of {stiff:g} of the normal one it falls there too"
-    return replace(found, message=f"{said}; {also}")
+    told = said_longer(*found.paths)
+    if stiff is not None and not asked.clock.late():
+        carrier = next(one.carrier for one in found.paths if one.outcome is Outcome.RESTS)
+        other = follow(options=replace(options, tangential=stiff, carrier=carrier), felt=felt)
+        asked.steps += other.iterations
+        if other.rests:
+            told = said_longer(*found.paths, *other.paths)
+        elif other.outcome is Outcome.FALLS:
+            told = f"; with a shear stiffness of {stiff:g} of the normal one it falls there too"
+    return replace(found, message=f"{found.message}{told}")
 
 
 def _taken_to_stand(

@@ -121,19 +121,16 @@ class Combination(OneLine):
         Fill that weighs less resists less in proportion; that it resists more is not counted.
         """
         by = self.situation
-        weights = [sum(one.weight for one in load.fills) for load in (self.load, model.load)]
-        capacity, light = model.contacts.capacity, weights[0] < weights[1]
-        if capacity is not None and light and model.contacts.of_fill.any():
-            less = capacity.compression * weights[0] / weights[1]
-            least = np.where(model.contacts.of_fill, less, capacity.compression)
-            model = model.with_capacity(replace(capacity, compression=least))
+        mine, whole = (sum(one.weight for one in load.fills) for load in (self.load, model.load))
         model = replace(model, load=replace(self.load, name=f"{by.name}: {self.words}"))
         if by.friction != 1.0:
             model = model.with_friction(model.contacts.friction / by.friction)
         capacity = model.contacts.capacity
-        if capacity is None or by.strength == 1.0:
+        if capacity is None:
             return model
-        return model.with_capacity(capacity.scaled(1.0 / by.strength))
+        capacity = capacity.scaled(1.0 / by.strength)
+        less = np.where(model.contacts.of_fill, mine / whole if mine < whole else 1.0, 1.0)
+        return model.with_capacity(replace(capacity, compression=less * capacity.compression))
 
 
 def read_combinations(path: PathLike, model: Model) -> list[Combination]:
