@@ -139,15 +139,20 @@ class Journal:
                 _LOG.warning("%s: the last record is cut off or damaged, and left out", self.path)
             else:
                 self._whole += len(line)
-        if values[0] != self._about:
-            was = values[0] if isinstance(values[0], dict) else {}
+            if number == 1:  # before records, which other work has of another kind
+                self._require_same(values[0])
+        self.records = values[1:]
+
+    def _require_same(self, about: Any) -> None:
+        """Refuse a file that is about something else."""
+        if about != self._about:
+            was = about if isinstance(about, dict) else {}
             differ = [k for k in self._about | was if was.get(k) != self._about.get(k)]
             raise FormatError(
                 f"is of other work: {shortened(', '.join(differ), 60)} differ",
                 where=str(self.path),
                 remedy=_ANEW,
             )
-        self.records = values[1:]
 
 
 def add_answers(

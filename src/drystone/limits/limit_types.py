@@ -260,7 +260,7 @@ class Quantity(OneLine):
     unit
         Empty when it has none.
     phrase
-        Words with ``{}`` for a value; when left out, the name, the value and the unit.
+        Words behind a value and its unit; when left out, the name stands before them.
     replaces
         Attributes of :class:`drystone.answer.Question` that it decides.
     inverse
@@ -293,7 +293,8 @@ class Quantity(OneLine):
             every = self.acting + float(number)
             return f"{self.words} {number} on top of what acts: {every:.10g} in all"
         if self.phrase:
-            return self.phrase.format(number)
+            unit = "degrees" if self.unit == "deg" else self.unit
+            return " ".join(filter(None, (number, unit, self.phrase)))
         return f"{self.words} {number}{f' {self.unit}' if self.unit else ''}"
 
 
@@ -325,11 +326,11 @@ class Tilt(OneLine):
     @property
     def quantity(self) -> Quantity:
         """The angle about that axis."""
-        phrase = f"{{}} degrees {axis_words(self.axis)}"
         told = ""
         if self._pushed:
             told = "forces, and pressure of fill and earth, keep their direction while it turns"
-        return Quantity("tilt", "deg", phrase, ("load", "acceleration", "loads"), remark=told)
+        replaces = "load", "acceleration", "loads"
+        return Quantity("tilt", "deg", axis_words(self.axis), replaces, remark=told)
 
     @property
     def _pushed(self) -> bool:
@@ -419,7 +420,7 @@ class Shrunk(OneLine):
     model: Model
     quantity: ClassVar[Quantity] = Quantity(
         "size of the joints",
-        phrase="{} of the size of the joints",
+        phrase="of the size of the joints",
         inverse="geometric safety factor",
     )
 
@@ -435,7 +436,7 @@ class Weakened(OneLine):
     model: Model
     quantity: ClassVar[Quantity] = Quantity(
         "share of strength",
-        phrase="{} of the strength of the joints",
+        phrase="of the strength of the joints",
         inverse="factor on the strength",
     )
 

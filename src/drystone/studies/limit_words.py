@@ -16,11 +16,21 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.settlement import LargeDisplacement
 
+TURNED = "turned"
+"""The column of words: about which axis a tilt was found, which may be another one in each row."""
 
-def _bracket(limit: Limit) -> tuple[list[float | None], tuple[str, ...]]:
+
+def _bracket(limit: Limit) -> tuple[list[float | str | None], tuple[str, ...]]:
     best = limit.best
     moves = () if best.falling is None else best.falling.falling_names
     return [best.stands, best.falls], moves
+
+
+def _turned(limit: Limit) -> list[str | None]:
+    """About which axis, of a tilt that stands at all."""
+    if limit.quantity.name != "tilt":
+        return []
+    return [None if limit.stands is None else limit.quantity.phrase]
 
 
 def measures(words: str) -> Mapping[str, str]:
@@ -33,7 +43,7 @@ def measures(words: str) -> Mapping[str, str]:
     """
     offered, _ = _asked(words)
     if offered is LIMITS["tilt"]:
-        return dict.fromkeys(("stands", "falls"), "deg")
+        return {"stands": "deg", "falls": "deg", TURNED: ""}
     return _MEASURES[get_type_hints(offered.analysis)["return"]]
 
 
@@ -47,7 +57,7 @@ _MEASURES: Mapping[type[Answer], Mapping[str, str]] = {
 }
 
 
-def measured(answer: Answer) -> tuple[list[float | None], tuple[str, ...]]:
+def measured(answer: Answer) -> tuple[list[float | str | None], tuple[str, ...]]:
     """The values of the columns of a limit that was found, and the blocks that move beyond it."""
     match answer:
         case TiltSweep():
@@ -66,7 +76,8 @@ def measured(answer: Answer) -> tuple[list[float | None], tuple[str, ...]]:
         case LargeDisplacement():
             return [float(answer.load[-1]), answer.capacity], ()
         case Limit():
-            return _bracket(answer)
+            values, moves = _bracket(answer)
+            return values + _turned(answer), moves
     raise TypeError(f"no limit: {answer!r}")
 
 

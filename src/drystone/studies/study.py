@@ -30,7 +30,7 @@ from drystone.model import Model
 from drystone.results import Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.limit_words import limit_of_words, measured, measures
+from drystone.studies.limit_words import TURNED, limit_of_words, measured, measures
 
 Parameters: TypeAlias = Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]]
 """Values of each parameter, in all their combinations; or rows."""
@@ -111,8 +111,8 @@ def study(
     Table
         A row for each: number and inputs; of a check the verdict and ``tilt_margin``, [deg] up
         to which forces balance the loads; of a limit the last value at which it stands and the
-        first one at which it falls, or what else it finds, such as both bounds of a thrust; the
-        blocks that move, a message, and the time [s].
+        first one at which it falls, or what else it finds, such as both bounds of a thrust; of a
+        tilt about which axis it was ``turned``; the blocks that move, a message, and the time [s].
         ``refused`` stands where there is no model, ``failed`` where a worker ended twice.
 
     Raises
@@ -154,7 +154,7 @@ def study(
         late=clock.late, tell=lambda count: clock.tell("studying", count, len(rows)),
     )  # fmt: skip
     columns = {name: [row[i] for row in done] for i, name in enumerate(names)}
-    for name in _columns(limit):
+    for name in _columns(limit).keys() - {TURNED}:
         known = [np.nan if one is None else one for one in columns[name]]
         columns[name] = np.array(known, dtype=float)  # type: ignore[assignment]
     units = {name: unit for name, unit in _columns(limit).items() if unit}
@@ -288,9 +288,11 @@ def _told_numbers(table: Table, name: str) -> Any:
 
 def _axis(table: Table, name: str) -> str:
     """The name of a column in words; of a side of a limit with what is limited."""
-    limited = table.title.partition(" ")[0].replace("-", " ")
     if name not in _SIDES:
         return name.replace("_", " ")
+    limited = table.title.partition(" ")[0].replace("-", " ")
+    axes = dict.fromkeys(one for one in table.columns.get(TURNED, ()) if one)
+    limited = f"{limited} {' or '.join(axes)}".strip()
     said = {"stands": "down to" if table.bounds["stands"] else "up to", "falls": "at"}
     return f"{name} {said[name]} {'load factor' if limited == 'load' else limited}"
 
@@ -456,9 +458,10 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
         if task.limit:
             answer = limit_of_words(task.limit, model)(model, {"stop": clock.late})
             word = "stopped" if getattr(answer, "stopped", "") else "found"
-            numbers, moves = measured(answer)
-            told = [None if one is None else float(f"{one:.12g}") for one in numbers]  # no noise
-            return task.row(word, *told, " ".join(moves), answer.title, clock.elapsed_s)
+            values, moves = measured(answer)
+            return task.row(
+                word, *map(_without_noise, values), " ".join(moves), answer.title, clock.elapsed_s
+            )
         result = check(model, options=task.options, stop=clock.late)
         margin = tilt_margin(model, stop=clock.late) if result.stable else None
     except DrystoneError as error:
@@ -469,15 +472,19 @@ def _row(task: _Task, clock: Clock) -> list[Any]:
     )  # fmt: skip
 
 
+def _without_noise(value: float | str | None) -> float | str | None:
+    return value if value is None or isinstance(value, str) else float(f"{value:.12g}")
+
+
 def _failed(task: _Task) -> list[Any]:
     """The row of a task that ended its worker twice."""
     return task.without("failed", "its worker was ended twice")
 
 
-def _listed(names: Sequence[str], numbers: Iterable[str], record: Any) -> list[Any]:
+def _listed(names: Sequence[str], found: Mapping[str, str], record: Any) -> list[Any]:
     """The row of a record, with a value for each column."""
     row = dict(zip(names, record, strict=True))
-    for name in numbers:
+    for name in found.keys() - {TURNED}:
         row[name] = None if row[name] is None else float(row[name])
     if not isinstance(row["number"], int) or {list, dict} & {*map(type, row.values())}:
         raise TypeError("it is no row")

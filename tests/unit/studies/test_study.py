@@ -43,6 +43,19 @@ def test_the_limit_of_each_row_is_that_of_its_parameters() -> None:
     assert set(found["mechanism"]) == {"pier"}
 
 
+def test_a_tilt_without_an_axis_says_about_which_one_it_is_the_least(tmp_path: Path) -> None:
+    """A pier is 1 m deep along y: the narrow one falls about y, and the wide one about x."""
+    out, rows = tmp_path / "found.jsonl", {"width": [0.4, 1.6]}
+    found = study(pier, rows, limit="tilt", friction=0.9, out=out)
+    again = study(pier, rows, limit="tilt", friction=0.9, out=out)
+    assert found["turned"].tolist() == again["turned"].tolist() == ["about y", "about x"]
+    heads, cells = study_told(found).cells()
+    assert cells[1][heads.index("turned")] == "about x"
+    assert study_chart(found).up == "stands up to tilt about y or about x"
+    shallow = study(pier, rows, limit="tilt --axis x", friction=0.9)
+    assert shallow["turned"].tolist() == ["about x", "about x"]
+
+
 def test_a_limit_of_strength_takes_the_strength_of_all_rows() -> None:
     """A pier presses evenly on its base with its weight."""
     found = study(pier, {"width": [0.5]}, limit="strength --strength 1MPa")
@@ -203,6 +216,7 @@ def test_both_sides_of_a_limit_are_told_as_by_its_title() -> None:
     assert study_map(found, "radius", "voussoirs").values[0, 0] == float(told[0])
     tilts = study(arch, {"thickness_ratio": [0.05, 0.2], "voussoirs": [11]}, limit="tilt")
     assert study_told(tilts).cells()[1][0][2] == "-"
+    assert tilts["turned"][0] is None
 
 
 def test_a_row_that_is_stopped_is_not_kept(tmp_path: Path) -> None:
@@ -223,7 +237,7 @@ def test_two_parameters_are_drawn_as_a_map_and_written_as_a_page(tmp_path: Path)
     found = study(pier, rows, limit="tilt --axis y")
     drawn = study_map(found)
     assert (drawn.columns, drawn.rows) == (("0.4", "0.5"), ("0.3", "0.9"))
-    assert drawn.quantity == "stands up to tilt [deg]"
+    assert drawn.quantity == "stands up to tilt about y [deg]"
     slides, wide, narrow = (math.degrees(math.atan(one)) for one in (0.3, 0.25, 0.2))
     expected = [min(slides, narrow), min(slides, wide), narrow, wide]
     assert drawn.values.ravel() == pytest.approx(expected, abs=0.1)
