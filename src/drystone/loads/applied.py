@@ -60,8 +60,15 @@ class AppliedLoads(OneLine):
         return Table("loads", columns, {"point": "m", "force": "N", "moment": "N m"})
 
 
-def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
+def applied_loads(assembly: Assembly, load: LoadCase, common: Floats | None = None) -> AppliedLoads:
     """The loads of a load case on free blocks.
+
+    Parameters
+    ----------
+    assembly
+    load
+    common : (3,) [m/s2]
+        The acceleration that is told apart; :func:`common_acceleration` when left out.
 
     Examples
     --------
@@ -75,7 +82,7 @@ def applied_loads(assembly: Assembly, load: LoadCase) -> AppliedLoads:
     >>> found.point.round(6).tolist(), found.moment.tolist()
     ([[0.2, 0.0, 2.0]], [[0.0, 0.0, 0.0]])
     """
-    common = common_acceleration(assembly, load)
+    common = common_acceleration(assembly, load) if common is None else common
     rest = load.wrench.copy()
     rest[:, :3] -= assembly.mass[:, None] * common
     for one in load.masses:

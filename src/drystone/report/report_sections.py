@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
+from pathlib import PurePath
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def document_of(answers: Sequence[Answer], about: TitleBlock) -> Document:
     forces = _governing(answers)
     sections = [
         Section("Summary", (*_summary(answers, model), _signatures(about))),
-        Section("What was asked", (_asked(first),)),
+        Section("What was asked", (_asked(answers),)),
         Section("Geometry", tuple(_geometry(model))),
         Section("Materials", tuple(_materials(model))),
         Section("Loads", tuple(_loads(model, first))),
@@ -173,16 +174,16 @@ def _signatures(about: TitleBlock) -> Mapping[str, str]:
     return {what: (who or line) + rest for what, who in people.items()}
 
 
-def _asked(first: Answer) -> Mapping[str, str]:
+def _asked(answers: Sequence[Answer]) -> Mapping[str, str]:
     """What was asked; a question of the reader is for the screen, before anything is signed."""
-    asked = first.asked
+    asked = answers[0].asked
     notes = (one.rpartition(": ")[0] if one.endswith("?") else one for one in asked.notes)
     asked = replace(asked, notes=tuple(notes))
-    told = {
-        "SHA-256 of the file": asked.sha256,
-        "Version": asked.version,
-        "Commit": asked.commit,
-    }
+    told = {"SHA-256 of the file": asked.sha256}
+    for one in answers:
+        if isinstance(one, Combinations):
+            told |= {"Cases": PurePath(one.file).name, "SHA-256 of the cases": one.sha256}
+    told |= {"Version": asked.version, "Commit": asked.commit}
     return {**asked.facts(), **{name: text for name, text in told.items() if text}}
 
 
@@ -230,14 +231,9 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
     if isinstance(first, Combinations):
         yield f"The actions of '{first.file}', in the combination that governs."
         model = first.governing.model
-    applied = applied_loads(model.assembly, model.load)
-    along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
-    yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
-    yield from _shaken(model)
-    table = applied.table(model.assembly.names)
-    if len(table):
-        yield table
-    else:
+    parts = list(_applied(model))
+    yield from parts
+    if not isinstance(parts[-1], Table):
         yield "The model has no other load on a free block; a limit names those that it adds."
     yield sketches.loads_picture(model)
     if isinstance(first, TrainEnvelope):
@@ -255,6 +251,16 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
         }  # fmt: skip
         if len(first.places):
             yield first.axles()
+
+
+def _applied(model: Model) -> Iterator[Part]:
+    """The load of a model: the acceleration, what an earthquake shakes, and what else acts."""
+    applied = applied_loads(model.assembly, model.load)
+    along = ", ".join(f"{x:.4g}" for x in applied.acceleration + 0.0)
+    yield f"Load: {model.load.name}. Acceleration of all masses: {along} m/s2."
+    yield from _shaken(model)
+    table = applied.table(model.assembly.names)
+    yield from (table,) if len(table) else ()
 
 
 def _shaken(model: Model) -> Iterator[str]:
@@ -334,6 +340,8 @@ def worst_told(result: Result, count: int) -> Iterator[Part]:
 def _checks(result: Result, model: Model) -> Iterator[Part]:
     table = result.joints()
     yield f"In the state under {result.load.name}."
+    if not np.array_equal(result.load.wrench, model.load.wrench):
+        yield from _applied(result.model)
     yield from worst_told(result, _PLANS)
     needed, at = least_strength(result)
     if needed > 0.0:

@@ -64,6 +64,22 @@ class Action(OneLine):
         return f"'{self.name}', {self.kind}"
 
     @property
+    def words(self) -> str:
+        """Its loads, and how it acts.
+
+        Examples
+        --------
+        >>> from drystone.models import tower
+        >>> push = LoadCase.seismic(tower(2), 0.1)
+        >>> Action("quake", "seismic", push, reversible=True, parts=(push,)).words
+        'seismic 0.1, 0; or reversed'
+        """
+        told = " + ".join(one.name for one in self.parts)
+        told += "; shaken" if any(one.kind == "load" for one in self.load.masses) else ""
+        told += f"; one of group {self.group} at a time" if self.group else ""
+        return told + ("; or reversed" if self.reversible else "")
+
+    @property
     def signs(self) -> tuple[float, ...]:
         """Directions in which it acts."""
         return (1.0, -1.0) if self.reversible else (1.0,)
@@ -100,11 +116,22 @@ class Situation(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Combination(OneLine):
-    """Actions with their factors in a situation."""
+    """Actions with their factors in a situation.
+
+    Attributes
+    ----------
+    situation
+    factors
+        By the name of the action.
+    load
+    actions
+        All of the file.
+    """
 
     situation: Situation
     factors: Mapping[str, float]
     load: LoadCase
+    actions: tuple[Action, ...]
 
     def _summary(self) -> str:
         return f"{self.situation.name}: {self.words}"
@@ -178,7 +205,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
     top = parse_toml(read_bytes(path), as_path(path))
     top.only(("standard", "situations", "situation", "material", "case"))
     standard = _standard(top)
-    actions = [_action(name, one, model, standard) for name, one in top["case"].items()]
+    actions = tuple(_action(name, one, model, standard) for name, one in top["case"].items())
     _refuse_missing_load(top["case"], actions, model)
     made = [one for each in _situations(top, standard) for one in _combined(each, actions)]
     if not made:
@@ -422,10 +449,10 @@ def _weight(one: Field, model: Model) -> LoadCase:
         raise one["blocks"].error(error.what, error.remedy) from error
     wrench = np.zeros_like(whole.wrench)
     wrench[kept] = whole.wrench[kept]
-    return LoadCase(wrench, "gravity")
+    return LoadCase(wrench, f"gravity of {one['blocks'].text()}")
 
 
-def _combined(by: Situation, actions: Sequence[Action]) -> Iterator[Combination]:
+def _combined(by: Situation, actions: tuple[Action, ...]) -> Iterator[Combination]:
     """All combinations of a situation; those that are equal are given once."""
     load = {one.name: one.load for one in actions}
     known: set[tuple[tuple[str, float], ...]] = set()
@@ -436,7 +463,7 @@ def _combined(by: Situation, actions: Sequence[Action]) -> Iterator[Combination]
         if factors and key not in known:
             known.add(key)
             parts = [(factor, load[name]) for name, factor in factors.items()]
-            yield Combination(by, factors, LoadCase.combine(parts))
+            yield Combination(by, factors, LoadCase.combine(parts), actions)
 
 
 def _lasting(by: Situation, actions: Sequence[Action]) -> list[list[dict[str, float]]]:

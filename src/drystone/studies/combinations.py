@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from pathlib import PurePath
 from typing import Any, Literal, Unpack
 
 import numpy as np
 
 from drystone.answer import Answer, Question, Role, Scene, Sentence, Verdict
+from drystone.assembly import Assembly
 from drystone.base.declared import Offered
 from drystone.base.display import rounded_down
 from drystone.base.errors import InputError, counted
-from drystone.base.files import PathLike
+from drystone.base.files import PathLike, digest
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits import LimitOptions, limit_friction, limit_shrink
+from drystone.loads.applied import applied_loads
 from drystone.loads.earthquake import Shaken
 from drystone.model import Model
 from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import CheckOptions, check
-from drystone.studies.combination_file import Combination, read_combinations
+from drystone.studies.combination_file import Action, Combination, read_combinations
 
 Need = Literal["both", "size", "friction", "none"]
 _OF = {"size": "size of the joints", "friction": "friction"}
@@ -41,7 +44,8 @@ class Combinations(Answer):
     ----------
     model
         Under its own load.
-    file
+    file, sha256
+        Of the cases, and the hash of its content.
     each
         The combinations.
     results
@@ -56,6 +60,7 @@ class Combinations(Answer):
 
     model: Model
     file: str
+    sha256: str
     each: tuple[Combination, ...]
     results: tuple[Result, ...]
     needs: Mapping[str, tuple[float, ...]]
@@ -124,7 +129,7 @@ class Combinations(Answer):
         return said
 
     def tables(self) -> Sequence[Table]:
-        """Each combination: situation, factors, verdict and what it needs; the worst first."""
+        """Each combination, the worst first; the situations, the cases and their loads."""
         order = self._worst_first
         columns = {
             "number": np.array(order) + 1,
@@ -134,7 +139,8 @@ class Combinations(Answer):
         }
         shares = {f"needs_of_{of}": np.array(one)[order] for of, one in self.needs.items()}
         alike = dict.fromkeys(shares, "1"), dict.fromkeys(shares, True)
-        return [Table("combinations", columns | shares, *alike)]
+        each = Table("combinations", columns | shares, *alike)
+        return [each, _situations(self.each), *_cases(self.each[0].actions, self.model.assembly)]
 
     def layers(self) -> Scene:
         """The combination that governs."""
@@ -144,6 +150,7 @@ class Combinations(Answer):
         """How many stand, what it needs, and the one that governs."""
         return {
             "file": self.file,
+            "sha256": self.sha256,
             "standing": sum(one.stable for one in self.results),
             "checked": len(self.results),
             "governing": self.each[self.governs].words,
@@ -158,7 +165,8 @@ class Combinations(Answer):
     @cached_property
     def asked(self) -> Question:
         """What was asked, without the loads, which differ."""
-        return super().asked.without("load", "acceleration", "loads")
+        asked = super().asked.without("load", "acceleration", "loads")
+        return replace(asked, options={"cases": PurePath(self.file).name, **asked.options})
 
 
 @checked_call
@@ -212,7 +220,7 @@ def combinations(
     results, shares = zip(*found, strict=True)
     needs = dict(zip(asked, zip(*shares, strict=True), strict=True)) if asked else {}
     return Combinations(
-        model, str(file), tuple(each[: len(results)]), results, needs,
+        model, str(file), digest(file), tuple(each[: len(results)]), results, needs,
         clock.reason if len(results) < len(each) else "",
     )  # fmt: skip
 
@@ -234,6 +242,50 @@ def _checked(
     ]
     stands = [one.equilibrium.stands for one in found]
     return result, [float("nan") if one is None else one for one in stands]
+
+
+def _situations(each: Sequence[Combination]) -> Table:
+    """The situations with their factors."""
+    rows = [
+        (
+            by.name, _listed(dict.fromkeys(by.permanent), " or "), _psi_words(by.leading),
+            _psi_words(by.others), f"1 {by.event}" if by.event else "", by.friction, by.strength,
+            by.source,
+        )
+        for by in dict.fromkeys(one.situation for one in each)
+    ]  # fmt: skip
+    names = ("situation", "permanent", "leading", "others", "event", "friction_by", "strength_by",
+             "source")  # fmt: skip
+    return Table("situations", dict(zip(names, zip(*rows, strict=True), strict=True)))
+
+
+def _cases(actions: Sequence[Action], assembly: Assembly) -> list[Table]:
+    """The cases with their characteristic values, and the forces of each on blocks."""
+    rows, parts = [], []
+    for one in actions:
+        applied = applied_loads(assembly, one.load, one.load.acceleration)
+        parts.append(applied.table(assembly.names))
+        rows.append((
+            one.name, one.kind, one.words, one.load.wrench[assembly.free, :3].sum(axis=0).tolist(),
+            applied.acceleration.tolist(), _listed(one.psi) if one.kind == "variable" else "",
+            _listed(one.factors) if one.factors else "of the situation",
+        ))  # fmt: skip
+    names = ("case", "kind", "load", "force", "acceleration", "psi", "factors")
+    columns = dict(zip(names, zip(*rows, strict=True), strict=True))
+    loads = {key: np.concatenate([one[key] for one in parts]) for key in parts[0].columns}
+    loads = {"case": np.repeat(columns["case"], [len(one) for one in parts]), **loads}
+    units = {"force": "N", "acceleration": "m/s2"}
+    return [Table("cases", columns, units), Table("loads of cases", loads, parts[0].units)]
+
+
+def _psi_words(pair: tuple[float, int]) -> str:
+    """A factor, and the combination factor that multiplies it."""
+    factor, number = pair
+    return f"{factor:g}" if number < 0 else f"{factor:g} psi {number}"
+
+
+def _listed(values: Iterable[float], between: str = ", ") -> str:
+    return between.join(f"{x:g}" for x in values)
 
 
 OFFERED = Offered(combinations, "arch.json cases.toml", ("needed_of",))

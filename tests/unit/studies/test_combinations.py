@@ -1,13 +1,16 @@
 """Combinations of actions: their factors, the one that governs, and what is refused."""
 
+import hashlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import drystone
 from drystone import DrystoneError, JointCapacity, LoadCase, Model
 from drystone.cli import main
 from drystone.models import segmental_bridge, tower
+from drystone.report import write_report
 from drystone.studies import combinations, read_combinations
 
 WEIGHT = """
@@ -219,6 +222,53 @@ def test_the_command_tells_the_combination_that_governs(
     told = ["combine", str(tmp_path / "stack.json"), str(path), "--friction", "2"]
     assert main(told) == 1
     assert "governs: EQU: 0.9 weight + 1.5 push" in capsys.readouterr().out
+
+
+def test_the_loads_of_the_cases_add_up_to_those_of_the_combination_that_governs(
+    tmp_path: Path,
+) -> None:
+    """By factors, accelerations and the forces of each block, as the sheet tells them."""
+    cases = """
+situations = ["STR"]
+[case.low]
+kind = "permanent"
+load = "gravity"
+blocks = "voussoir-0*"
+[case.high]
+kind = "permanent"
+load = "gravity"
+blocks = "voussoir-1*"
+[case.fill]
+kind = "permanent"
+load = "fill:cover=0.3m,weight=20kN/m3,k=0.3"
+factors = [1.2, 0.9]
+[case.cart]
+kind = "variable"
+category = "G"
+load = ["voussoir-05:20kN", "voussoir-06:3kN,0,0"]
+"""
+    file = written(tmp_path, cases)
+    found = combinations(segmental_bridge(5.0, 1.5, voussoirs=20), file, needed_of="none")
+    told = {one.title: one for one in found.tables()}
+    assert told["situations"]["leading"].tolist() == ["1.5"]
+    assert told["cases"]["psi"].tolist() == ["", "", "", "0.7, 0.5, 0.3"]
+    assert told["cases"]["factors"].tolist()[1:3] == ["of the situation", "1.2, 0.9"]
+    assembly, factors = found.model.assembly, found.each[found.governs].factors
+    total = np.zeros((len(assembly), 3))
+    for case, along in zip(told["cases"]["case"], told["cases"]["acceleration"], strict=True):
+        total += factors.get(case, 0.0) * assembly.mass[:, None] * along
+    for row in told["loads of cases"]:
+        total[assembly.indices([row["block"]])] += factors.get(row["case"], 0.0) * np.array(
+            row["force"]
+        )
+    free = assembly.free
+    assert total[free] == pytest.approx(found.governing.load.wrench[free, :3], abs=1e-6)
+    assert found.to_dict()["sha256"] == hashlib.sha256(file.read_bytes()).hexdigest()
+    assert found.asked.facts()["Options"] == "cases cases.toml"
+    page = tmp_path / "sheet.html"
+    write_report(found, page)
+    sheet = page.read_text(encoding="utf-8")
+    assert all(one in sheet for one in ("cases.toml", found.sha256, "loads of cases"))
 
 
 @pytest.mark.parametrize(("live", "stands"), [("127kN", True), ("129.1kN", False)])
