@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 import drystone
 from drystone import Assembly, Block, InputError, Model, io
 from drystone.base.arrays import lengths
+from drystone.checks import mechanism_defects
 from drystone.cli import main
 from drystone.io.opening import as_model
 from drystone.limits import limit_shrink
@@ -314,6 +316,33 @@ def test_what_fill_resists_is_named_fill_and_carries_all_of_its_strength() -> No
     weak = found.contacts.of_fill & (found.contacts.block_b == bridge.indices(["voussoir-00"])[0])
     (at,) = np.flatnonzero(weak)
     assert joint_words(bridge, found.contacts, at)[1:] == ("fill beside 'voussoir-00'", "yields")
+
+
+@pytest.mark.parametrize(
+    ("tie", "loads"),
+    [
+        ("fill", {"load": "voussoir-08:216kN"}),
+        ("fill", {"load": "voussoir-08:1000kN"}),
+        ("fill", {"seismic": 1.2}),
+        ("fill", {"seismic": -1.2}),
+        ("voussoir-24:springer-right:40kN", {"load": "voussoir-08:300kN"}),
+    ],
+)
+def test_ties_that_yield_are_proven_to_beyond_their_limit(tie: str, loads: dict[str, Any]) -> None:
+    """Fill yields at 212.15 kN, and alone at 0.7346 g; blocks beside a springer hardly move."""
+    load = [
+        "fill:cover=0.4m,weight=20kN/m3,k=0.3,passive=1.5",
+        *np.atleast_1d(loads.get("load", [])),
+    ]
+    found = drystone.check(
+        segmental_bridge(5.0, 1.5), friction=0.6, **{**loads, "load": load}, tie=tie
+    )
+    assert found.falls
+    assert found.message.startswith("ties yield")
+    assert found.mechanism is not None
+    violation, power = mechanism_defects(found.model, found.mechanism)
+    assert violation < 1e-5
+    assert power > 1e-3
 
 
 def test_inspect_takes_ties(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -87,8 +87,6 @@ def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Res
     problem = Problem.build(model)
     mechanism = checked_mechanism(problem, solution.state)
     if mechanism is None:
-        mechanism = checked_mechanism(problem, held_still(problem.statics, solution.state))
-    if mechanism is None:
         return None
     found = Result(
         method="rbe",

@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.checks import FORCE_TOLERANCE, block_speed, check_forces, mechanism_defects
-from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.formulations.equilibrium import EquilibriumSolution, held_still
 from drystone.mechanics.rest_state import RestState
 from drystone.results import Result, Samples, Verdict
 from drystone.stability.problem import Problem
@@ -40,8 +40,14 @@ def sound_mechanism(problem: Problem, velocity: Floats) -> Floats | None:
 
 
 def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
-    """The multiplier of an infeasible equilibrium as a physical mechanism, if it is one."""
-    return sound_mechanism(problem, solution.multiplier)
+    """The multiplier of an infeasible equilibrium as a physical mechanism, if it is one.
+
+    Beside blocks that hardly move its rounding counts as closing: these are then held still.
+    """
+    found = sound_mechanism(problem, solution.multiplier)
+    if found is None:
+        found = sound_mechanism(problem, held_still(problem.statics, solution).multiplier)
+    return found
 
 
 def balanced(problem: Problem, force: Floats) -> bool:

@@ -66,8 +66,7 @@ def carried(problem: Problem, cone: FrictionCone, late: Callable[[], bool]) -> C
     if state.raw.status is ConicStatus.SOLVED and share >= 1.0:  # all sets are convex, with zero
         force = problem.force(state.force / share)
         pull = None if state.pull is None else problem.force(state.pull[:, None] / share)
-        residuals = check_forces(problem.model, force, pull=pull)
-        return Carried(1.0, force, residuals, None, steps)
+        return Carried(1.0, force, check_forces(problem.model, force, pull=pull), None, steps)
     return Carried(min(share, 1.0), None, Residuals(), checked_mechanism(problem, state), steps)
 
 
