@@ -8,7 +8,7 @@ from drystone import Verdict, check
 CASES = {case.name: case for case in cases()}
 
 
-@pytest.mark.parametrize("name", ["table", "tower", "wall", "arch", "stool 0.1", "shelf 0.6"])
+@pytest.mark.parametrize("name", ["table", "tower", "wall", "arch", "stool 0.1"])
 def test_what_stands_with_a_margin_stands_where_it_is_drawn_a_little_off(name: str) -> None:
     case: Case = CASES[name]
     assert clearly(case) is Verdict.STABLE

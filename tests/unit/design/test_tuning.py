@@ -97,8 +97,8 @@ def test_the_help_that_a_shell_needs_is_a_goal(
 ) -> None:
     out, png = tmp_path / "shell.json", tmp_path / "front.png"
     words = ["tune", "dome-shell", "--vary", "thickness=0.4:0.6", "--vary", "wedge=0:0.3"]
-    words += ["--set", "courses=2", "--set", "blocks=6", "--set", "eye=2"]
-    words += ["--least", "props", "--least", "held", "--props", "12", "--trials", "2"]
+    words += ["--set", "courses=2", "--set", "blocks=4", "--set", "eye=2"]
+    words += ["--least", "props", "--least", "held", "--props", "8", "--trials", "2"]
     code = main([*words, "--friction", "0.7", "--out", str(out), "--png", str(png), "--json"])
     told = json.loads(capsys.readouterr().out)
     assert png.read_bytes().startswith(b"\x89PNG")

@@ -45,7 +45,7 @@ def test_directions_are_searched_below_the_least_tilt_that_is_known() -> None:
         asked.append(model)
         return check_once(model)
 
-    order = plan(Model.of(arch(0.15, 11), friction=0.7), check=counted)
+    order = plan(Model.of(arch(0.15, 7), friction=0.7), check=counted)
     asked.clear()
     found = margins(order, friction_width=1.0)
     mine = len(asked)

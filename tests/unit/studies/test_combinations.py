@@ -274,12 +274,11 @@ load = ["voussoir-05:20kN", "voussoir-06:3kN,0,0"]
 @pytest.mark.parametrize(("live", "stands"), [("127kN", True), ("129.1kN", False)])
 def test_fill_that_weighs_less_resists_less(tmp_path: Path, live: str, stands: bool) -> None:
     """190.9 kN by a linear program apart with 0.9 of weight and resistance; 196 with all of it."""
-    file = tmp_path / "cases.toml"
     weight = '[case.weight]\nkind = "permanent"\nload = "model"\n'
     pushed = f'[case.live]\nkind = "variable"\nload = "voussoir-08:{live}"\npsi = [0.7, 0.5, 0.3]\n'
-    file.write_text(weight + pushed, encoding="utf-8")
+    file = written(tmp_path, 'situations = ["EQU"]', weight, pushed)
     fill = "fill:cover=0.4m,weight=20kN/m3,k=0.3,passive=1.5"
     bridge = segmental_bridge(5.0, 1.5)
-    found = combinations(bridge, file, friction=0.6, load=fill, tie=["fill"])
+    found = combinations(bridge, file, friction=0.6, load=fill, tie=["fill"], needed_of="none")
     told = {one.words: x.stable for one, x in zip(found.each, found.results, strict=True)}
     assert told["0.9 weight + 1.5 live"] is stands
