@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -225,29 +226,26 @@ def help_layer(
     )  # fmt: skip
 
 
+Marked: TypeAlias = tuple[str, str, Bools]
+"""The key of a layer of marks, its label, and which joints (j,) have one."""
+
+
 def marks(
-    place: Floats,
-    hinge: Bools,
-    turns: str,
-    slide: Bools,
-    slides: str,
-    interface: Ints | None = None,
+    place: Floats, turns: Marked, slides: Marked, interface: Ints | None = None
 ) -> tuple[Layer, ...]:
-    """Markers at hinges and at sliding joints.
+    """Discs at edges about which joints turn, and diamonds where they slide.
 
     Parameters
     ----------
     place : (j, 3) [m]
-    hinge, slide : (j,)
     turns, slides
-        What they are called.
     interface : (j,)
         Interfaces that the places belong to; all in their order when left out.
     """
     made = []
-    for key, label, colour, shape, chosen in (
-        ("hinges", turns, "hinge", MarkerShape.DISC, hinge),
-        ("sliding", slides, "help", MarkerShape.DIAMOND, slide),
+    for (key, label, chosen), colour, shape in (
+        (turns, "hinge", MarkerShape.DISC),
+        (slides, "help", MarkerShape.DIAMOND),
     ):
         number = np.flatnonzero(chosen)
         if len(number):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -186,11 +186,6 @@ class Result(Solution, Answer):
     def layers(self) -> Scene:
         """What falls and how it begins, or the forces inside."""
         stage, facts = self.stage(), self.asked.facts()
-        if self.stable:  # a few joints that open make no mechanism
-            shown = tuple(
-                replace(one, label=one.label.removeprefix("hinge: ")) for one in stage.layers
-            )
-            stage = replace(stage, layers=shown)
         facts |= {"Safety": self._safety} if self._safety else {}
         title = f"drystone: {stage.headline.lower()}"
         return Scene(self.assembly, self.contacts, (stage,), title, facts)

@@ -138,7 +138,8 @@ def _fall_layers(result: Solution, motion: Floats) -> tuple[Layer, ...]:
     hinge, slide, place = moving_joints(result.model, motion, _EYE)
     proved = motion is result.mechanism and result.contacts.friction.any()
     opens = "; the proof opens it by the angle of friction, real sliding does not" if proved else ""
-    return marks(place, hinge, "turns about an edge", slide, f"slides{opens}")
+    turns = "hinges", "turns about an edge", hinge
+    return marks(place, turns, ("sliding", f"slides{opens}", slide))
 
 
 def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, ...]:
@@ -214,8 +215,8 @@ def force_layers(result: Solution, shown: Bools | None = None) -> tuple[Layer, .
     hinges, turns = _heaviest(hinged(contacts.joints, resultants) & carrying, resultants.normal)
     spent, slides = _heaviest((used > HINGED) & carrying, resultants.normal)
     layers += marks(
-        resultants.position, hinges, f"hinge: presses on one edge{turns}",
-        spent, f"friction is spent{slides}", first,
+        resultants.position, ("edges", f"force at the edge of a joint{turns}", hinges),
+        ("spent", f"friction fully used{slides}", spent), first,
     )  # fmt: skip
     if shown.all():
         layers += reaction_layer(result, resultants)

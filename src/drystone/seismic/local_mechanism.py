@@ -275,7 +275,8 @@ class LocalMechanism(Answer):
         """The line about which a part turns; of a mechanism that is found the joints."""
         hinge, slide, place = moving_joints(self.model, self.motion)
         if self.moments is None:
-            return marks(place, hinge, "turns about an edge", slide, "slides")
+            turns = "hinges", "turns about an edge", hinge
+            return marks(place, turns, ("sliding", "slides", slide))
         blocks, moving = self.model.assembly.blocks, np.flatnonzero(self._moving)
         move, axis = np.split(self.motion[moving[0]], 2)
         start = self.model.assembly.centroid[moving[0]] + np.cross(axis, move)

@@ -376,8 +376,8 @@ class LargeDisplacement(Answer):
         """Hinges and sliding joints of a state; they are where their second blocks carry them."""
         made = []
         for key, label, colour, shape, joints in (
-            ("hinges", "hinge: presses on one edge", "hinge", MarkerShape.DISC, state.hinges),
-            ("sliding", "friction is spent", "help", MarkerShape.DIAMOND, state.sliding),
+            ("hinges", "hinge: force at an edge", "hinge", MarkerShape.DISC, state.hinges),
+            ("sliding", "friction fully used", "help", MarkerShape.DIAMOND, state.sliding),
         ):
             number = np.array(joints, dtype=np.intp)
             if len(number):

@@ -168,10 +168,12 @@ _MARKS = _LOADS | {"hinges", "sliding", "help", "tension"}
 _ASKED = _LOADS | {"missed", "missed-points", "defects", "lines", "opening"}
 
 PRESETS: Mapping[str, Preset] = {
-    "forces": Preset("Forces", _MARKS | {"joint-force", "network", "opening", "reactions"}),
+    "forces": Preset(
+        "Forces", _MARKS | {"edges", "spent", "joint-force", "network", "opening", "reactions"}
+    ),
     "solid": Preset("Solid", _MARKS | {"opening"}, opacity=1.0, ghost=True),
     "contacts": Preset("Contacts", _ASKED | {"interfaces"}, opacity=0.3),
-    "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),
+    "utilisation": Preset("Utilisation", frozenset({"joint-use", "spent"})),
     "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),
 }
 """Pictures by key."""

@@ -13,6 +13,7 @@ from drystone.loads import Fill
 from drystone.loads.applied import applied_loads
 from drystone.models import arch, box, segmental_bridge, tower
 from drystone.view import Layer, save_cad
+from drystone.view.palette import is_shown
 
 MODEL = drystone.Model.of(arch(0.3, 12), friction=0.9)
 KEY = "voussoir-05"
@@ -136,8 +137,8 @@ def test_of_many_hinges_those_of_the_largest_forces_are_marked() -> None:
     force = np.zeros((model.contacts.corner_count, 3))
     lower = model.contacts.point[:, 0] < 0.5  # each joint presses on one edge
     force[lower, 0] = 100.0 + model.contacts.interface[lower]
-    drawn = layers(drystone.Result("rest", drystone.Verdict.STABLE, model, force=force))["hinges"]
-    assert drawn.label == "hinge: presses on one edge, the most loaded of 31"
+    drawn = layers(drystone.Result("rest", drystone.Verdict.STABLE, model, force=force))["edges"]
+    assert drawn.label == "force at the edge of a joint, the most loaded of 31"
     assert drawn.interface is not None
     assert sorted(drawn.interface.tolist()) == list(range(7, 31))
 
@@ -161,14 +162,16 @@ def test_equal_loads_without_weights_are_loads_and_no_acceleration() -> None:
     assert np.allclose(told["force"], (0.0, 0.0, -500.0))
 
 
-def test_what_stands_has_joints_that_press_on_an_edge_and_a_limit_has_hinges() -> None:
+def test_edges_that_carry_have_one_name_and_are_no_part_of_a_picture_of_stones_alone() -> None:
     model = drystone.Model.of(arch(0.12), friction=0.7)
-    (stage,) = drystone.check(model).layers().stages
-    told = [one.label for one in stage.layers if one.key == "hinges"]
-    assert told == ["presses on one edge"]
-    limit = drystone.limit_tilt(model, "y").layers().stages[0]
-    (mark,) = (one for one in limit.layers if one.key == "hinges")
-    assert mark.label.startswith("hinge: ")
+    limit = drystone.limit_tilt(model, "y").layers()
+    for scene in (drystone.check(model).layers(), limit):
+        (mark,) = (one for one in scene.stages[0].layers if one.key == "edges")
+        assert mark.label == "force at the edge of a joint"
+        assert is_shown(mark, "forces")
+        assert not is_shown(mark, "solid")
+    (turns,) = (one for one in limit.stages[1].layers if one.key == "hinges")
+    assert is_shown(turns, "solid")
 
 
 def test_the_field_of_fill_does_not_cross_itself_where_a_ring_meets_its_backing() -> None:
