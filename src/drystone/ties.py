@@ -11,7 +11,8 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import SAME, lengths
-from drystone.base.errors import InputError
+from drystone.base.display import named
+from drystone.base.errors import InputError, counted
 from drystone.base.units import FORCES, measured, quantity
 from drystone.contacts import DRAWN, Contacts, joined_contacts
 from drystone.geometry.frames import frames_from_normals
@@ -114,14 +115,14 @@ def with_resisting_fill(model: Model) -> Model:
 
     One on each free block that it presses sideways, to the nearest support: along the force that
     is missing to the passive pressure, where it acts, with its size as strength. Its torque about
-    itself, on blocks that are skew, is left out. The fill of the load resists nothing more.
+    itself, on blocks that are skew, is left out. Fill that has ties resists nothing more.
     """
-    assembly, load = model.assembly, model.load
-    fills = [one for one in load.fills if one.passive > one.k]
+    assembly, load, contacts = model.assembly, model.load, model.contacts
+    fills = [one for one in load.fills if one.passive > one.k and not contacts.of_fill.any()]
     supports = np.flatnonzero(assembly.fixed)
     if not fills or not len(supports):
         what = "no load is fill that resists" if not fills else "no support holds the fill"
-        raise InputError(what, remedy="give fill:cover=0.3m,weight=20kN/m3,passive=1 as a load")
+        raise InputError(what, remedy=_RESISTING)
     for fill in fills:
         wrench = Tops.of(assembly, fill).resisting
         for block in np.flatnonzero(~assembly.fixed & wrench[:, :3].any(axis=1)).tolist():
@@ -131,9 +132,8 @@ def with_resisting_fill(model: Model) -> Model:
             near = int(supports[lengths(assembly.centroid[supports] - at).argmin()])
             end = at + force / size * assembly.size[block]
             model = tied(model, block, near, size, at, end, fill=True)
-    spent = tuple(replace(one, passive=0.0) for one in load.fills)
     notes = tuple(note for note in model.notes if note not in fills[0].notes)  # it counts now
-    return replace(model, load=replace(load, fills=spent), notes=notes)
+    return replace(model, notes=notes)
 
 
 def _read(text: str, assembly: Assembly) -> tuple[int, int, float, _End, _End]:
@@ -170,9 +170,16 @@ def joint_words(assembly: Assembly, contacts: Contacts, interface: int) -> tuple
     """
     a, b = (assembly.names[i] for i in contacts[interface].blocks)
     if contacts.of_fill[interface]:
-        return "part of the fill", f"fill beside '{b}'", "yields"
+        return "part of the fill", f"{_OF_FILL}'{b}'", "yields"
     what, fails = ("tie", "yields") if contacts.ties[interface] else ("joint", "crushes")
     return what, f"{what} of '{a}' and '{b}'", fails
+
+
+_OF_FILL = "fill beside "
+_RESISTING = (
+    "give fill:cover=0.3m,weight=20kN/m3,passive=1 as a load (--load; a file of combinations can "
+    "have the same as a case)"
+)
 
 
 def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
@@ -192,7 +199,15 @@ def strengths(assembly: Assembly, contacts: Contacts) -> dict[str, float]:
 
 
 def ties_told(ties: Mapping[str, float]) -> str:
-    """Ties with their strengths, in words."""
-    return ", ".join(
-        pair if np.isinf(pull) else f"{pair} {quantity(pull, 'N')}" for pair, pull in ties.items()
-    )
+    """Ties with their strengths, in words; those of fill in one."""
+    fill = {one: pull for one, pull in ties.items() if one.startswith(_OF_FILL)}
+    told = [
+        one if np.isinf(pull) else f"{one} {quantity(pull, 'N')}"
+        for one, pull in ties.items()
+        if one not in fill
+    ]
+    if fill:
+        blocks = named([one.removeprefix(_OF_FILL) for one in fill], 2)
+        ends = " to ".join(quantity(end(fill.values()), "N") for end in (min, max))
+        told.append(f"fill: {counted(len(fill), 'horizontal tie')} of blocks {blocks}, {ends}")
+    return ", ".join(told)

@@ -103,7 +103,8 @@ def test_what_earth_presses_with_stands_in_the_name_of_a_load() -> None:
     wet = Earth.named("side=-x,weight=18kN/m3,k=active:30deg,surcharge=5kPa,water=0.5m")
     assert wet.on(tower(2)).name == f"{told} and surcharge 5 kPa and water to 0.5 m"
     fill = Fill.named("cover=0.3m,weight=20kN/m3,k=rest:30deg")
-    assert fill.on(tower(2)).name == "fill to 0.3 m above the crown with K 0.5"
+    told = "fill of 20 kN/m3 to 0.3 m above the crown with K 0.5, passive none"
+    assert fill.on(tower(2)).name == f"{told} (a load spreads 0.5 by depth, evenly)"
 
 
 def test_earth_presses_on_the_blocks_that_are_named_up_to_their_top() -> None:

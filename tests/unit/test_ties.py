@@ -15,7 +15,7 @@ from drystone.base.arrays import lengths
 from drystone.checks import mechanism_defects
 from drystone.cli import main
 from drystone.io.opening import as_model
-from drystone.limits import limit_shrink
+from drystone.limits import LimitOptions, limit_shrink, limit_train
 from drystone.loads import Fill
 from drystone.loads.fill import Tops
 from drystone.mechanics.bodies import build_bodies
@@ -23,6 +23,7 @@ from drystone.mechanics.corners import Carrier
 from drystone.mechanics.increments import Increments
 from drystone.mechanics.law import respond
 from drystone.models import box, incline, segmental_bridge
+from drystone.report import write_report
 from drystone.seismic import local_mechanism
 from drystone.settlement import End, Outcome, move_supports, push
 from drystone.ties import joint_words, with_tie_words
@@ -296,6 +297,26 @@ def test_what_resists_as_ties_is_not_said_to_be_left_out() -> None:
     said = "what fill resists beyond k"
     assert any(said in note for note in as_model(bridge, load=load).notes)
     assert not any(said in note for note in as_model(bridge, load=load, tie="fill").notes)
+
+
+def test_fill_is_told_whole_and_its_ties_in_one_line(tmp_path: Path) -> None:
+    """What was given and what is assumed, in the name of the load; the ties are 6."""
+    words = "cover=0.4,weight=19kN/m3,k=0.3,passive=1.5"
+    bridge = segmental_bridge(voussoirs=6)
+    told = "fill of 19 kN/m3 to 0.4 m above the crown with K 0.3, passive 1.5"
+    name = f"gravity + {told} (a load spreads 0.5 by depth, evenly)"
+    for tie in ((), ("fill",)):
+        found = drystone.check(bridge, load=f"fill:{words}", tie=tie)
+        assert found.asked.facts()["Load"] == name
+        assert name in found.asked.line()
+    ties = found.asked.facts()["Ties"]
+    assert ties.startswith("fill: 6 horizontal ties of blocks 'voussoir-00', 'voussoir-01'")
+    assert ties.count("fill") == 1
+    write_report(found, tmp_path / "sheet.html")
+    sheet = (tmp_path / "sheet.html").read_text(encoding="utf-8")
+    assert told in sheet
+    train = limit_train(found.model, steps=2, options=LimitOptions(equilibrium_only=True))
+    assert told in train.sentences()[2].text + train.sentences()[3].text
 
 
 def test_what_fill_resists_is_named_fill_and_carries_all_of_its_strength() -> None:

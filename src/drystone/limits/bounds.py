@@ -351,8 +351,9 @@ class Crossing:
 
     @cached_property
     def resisted(self) -> Ints:
-        """Positions of the free blocks on which fill resists."""
-        free = ~self.problem.model.assembly.fixed
+        """Positions of the free blocks on which fill resists, where no ties do in its place."""
+        model = self.problem.model
+        free = ~model.assembly.fixed & ~model.contacts.of_fill.any()
         return np.flatnonzero(free & self.tops.resisting.any(axis=1))
 
     @cached_property

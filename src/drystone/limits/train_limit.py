@@ -257,7 +257,7 @@ class TrainEnvelope(Answer):
                 "verdict knows brittle ones, and other places may carry less"
             )
             said.append(Sentence(why, Role.REMARK))
-        if self.fill.passive > self.fill.k:
+        if len(self._crossing.resisted):
             why = (
                 f"fill resists up to {self.fill.passive:g} times its vertical pressure, which "
                 "verdicts count with the tie 'fill' only: none was asked"
@@ -451,7 +451,8 @@ def limit_train(
     model = supported_model(given, **how)
     carried = Train.named("axle") if train is None else train
     known = model.load.fills
-    if len(known) + (fill is not None) > 1 or (not known and "fill to " in model.load.name):
+    lost = not known and any(one.kind == "fill" for one in model.load.masses)
+    if lost or len(known) + (fill is not None) > 1:
         why = "the load has fill already, twice or times a negative factor"
         raise InputError(why, where="load", remedy="give one fill, with --load or --fill")
     added, fill = fill is not None, known[0] if known else fill
@@ -484,7 +485,7 @@ def limit_train(
         tuple(found),
         chosen,
     )
-    if clock.late() or not found or tops.fill.passive > tops.fill.k:
+    if clock.late() or not found or len(crossing.resisted):
         return envelope
     worst, factor = found[envelope.worst], float(envelope.factors[envelope.worst])
     if envelope.falls_alone or not np.isfinite(factor):

@@ -82,24 +82,24 @@ class Fill(Options):
             )
 
     @property
-    def _level(self) -> str:
-        return f"{self.cover:g} m above the crown"
-
-    @property
     def words(self) -> str:
-        """What weighs, and how an axle spreads.
+        """All of it: what weighs and presses, what it resists, and how an axle spreads.
 
         Examples
         --------
-        >>> Fill(cover=0.3, weight=2e4, k=0.3).words
-        'fill of 20 kN/m3 to 0.3 m above the crown with K 0.3; a load spreads 0.5 by depth, evenly'
+        >>> fill, _, rest = Fill(cover=0.3, weight=2e4).words.partition(", ")
+        >>> fill
+        'fill of 20 kN/m3 to 0.3 m above the crown with K 0'
+        >>> rest
+        'passive none (a load spreads 0.5 by depth, evenly)'
         """
         fill = f"fill of {quantity(self.weight, 'N')}/m3" if self.weight else "no weight of fill"
         law = "evenly" if self.law == "even" else "as in an elastic half space"
+        passive = f"{self.passive:.3g}" if self.passive else "none"
         rise = f", road rising by {self.grade:g}" if self.grade else ""
         return (
-            f"{fill} to {self._level}{rise} with K {self.k:.3g}; "
-            f"a load spreads {self.spread:.3g} by depth, {law}"
+            f"{fill} to {self.cover:g} m above the crown{rise} with K {self.k:.3g}, "
+            f"passive {passive} (a load spreads {self.spread:.3g} by depth, {law})"
         )
 
     @property
@@ -131,10 +131,9 @@ class Fill(Options):
     def on(self, assembly: Assembly) -> LoadCase:
         """Its weight, and its pressure by ``k``, on the free blocks."""
         top = Tops.of(assembly, self)
-        name = f"fill to {self._level} with K {self.k:.3g}"
         surface = top.strips.surface(assembly, top.pressure(1.0, self.k))
         return LoadCase(
-            top.pressed(1.0, self.k), name, self.notes,
+            top.pressed(1.0, self.k), self.words, self.notes,
             surface=surface, fills=(self,), masses=(top.mass,),
         )  # fmt: skip
 

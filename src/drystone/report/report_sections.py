@@ -245,10 +245,8 @@ def _loads(model: Model, first: Answer) -> Iterator[Part]:
             "Load factor": f"multiplies all axles, {quantity(sum(train.loads), 'N')} in all, "
             f"{'and the line load' if train.line else 'and nothing else'}; "
             "the weight of blocks and fill is not multiplied",
-            "Dispersal": fill.words,
-            "Passive pressure": f"up to {fill.passive:g} times the vertical one"
-            if fill.passive else "none but as ties: fill presses with K, and resists nothing",
-        }  # fmt: skip
+            "Fill": fill.words,
+        }
         if len(first.places):
             yield first.axles()
 

@@ -220,7 +220,7 @@ def read_combinations(path: PathLike, model: Model) -> list[Combination]:
 
 
 def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) -> None:
-    """Refuse blocks without permanent load, and a load of the model that no case has."""
+    """Refuse blocks without permanent load, and a load of the model that the cases do not have."""
     free = model.assembly.free
     lasting = [np.abs(one.load.wrench) for one in actions if one.kind == "permanent"]
     bare = free[~np.any([one[free].any(axis=1) for one in lasting], axis=0)] if lasting else free
@@ -232,6 +232,7 @@ def _refuse_missing_load(cases: Field, actions: Sequence[Action], model: Model) 
     given = model.load.wrench[free]
     near = 1e-9 * float(np.abs(given).max(initial=0.0))
     known = [LoadCase.gravity(model.assembly), *(part for one in actions for part in one.parts)]
+    known.append(LoadCase.combine((1.0, one.load) for one in actions if one.kind == "permanent"))
     if not any(np.abs(one.wrench[free] - given).max(initial=0.0) <= near for one in known):
         raise cases.error(
             f"no case has the load of the model, '{model.load.name}'",

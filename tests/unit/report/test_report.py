@@ -388,7 +388,7 @@ def test_a_report_of_a_train_draws_the_worst_place_and_lists_axles_fill_and_both
     assert (drawn["line"].unit, drawn["line"].largest) == ("N/m", pytest.approx(27e3))
     page = html_of(made)
     for expected in (
-        "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "resists nothing",
+        "multiplies all axles, 600 kN in all", "a load spreads 0.5 by depth", "passive none",
         "axles at the worst place", "infinitely strong", "reactions", "thrust at the crown",
         *[f"{one.label[1:]}" for one in found.limit.layers().stages],
             ):  # fmt: skip

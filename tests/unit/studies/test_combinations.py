@@ -9,6 +9,7 @@ import pytest
 import drystone
 from drystone import DrystoneError, JointCapacity, LoadCase, Model
 from drystone.cli import main
+from drystone.io.opening import as_model
 from drystone.models import segmental_bridge, tower
 from drystone.report import write_report
 from drystone.studies import combinations, read_combinations
@@ -282,3 +283,24 @@ def test_fill_that_weighs_less_resists_less(tmp_path: Path, live: str, stands: b
     found = combinations(bridge, file, friction=0.6, load=fill, tie=["fill"], needed_of="none")
     told = {one.words: x.stable for one, x in zip(found.each, found.results, strict=True)}
     assert told["0.9 weight + 1.5 live"] is stands
+
+
+def test_fill_of_a_case_resists_where_it_is_the_load_of_the_model_too(tmp_path: Path) -> None:
+    """As with the load of the model in a case; fill of another weight is refused."""
+    fill = "fill:cover=0.4m,weight=20kN/m3,k=0.3,passive=1.5"
+    live = '[case.live]\nkind = "variable"\nload = "voussoir-08:120kN"\npsi = [0.7, 0.5, 0.3]\n'
+    apart = WEIGHT + f'[case.fill]\nkind = "permanent"\nload = "{fill}"\n'
+    bridge = segmental_bridge(5.0, 1.5)
+    one = as_model(bridge, friction=0.6, load=fill, tie=["fill"])
+    found = {}
+    for name, text in (("both", WEIGHT.replace("gravity", "model")), ("apart", apart)):
+        each = read_combinations(written(tmp_path, 'situations = ["EQU"]', text, live), one)
+        found[name] = next(x for x in each if set(x.factors.values()) == {0.9, 1.5}).of(one)
+    assert found["apart"].load.wrench == pytest.approx(found["both"].load.wrench, abs=1e-6)
+    assert drystone.check(found["apart"]).stable
+    pulls = [x.contacts.tie_strength for x in found.values()]
+    assert pulls[0] == pytest.approx(pulls[1])
+    with pytest.raises(DrystoneError, match="no case has the load of the model"):
+        read_combinations(written(tmp_path, apart.replace("20kN", "18kN")), one)
+    with pytest.raises(DrystoneError, match="a file of combinations can have the same as a case"):
+        as_model(bridge, tie=["fill"])
