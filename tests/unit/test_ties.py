@@ -366,6 +366,14 @@ def test_ties_that_yield_are_proven_to_beyond_their_limit(tie: str, loads: dict[
     assert power > 1e-3
 
 
+def test_ties_that_are_not_needed_may_have_no_strength() -> None:
+    load = "fill:cover=0.4m,weight=19kN/m3,k=0.3,passive=1.5"
+    limit = drystone.limit_strength(
+        segmental_bridge(voussoirs=6), load=load, friction=0.6, tie="fill", seismic=0.1
+    )
+    assert limit.stands == 0.0
+
+
 def test_inspect_takes_ties(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = str(tmp_path / "wall.json")
     io.write(tied_wall(), path)

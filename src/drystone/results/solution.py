@@ -188,7 +188,8 @@ class Solution(OfModel, OneLine):
         use = normal_force_by_strength(contacts, np.maximum(force[:, 0], 0.0))[0]
         pulls = contacts.corners.any(force[:, 0] < 0.0) | (use > 1.0 + 1e-6)
         use = np.where(contacts.brittle & pulls, linear_strength_use(contacts, force), use)
-        return np.where(contacts.ties, self.resultants.normal / contacts.tie_strength, use)
+        most = contacts.tie_strength
+        return np.divide(self.resultants.normal, most, out=use, where=contacts.ties & (most > 0.0))
 
 
 def reaction_table(result: Solution) -> Table:
